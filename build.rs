@@ -4,7 +4,6 @@
 //! - `programs.rs` has a struct for each program, whose fields are the bindings and push constants found in its module, and a
 //!   struct for its specialization constants.
 //! - `blocks.rs` has a struct for each uniform or push-constant block.
-//! - `constants.rs` has the constants of `common/constants.glsl`.
 //!
 //! Without the feature `compile-shaders` the script does without shaderc. The SPIR-V then comes from `shaders-spirv/`, which
 //! `scripts/package.sh` puts into the package, and the declarations are made from it in the same way.
@@ -23,9 +22,6 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = glsl::FOLDER;
-
-/// The file of the constants that shaders and host share, below [`ROOT`].
-const CONSTANTS: &str = "common/constants.glsl";
 
 /// The folder of the programs' modules, below the folder that Cargo gives to this script. A package contains it.
 const MODULES: &str = "spirv";
@@ -100,9 +96,7 @@ fn run() -> Result<(), String> {
     }
     let _ = write!(programs, "/// The shaders of all programs.\npub static ALL: &[&Shader] = &[\n{all}];\n");
     let blocks: String = structs.iter().map(|(name, block)| declaration(block, name)).collect();
-    let constants =
-        std::fs::read_to_string(Path::new(ROOT).join(CONSTANTS)).map_err(|e| format!("{CONSTANTS}: {e}"))?;
-    for (name, text) in [("programs.rs", programs), ("blocks.rs", blocks), ("constants.rs", shared(&constants)?)] {
+    for (name, text) in [("programs.rs", programs), ("blocks.rs", blocks)] {
         std::fs::write(out.join(name), text).map_err(|e| format!("{name}: {e}"))?;
     }
     Ok(())
@@ -315,40 +309,6 @@ fn declared_constants(program: &str, constants: &[Constant]) -> (String, String)
          /// The values that the shader gives them.\nimpl Default for {name} {{\n    fn default() -> Self {{ Self {{ {defaults}}} }}\n}}\n"
     );
     (name, text)
-}
-
-/// Declares in Rust the constants that GLSL and Rust share. A number with a point becomes an f64, which keeps the decimal as it is
-/// written; code that computes in f32 rounds it once, as GLSL does.
-fn shared(source: &str) -> Result<String, String> {
-    let (mut text, mut comment) = (String::new(), String::new());
-    for (index, line) in source.lines().enumerate() {
-        if let Some(said) = line.strip_prefix("// ") {
-            let _ = writeln!(comment, "/// {said}");
-            continue;
-        }
-        if let Some(declared) = line.strip_prefix("const ") {
-            let (ty, declared) = declared.split_once(' ').unwrap_or_default();
-            let (name, value) = declared.split_once(" = ").unwrap_or_default();
-            let (value, beside) = value.split_once(';').unwrap_or_default();
-            let (ty, value) = match ty {
-                "int" => ("i32", value),
-                "uint" => ("u32", value.trim_end_matches('u')),
-                "float" => ("f64", value),
-                _ => ("", ""),
-            };
-            let beside = beside.trim().trim_start_matches("// ");
-            if value.is_empty() || (comment.is_empty() && beside.is_empty()) {
-                let wanted = "`const int|uint|float NAME = VALUE;` with a comment above or beside it";
-                return Err(format!("{ROOT}/{CONSTANTS}:{}: {line:?} should be {wanted}", index + 1));
-            }
-            if !beside.is_empty() {
-                comment = format!("/// {beside}\n");
-            }
-            let _ = writeln!(text, "{comment}pub const {name}: {ty} = {value};");
-        }
-        comment.clear();
-    }
-    Ok(text)
 }
 
 /// Declares the Rust struct that has the layout of a block.

@@ -13,13 +13,13 @@
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use ssct_lab::metrics::bootstrap::median_of;
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::RAY_START_M;
-use ssct_lab::scene::bvh::WorldRay;
-use ssct_lab::scene::placement::{WantedCaptures, place, sees};
-use ssct_lab::scene::{Camera, Capture, Scene, Triangles, View, library};
+use ssct_scenes::bvh::WorldRay;
+use ssct_scenes::placement::{WantedCaptures, place, sees};
+use ssct_scenes::{Camera, Capture, Scene, Triangles, View, library};
+use ssct_truth::metrics::bootstrap::median_of;
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::RAY_START_M;
 use std::time::Instant;
 
 const SIZE: [u32; 2] = [192, 108];

@@ -18,9 +18,9 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{self, Setup, Wants};
 use ssct::{FrameInput, Reflections, ReflectionsInfo};
-use ssct_lab::metrics::bootstrap::median_of;
-use ssct_lab::scene::library;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::library;
+use ssct_truth::metrics::bootstrap::median_of;
 
 const FRAMES: usize = 11;
 const WARMUP: usize = 2;

@@ -22,8 +22,8 @@ use ssct::methods::{METHODS, Setup, Wants};
 use ssct::passes::PosterFilter;
 use ssct::passes::mask_chain::MaskFilter;
 use ssct_lab::report::images::{Rgb, display};
-use ssct_lab::scene::library;
 use ssct_lab::stage::{Globals, Shot, Stage, image};
+use ssct_scenes::library;
 use std::collections::HashMap;
 
 /// A change of parameters.
@@ -315,7 +315,7 @@ const VARIANTS: &[Variant] = &[
 ];
 
 /// Renders one side of a variant on a view.
-fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_lab::scene::Scene, view: &str) -> Rgb {
+fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_scenes::Scene, view: &str) -> Rgb {
     let method = METHODS.iter().find(|m| m.name == variant.method).expect("a method");
     let view = scene.view(view).expect("a view");
     let materials = variant.views.globals().materials(scene, view);
@@ -328,7 +328,7 @@ fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_lab::s
 fn measure(
     stage: &mut Stage,
     variant: &Variant,
-    scene: &ssct_lab::scene::Scene,
+    scene: &ssct_scenes::Scene,
     shaders: &Shaders,
     kept: &mut HashMap<String, Rgb>,
 ) {

@@ -13,9 +13,9 @@ use engine::{Engine, NATIVE, Theirs, counted, meshes_of, textures_of, upload, ve
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{self, Setup, Wants};
 use ssct::{FrameInput, HitTexture, Reflections, ReflectionsInfo, Triangles};
-use ssct_lab::metrics::bootstrap::median_of;
-use ssct_lab::scene::library;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::library;
+use ssct_truth::metrics::bootstrap::median_of;
 use std::time::Instant;
 
 const FRAMES: usize = 11;

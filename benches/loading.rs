@@ -4,8 +4,8 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use ssct_lab::scene::obj::{ObjFile, ObjOptions};
-use ssct_lab::scene::{LoadOptions, gltf, obj};
+use ssct_scenes::obj::{ObjFile, ObjOptions};
+use ssct_scenes::{LoadOptions, gltf, obj};
 use std::fmt::Write;
 
 /// An OBJ file of twenty faces that are spirals of so many corners.

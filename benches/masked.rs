@@ -1,6 +1,6 @@
 //! G-buffers of which a part reflects, which several benches time.
 
-use ssct_lab::scene::GBufferData;
+use ssct_scenes::GBufferData;
 
 /// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
 pub fn masked(data: &GBufferData, share: f64) -> GBufferData {

@@ -7,8 +7,8 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct_lab::scene::library;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::library;
 use std::time::Duration;
 
 const SIZE: [u32; 2] = [480, 270];

@@ -10,9 +10,9 @@ use glam::Vec3;
 use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
 use ssct::passes::scene_data::SceneData;
 use ssct::passes::triangle_scene::TriangleGeometry;
-use ssct::scene::tree::{MovingTriangles, Tree, Trees, TriangleRecords};
-use ssct_lab::metrics::bootstrap::median_of;
-use ssct_lab::scene::{Scene, library};
+use ssct_ground::scene::tree::{MovingTriangles, Tree, Trees, TriangleRecords};
+use ssct_scenes::{Scene, library};
+use ssct_truth::metrics::bootstrap::median_of;
 use std::time::Instant;
 
 const FRAMES: usize = 15;

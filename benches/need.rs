@@ -21,10 +21,10 @@ use ssct::methods::{Effect, Input, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::tiles::TILE;
 use ssct::passes::{GBuffer, Reflectors};
-use ssct_lab::metrics::bootstrap::median_of;
-use ssct_lab::reference::unified::Traversal;
-use ssct_lab::scene::{Camera, GBufferData, library};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Camera, GBufferData, library};
+use ssct_truth::metrics::bootstrap::median_of;
+use ssct_truth::reference::unified::Traversal;
 use std::collections::BTreeSet;
 
 const FRAMES: usize = 7;

@@ -15,16 +15,16 @@
 
 use rayon::prelude::*;
 use ssct::gpu::{DeviceQuery, Gpu};
-use ssct::math::OracleVersion;
 use ssct::methods::{Setup, Wants, ssct as thesis};
-use ssct_lab::metrics::world::{agreement, is_same_place};
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::oracle::{Meeting, Oracle};
-use ssct_lab::reference::ray::RaySetup;
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world_hits::world_hits;
-use ssct_lab::scene::{Scene, View, library};
+use ssct_ground::math::OracleVersion;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Scene, View, library};
+use ssct_truth::metrics::world::{agreement, is_same_place};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::oracle::{Meeting, Oracle};
+use ssct_truth::reference::ray::RaySetup;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world_hits::world_hits;
 
 const SIZES: [[u32; 2]; 2] = [[960, 540], [641, 479]];
 

@@ -1,7 +1,5 @@
-//! The one error type of the library. Every variant names the file, the pass or the Vulkan call
-//! that failed, so that its text is the whole sentence a user reads.
-
-use std::path::{Path, PathBuf};
+//! The error of the library. Every variant names the call, the image or the pass that failed, so that its text is the whole sentence
+//! that a user reads.
 
 /// What can go wrong. The text of each variant is one sentence that says what and where.
 #[derive(Debug, thiserror::Error)]
@@ -10,35 +8,13 @@ pub enum Error {
     #[error("{0}")]
     Usage(String),
 
-    /// A file could not be read or written.
-    #[error("cannot {action} {}: {source}", path.display())]
-    Io {
-        /// What was tried, as a verb: "read", "write", "create".
-        action: &'static str,
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-
-    /// A scene, model or image file has wrong content.
-    #[error("{}{}: {message}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
-    Malformed {
-        /// The file.
-        path: PathBuf,
-        /// The line, counted from 1, where it is known.
-        line: Option<usize>,
-        /// A description of the fault.
-        message: String,
-    },
+    /// A file is wrong, or cannot be read or written. The methods of this package read none; methods that are added may.
+    #[error(transparent)]
+    File(ssct_ground::Error),
 
     /// No Vulkan device can be used.
     #[error("no Vulkan device: {0}")]
     NoDevice(String),
-
-    /// No window can be opened, or none can be drawn to.
-    #[error("no window: {0}")]
-    NoWindow(String),
 
     /// A Vulkan call failed.
     #[error("Vulkan: {what} failed: {}", vulkan_text(*result))]
@@ -58,32 +34,6 @@ pub enum Error {
         message: String,
     },
 
-    /// Another run is writing into the folder.
-    #[error("another run is writing into {}: wait for its end, or take another folder", folder.display())]
-    Busy {
-        /// The folder.
-        folder: PathBuf,
-    },
-
-    /// A folder holds a run that was not finished, and what it measured would be lost.
-    #[error("{} holds what a run measured that was not finished", folder.display())]
-    Unfinished {
-        /// The folder.
-        folder: PathBuf,
-        /// The journal of what was measured.
-        journal: PathBuf,
-    },
-
-    /// A signal asked the program to stop.
-    #[error("stopped by {}{}", signal_name(*signal), kept.as_ref().map(|k| format!(
-        ": what was measured is in {}", k.display())).unwrap_or_default())]
-    Stopped {
-        /// The signal's number.
-        signal: u8,
-        /// The journal of what was measured, if there is one.
-        kept: Option<PathBuf>,
-    },
-
     /// The validation layers found fault with the run.
     #[error(
         "the validation layers reported {} message(s) outside the allow-list: {} (SSCT_LOG=vulkan=warn prints each \
@@ -100,7 +50,16 @@ pub enum Error {
 }
 
 /// The library's result.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+impl From<ssct_ground::Error> for Error {
+    fn from(error: ssct_ground::Error) -> Self {
+        match error {
+            ssct_ground::Error::Usage(sentence) => Self::Usage(sentence),
+            other => Self::File(other),
+        }
+    }
+}
 
 /// The text of a Vulkan result, with its usual cause where there is one.
 fn vulkan_text(result: ash::vk::Result) -> String {
@@ -112,25 +71,5 @@ fn vulkan_text(result: ash::vk::Result) -> String {
         R::ERROR_OUT_OF_HOST_MEMORY => "the memory of the host is short (ulimit -v may bound it)".into(),
         R::ERROR_OUT_OF_DEVICE_MEMORY => "the memory of the device is short".into(),
         other => other.to_string(),
-    }
-}
-
-fn signal_name(signal: u8) -> String {
-    match signal {
-        2 => "SIGINT".to_owned(),
-        15 => "SIGTERM".to_owned(),
-        n => format!("signal {n}"),
-    }
-}
-
-impl Error {
-    /// An I/O error with its path.
-    pub fn io(action: &'static str, path: impl AsRef<Path>, source: std::io::Error) -> Self {
-        Self::Io { action, path: path.as_ref().to_path_buf(), source }
-    }
-
-    /// Wrong content of a file, at a line where that is known.
-    pub fn malformed(path: impl AsRef<Path>, line: Option<usize>, message: impl Into<String>) -> Self {
-        Self::Malformed { path: path.as_ref().to_path_buf(), line, message: message.into() }
     }
 }

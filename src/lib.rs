@@ -51,10 +51,6 @@
 #![cfg_attr(not(feature = "internals"), allow(dead_code, unused_imports))]
 
 #[cfg(not(feature = "internals"))]
-mod conventions;
-#[cfg(feature = "internals")]
-pub mod conventions;
-#[cfg(not(feature = "internals"))]
 mod error;
 #[cfg(feature = "internals")]
 pub mod error;
@@ -63,25 +59,13 @@ mod gpu;
 #[cfg(feature = "internals")]
 pub mod gpu;
 #[cfg(not(feature = "internals"))]
-mod math;
-#[cfg(feature = "internals")]
-pub mod math;
-#[cfg(not(feature = "internals"))]
 mod methods;
 #[cfg(feature = "internals")]
 pub mod methods;
 #[cfg(not(feature = "internals"))]
-mod parameter;
-#[cfg(feature = "internals")]
-pub mod parameter;
-#[cfg(not(feature = "internals"))]
 mod passes;
 #[cfg(feature = "internals")]
 pub mod passes;
-#[cfg(not(feature = "internals"))]
-mod scene;
-#[cfg(feature = "internals")]
-pub mod scene;
 
 mod embed;
 
@@ -90,7 +74,6 @@ mod embed;
 #[doc = include_str!("../docs/embedding.md")]
 struct Embedding;
 
-pub use conventions::{ClipY, NormalEncoding, NormalSpace};
 pub use embed::{
     CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, Context, FactorInput, FrameInput, HitTexture,
     ImageInput, MeshTexture, MotionInput, NormalInput, OutputImage, Recorded, Reflections, ReflectionsInfo,
@@ -102,4 +85,5 @@ pub use gpu::memory::{DeviceMemory, MemoryBlock, MemoryPlace};
 pub use gpu::sync::ImageUse;
 pub use gpu::{PassTime, Skipped};
 pub use passes::{Reflectors, WIDE_ABOVE};
-pub use scene::ProjectionKind;
+pub use ssct_ground::conventions::{ClipY, NormalEncoding, NormalSpace};
+pub use ssct_ground::scene::ProjectionKind;

@@ -30,17 +30,17 @@ pub mod unified;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
-use crate::parameter::{Parameter, Parameters, Preset};
 use crate::passes::history::SurfaceMotion;
 use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::TraceNormals;
 use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading};
 use crate::passes::{Captures, Content, GBuffer, Hits, Pyramid, Reflection};
-use crate::scene::{Camera, Material, Scene};
 pub use effect::{Effect, Output, Prepared};
 use layers::LayerParams;
 use needs::Need;
 pub use setup::{EffectParams, Fallback, Setup, Wants};
+use ssct_ground::parameter::{Parameter, Parameters, Preset};
+use ssct_ground::scene::{Camera, Material, Scene};
 use std::collections::HashSet;
 use std::sync::{PoisonError, RwLock};
 

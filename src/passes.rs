@@ -55,11 +55,11 @@ use crate::error::Result;
 use crate::gpu::programs::LinearConstants;
 use crate::gpu::shader::{CameraBlock, UnifiedBlock};
 use crate::gpu::{Frame, Gpu, Image, ImageSlice, Sampled, ShaderStage, Target};
-use crate::math::constants;
-use crate::parameter::choices;
-use crate::scene::{Aabb, Camera, ProjectionKind};
 use ash::vk;
 use glam::Vec3;
+use ssct_ground::math::constants;
+use ssct_ground::parameter::choices;
+use ssct_ground::scene::{Aabb, Camera, ProjectionKind};
 use std::cell::Cell;
 use std::sync::OnceLock;
 

@@ -16,8 +16,8 @@ use ssct::methods::ssr::SsrParams;
 use ssct::methods::thesis::ConeParams;
 use ssct::methods::{Effect, Setup, Wants};
 use ssct::passes::PathCode;
-use ssct_lab::scene::{Scene, View};
 use ssct_lab::stage::{Globals, Shot, Stage, image};
+use ssct_scenes::{Scene, View};
 
 /// The size of the thesis's figures.
 const SIZE: [u32; 2] = [960, 540];

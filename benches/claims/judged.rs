@@ -10,7 +10,6 @@
 
 use super::edited::{Edits, difference};
 use super::{Bench, Change, SAME, THESIS, globals, method, scene};
-use ssct::math::OracleVersion;
 use ssct::methods::billboard::BillboardParams;
 use ssct::methods::dda::DdaParams;
 use ssct::methods::setup::{EffectParams, Fallback};
@@ -19,16 +18,17 @@ use ssct::methods::thesis::MarchParams;
 use ssct::methods::{MethodInfo, Setup, Wants};
 use ssct::passes::billboard::{Occlusion, Order};
 use ssct::passes::color_chain::ChainFilter;
-use ssct_lab::metrics::hits::HitAgreement;
-use ssct_lab::metrics::image::masked_rmse;
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::hierarchy::Hierarchy;
-use ssct_lab::reference::screen::{Sampling, ScreenReference};
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::WorldReference;
+use ssct_ground::math::OracleVersion;
 use ssct_lab::report::images::{Rgb, display};
-use ssct_lab::scene::{Material, Scene, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
+use ssct_scenes::{Material, Scene, View};
+use ssct_truth::metrics::hits::HitAgreement;
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::hierarchy::Hierarchy;
+use ssct_truth::reference::screen::{Sampling, ScreenReference};
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
 use std::collections::HashMap;
 
 /// Rays a pixel of the references.

@@ -26,8 +26,8 @@ mod times;
 use edited::Shaders;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{METHODS, MethodInfo, Setup};
-use ssct_lab::scene::{Scene, library};
 use ssct_lab::stage::Globals;
+use ssct_scenes::{Scene, library};
 
 /// A change of parameters.
 type Change = fn(&Setup) -> Setup;

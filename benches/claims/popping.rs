@@ -12,8 +12,8 @@ use super::{Bench, globals, method, scene};
 use glam::Vec3;
 use ssct::methods::{Setup, Wants};
 use ssct_lab::report::images::{Rgb, display};
-use ssct_lab::scene::{Scene, View};
 use ssct_lab::stage::{Shot, Stage, gbuffer};
+use ssct_scenes::{Scene, View};
 
 const SIZE: [u32; 2] = [320, 180];
 /// Metres from one frame to the next: 1.4 m/s at 60 frames a second.

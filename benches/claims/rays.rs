@@ -26,8 +26,8 @@ use ssct::methods::{Effect, Input, Setup, Wants};
 use ssct::passes::PathCode;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::trace_normals::TraceNormals;
-use ssct_lab::scene::{Camera, GBufferData, Material, Scene, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
+use ssct_scenes::{Camera, GBufferData, Material, Scene, View};
 
 const SIZE: [u32; 2] = [960, 540];
 const TURNS: usize = 7;

@@ -26,11 +26,11 @@ use ssct::methods::ssr::SsrParams;
 use ssct::methods::{Effect, Input, Setup, Wants};
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::gbuffer::GBufferImages;
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::WorldReference;
-use ssct_lab::scene::{Mesh, Scene, Vertex, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Mesh, Scene, Vertex, View};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
 use std::time::Instant;
 
 /// Turns that count; one before them does not.

@@ -3,17 +3,17 @@
 
 use exr::meta::MetaData;
 use glam::Vec3;
-use ssct::error::{Error, Result};
+use ssct_ground::error::{Error, Result};
 use ssct_lab::custom;
 use ssct_lab::report::{library, run_folder};
-use ssct_lab::scene::gbuffer_map::GBufferMap;
-use ssct_lab::scene::{Camera, CameraPath, Encoding, FieldOfView, GBufferData, Lens, LoadOptions, Scene, Surface};
-use ssct_lab::scene::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
 use ssct_lab::study::engine;
 use ssct_lab::study::error::ErrorRecord;
 use ssct_lab::study::merge::{ResultKind, merge};
 use ssct_lab::study::precision::PrecisionRecord;
 use ssct_lab::study::timing::TimeRow;
+use ssct_scenes::gbuffer_map::GBufferMap;
+use ssct_scenes::{Camera, CameraPath, Encoding, FieldOfView, GBufferData, Lens, LoadOptions, Scene, Surface};
+use ssct_scenes::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
 use std::cell::OnceCell;
 use std::path::Path;
 use tempfile::TempDir;
@@ -130,8 +130,9 @@ pub fn method(data: &[u8]) -> bool {
         write(folder, "a.comp", compute);
         match custom::check(folder) {
             // A manifest may name any file as a shader, and so does the error.
-            Err(Error::Io { .. }) => false,
-            checked => judged(checked, |()| ()),
+            Err(ssct::Error::File(Error::Io { .. })) => false,
+            Err(ssct::Error::File(error)) => judged(Err(error), |()| ()),
+            checked => judged(checked.map_err(|e| Error::Usage(e.to_string())), |()| ()),
         }
     })
 }
@@ -169,7 +170,9 @@ pub fn run(data: &[u8]) -> bool {
         let input = match run_folder::read(&folder) {
             Ok(input) => input,
             Err(error) => {
-                assert!(matches!(error, Error::Malformed { .. }) && error.to_string().contains("run"), "{error}");
+                let is_malformed =
+                    matches!(error, ssct_lab::error::Error::Renderer(ssct::Error::File(Error::Malformed { .. })));
+                assert!(is_malformed && error.to_string().contains("run"), "{error}");
                 return false;
             }
         };

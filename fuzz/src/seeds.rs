@@ -4,7 +4,7 @@ use crate::entry;
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::*;
 use image::{DynamicImage, ImageFormat, RgbaImage};
-use ssct_lab::scene::{Camera, GBufferData, Lens, Surface, gbuffer_file};
+use ssct_scenes::{Camera, GBufferData, Lens, Surface, gbuffer_file};
 
 use std::io::Cursor;
 use std::path::Path;

@@ -43,11 +43,11 @@ mod video;
 mod view;
 
 use crate::error::Error;
-use crate::gpu::device::memory_limit;
-use crate::gpu::sources;
 use crate::study::names::one_line;
 use clap::FromArgMatches;
 use command::{Cli, Command};
+use ssct::gpu::device::memory_limit;
+use ssct::gpu::sources;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
@@ -140,7 +140,7 @@ fn say_other_shaders() {
 
 /// Begins to print the log messages that the variable SSCT_LOG asks for, as in `vulkan=warn`; without the variable, only errors.
 fn log() -> Result<(), Error> {
-    let wrong = |text: &str, e: ParseError| Error::Usage(format!("SSCT_LOG={text}: {e}; write it as vulkan=warn"));
+    let wrong = |text: &str, e: ParseError| Error::usage(format!("SSCT_LOG={text}: {e}; write it as vulkan=warn"));
     let asked = match std::env::var("SSCT_LOG") {
         Ok(text) if !text.is_empty() => text.parse().map_err(|e| wrong(&text, e))?,
         _ => Targets::new().with_default(LevelFilter::ERROR),
@@ -155,16 +155,29 @@ fn report_end(done: anyhow::Result<()>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,
-        Err(e) => {
-            // Our own errors name their cause in their sentence; `{e:#}` adds the causes of all others behind them.
-            match e.downcast_ref::<Error>() {
-                Some(own) => eprintln!("ssct: {}{}", printable(&own.to_string()), advice(own)),
-                None if e.is::<std::io::Error>() => eprintln!("ssct: cannot print: {e}"),
-                None => eprintln!("ssct: {}", printable(&format!("{e:#}"))),
+        // Our own errors name their cause in their sentence; `{e:#}` adds the causes of all others behind them.
+        Err(e) => match own(e) {
+            Ok(own) => {
+                eprintln!("ssct: {}{}", printable(&own.to_string()), advice(&own));
+                ExitCode::from(exit_status(&own))
             }
-            ExitCode::from(e.downcast_ref::<Error>().map_or(1, exit_status))
-        }
+            Err(e) => {
+                match e.is::<std::io::Error>() {
+                    true => eprintln!("ssct: cannot print: {e}"),
+                    false => eprintln!("ssct: {}", printable(&format!("{e:#}"))),
+                }
+                ExitCode::FAILURE
+            }
+        },
     }
+}
+
+/// The error of any of our packages as the laboratory's; the same error again if it is nobody's of us.
+fn own(error: anyhow::Error) -> anyhow::Result<Error> {
+    error
+        .downcast()
+        .or_else(|e| e.downcast::<ssct::Error>().map(Error::from))
+        .or_else(|e| e.downcast::<ssct_ground::Error>().map(Error::from))
 }
 
 /// A sentence in one line, without control characters, which a file's name may contain and a terminal would obey.
@@ -172,10 +185,10 @@ fn printable(sentence: &str) -> String {
     one_line(sentence).into_owned()
 }
 
-/// The exit status for an error of the library: 2 for wrong arguments, 128 + n for signal n, else 1.
+/// The exit status: 2 for wrong arguments, 128 + n for signal n, else 1.
 fn exit_status(error: &Error) -> u8 {
     match error {
-        Error::Usage(_) | Error::Unfinished { .. } => 2,
+        Error::Renderer(ssct::Error::Usage(_)) | Error::Unfinished { .. } => 2,
         Error::Stopped { signal, .. } => 128 + signal,
         _ => 1,
     }

@@ -27,13 +27,13 @@ mod shader;
 mod source;
 mod values;
 
-use crate::error::{Error, Result};
-use crate::gpu::Gpu;
-use crate::methods::{self, Added, Method, MethodInfo, MethodRequest};
-use crate::parameter::{Choices, Parameter, Preset};
 pub use includes::allow as allow_includes;
 use manifest::Manifest;
 use method::CustomMethod;
+use ssct::error::{Error, Result};
+use ssct::gpu::Gpu;
+use ssct::methods::{self, Added, Method, MethodInfo, MethodRequest};
+use ssct_ground::parameter::{Choices, Parameter, Preset};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -69,8 +69,8 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 /// Reads a folder's manifest, compiles its shaders, and adds the method to the known methods; returns its row.
 ///
 /// # Errors
-/// [`Error::Io`], and [`Error::Malformed`] with file and line for what is wrong in the manifest or in a shader.
-/// [`Error::Usage`] if there is a method of its name.
+/// [`Io`](ssct_ground::Error::Io), and [`Malformed`](ssct_ground::Error::Malformed) with file and line for what is wrong in the manifest or in a shader.
+/// [`Usage`](ssct_ground::Error::Usage) if there is a method of its name.
 pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     // Compiles once here, so that errors appear before a device is opened.
     let (manifest, parameters) = read(folder)?;
@@ -80,7 +80,7 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     let added: &'static FolderMethod = Box::leak(Box::new(FolderMethod { manifest, parameters }));
     let info = MethodInfo { fades, takes_captures, ..MethodInfo::added(name, summary, source, added) };
     methods::add(info).map_err(|e| match e {
-        Error::Usage(message) => Error::malformed(folder.join(MANIFEST), None, message),
+        Error::Usage(message) => ssct_ground::Error::malformed(folder.join(MANIFEST), None, message).into(),
         other => other,
     })
 }
@@ -88,7 +88,7 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
 /// Reads a folder's manifest, compiles its shaders and checks them against the manifest, as [`add`] does, but adds no method.
 ///
 /// # Errors
-/// [`Error::Io`], and [`Error::Malformed`] with file and line for what is wrong in the manifest or in a shader.
+/// [`Io`](ssct_ground::Error::Io), and [`Malformed`](ssct_ground::Error::Malformed) with file and line for what is wrong in the manifest or in a shader.
 pub fn check(folder: &Path) -> Result<()> {
     read(folder).map(|_| ())
 }

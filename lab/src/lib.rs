@@ -2,10 +2,17 @@
 
 pub mod app;
 pub mod custom;
+pub mod error;
 pub mod report;
 pub mod stage;
 pub mod study;
 
-pub use ssct_truth::{inside, metrics, reference, scene};
-
-use ssct::{conventions, error, gpu, math, methods, parameter, passes};
+// Names that the page at the top links to.
+#[cfg(doc)]
+use ssct::{gpu, methods, passes};
+#[cfg(doc)]
+use ssct_ground::{conventions, math, parameter};
+#[cfg(doc)]
+use ssct_scenes::inside;
+#[cfg(doc)]
+use ssct_truth::{metrics, reference};

@@ -5,17 +5,17 @@ pub mod image;
 
 pub use image::{Intermediates, RenderedImage};
 
-use crate::error::Result;
-use crate::gpu::frame::Mode;
-use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
-use crate::methods::{Effect, Input, MethodInfo, Output, Prepared, SceneInput, Setup, Wants, unified};
-use crate::passes::gbuffer::{DrawnCounts, GBufferPass};
-use crate::passes::lighting::LightingPass;
-use crate::passes::scene_data::SceneData;
-use crate::passes::{Captures, GBuffer};
-use crate::scene::tree::Trees;
-use crate::scene::{Camera, Capture, Material, Scene, View, placement};
 use glam::Vec3;
+use ssct::error::Result;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{Frame, FrameContext, FrameReport, Gpu};
+use ssct::methods::{Effect, Input, MethodInfo, Output, Prepared, SceneInput, Setup, Wants, unified};
+use ssct::passes::gbuffer::{DrawnCounts, GBufferPass};
+use ssct::passes::lighting::LightingPass;
+use ssct::passes::scene_data::SceneData;
+use ssct::passes::{Captures, GBuffer};
+use ssct_scenes::tree::Trees;
+use ssct_scenes::{Camera, Capture, Material, Scene, View, placement};
 
 /// The global factors of the command line; they replace or scale every material's values
 /// (docs/definitions.md, "Surfaces").

@@ -1,6 +1,6 @@
 // The triangles of a scene as shaders read them. One buffer has the nodes of the tree, and the corners and attributes
 // of triangles. A second one has materials and tables of images, and a third one the texels of all images. Filled in by
-// src/passes/triangle_scene.rs, from the records of src/scene/tree.rs.
+// src/passes/triangle_scene.rs, from the records of ground/src/scene/tree.rs.
 //
 // Each buffer is bound twice, as texels and as a storage block. GEOMETRY_TEXELS and IMAGE_TEXELS say how they are read:
 // as texels wherever the device can address so many, since some devices read texels faster.

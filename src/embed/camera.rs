@@ -1,11 +1,11 @@
 //! A camera from the matrices of another renderer.
 
-use crate::conventions::ClipY;
 use crate::error::{Error, Result};
-use crate::scene::Camera;
-use crate::scene::camera::is_rotation;
-use crate::scene::projection::ReadProjection;
 use glam::{Mat3, Mat4, Vec4};
+use ssct_ground::conventions::ClipY;
+use ssct_ground::scene::Camera;
+use ssct_ground::scene::camera::is_rotation;
+use ssct_ground::scene::projection::ReadProjection;
 
 /// The camera of a frame, in the caller's conventions, which are read off its matrices: handedness, whether y is up,
 /// reversed or standard depth, a finite or an infinite far plane, and the shift of a jittered projection.

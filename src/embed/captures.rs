@@ -2,17 +2,17 @@
 
 use super::input::BorrowedImages;
 use super::{CameraInput, Context, ImageInput};
-use crate::conventions::ClipY;
 use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
 use crate::gpu::frame::Mode;
 use crate::methods::capture::{CaptureImages, FaceKeeper};
 use crate::passes::Reflectors;
 use crate::passes::import::{Factor, ForeignImages, ImportPass};
-use crate::scene::Aabb;
-use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use ash::vk;
 use glam::Vec3;
+use ssct_ground::conventions::ClipY;
+use ssct_ground::scene::Aabb;
+use ssct_ground::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 
 /// The description of capture cubes that are to be made.
 #[derive(Debug, Clone, Copy)]

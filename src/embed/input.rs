@@ -1,15 +1,15 @@
 //! Images of another renderer, and the checks of whether they can be used.
 
 use super::camera::ConvertedCamera;
-use crate::conventions::{NormalEncoding, NormalSpace};
 use crate::error::{Error, Result};
 use crate::gpu::sync::ImageUse;
 use crate::gpu::{Frame, Gpu, Image};
-use crate::math::constants::{NORMAL_FLOAT, NORMAL_OCTAHEDRAL, NORMAL_OCTAHEDRAL_UNORM, NORMAL_UNORM};
 use crate::passes::import::Factor;
 use ash::vk;
 use ash::vk::Handle;
 use glam::Mat3;
+use ssct_ground::conventions::{NormalEncoding, NormalSpace};
+use ssct_ground::math::constants::{NORMAL_FLOAT, NORMAL_OCTAHEDRAL, NORMAL_OCTAHEDRAL_UNORM, NORMAL_UNORM};
 
 /// An image of the caller's. One level of it is read, and one layer; of a cube map, six layers.
 #[derive(Debug, Clone, Copy)]

@@ -9,13 +9,13 @@ use crate::gpu::sync::ImageUse;
 use crate::gpu::{Frame, FrameContext, Image, PassTime, Skipped};
 use crate::methods::effect::Effect;
 use crate::methods::{Input, MethodInfo, Setup, Wants};
-use crate::parameter::{Choices, Parameter, Preset};
 use crate::passes::history::SurfaceMotion;
 use crate::passes::import::{ForeignImages, ImportPass};
 use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{GBuffer, Reflectors};
-use crate::scene::ProjectionKind;
 use ash::vk;
+use ssct_ground::parameter::{Choices, Parameter, Preset};
+use ssct_ground::scene::ProjectionKind;
 
 /// The description of reflections that are to be made: size, method, inputs and outputs.
 #[derive(Clone, Copy)]

@@ -7,13 +7,13 @@ use crate::gpu::FrameContext;
 use crate::gpu::frame::Mode;
 use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading};
 use crate::passes::unlit_triangles::UnlitTriangles;
-#[cfg(feature = "tree")]
-use crate::scene::tree::{Tree, TriangleRecords};
-#[cfg(feature = "tree")]
-use crate::scene::{Aabb, Encoding, Material, Mesh, Scene, Texture, Vertex};
 use ash::vk;
 #[cfg(feature = "tree")]
 use glam::{Mat4, Vec3};
+#[cfg(feature = "tree")]
+use ssct_ground::scene::tree::{Tree, TriangleRecords};
+#[cfg(feature = "tree")]
+use ssct_ground::scene::{Aabb, Encoding, Material, Mesh, Scene, Texture, Vertex};
 
 /// A mesh, where it stands, and the light that comes from it in reflections.
 #[derive(Debug, Clone, Copy)]

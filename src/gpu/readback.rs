@@ -104,6 +104,7 @@ fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
 /// Decodes RGBA bytes in sRGB to linear values; alpha is linear already.
 fn srgb_decoded(rgba: &[u8]) -> Vec<f32> {
     let unit = |v: u8| f32::from(v) / 255.0;
-    let channel = |(i, v): (usize, &u8)| if i % 4 == 3 { unit(*v) } else { crate::math::srgb_to_linear(unit(*v)) };
+    let channel =
+        |(i, v): (usize, &u8)| if i % 4 == 3 { unit(*v) } else { ssct_ground::math::srgb_to_linear(unit(*v)) };
     rgba.iter().enumerate().map(channel).collect()
 }

@@ -7,9 +7,9 @@ use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
 use crate::passes::scene_data::SceneData;
 use crate::passes::triangle_scene::{TriangleBuffers, TriangleReading, TriangleTable};
-use crate::scene::capture::WantedCaptures;
-use crate::scene::{Capture, Material};
 use glam::Vec3;
+use ssct_ground::scene::capture::WantedCaptures;
+use ssct_ground::scene::{Capture, Material};
 
 impl Fallback {
     /// The method that shows where a reflection fades or misses; `None` without a fallback.

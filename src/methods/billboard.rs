@@ -6,8 +6,8 @@ use super::needs::Need;
 use super::{Input, Method, MethodInfo, MethodOutput, SceneInput};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext};
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::billboard::{BillboardPass, Blur, Drawing, Occlusion, Order};
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

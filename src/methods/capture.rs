@@ -13,10 +13,10 @@ use crate::passes::lighting::LightingPass;
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Captures, GBuffer, LIT_COLOR, lost};
-use crate::scene::capture::face_camera;
-use crate::scene::{Aabb, Camera, Capture, GBufferData, Material};
 use ash::vk;
 use glam::Vec3;
+use ssct_ground::scene::capture::face_camera;
+use ssct_ground::scene::{Aabb, Camera, Capture, GBufferData, Material};
 use std::cell::Cell;
 
 /// Near plane of the faces of a cube map, in metres.

@@ -7,8 +7,8 @@ use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::shader::DdaBlock;
 use crate::gpu::{Frame, Gpu};
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::dda_trace::DdaTracePass;
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

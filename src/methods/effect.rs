@@ -16,9 +16,9 @@ use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
 use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{Captures, GBuffer};
-use crate::scene::{Capture, ProjectionKind};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use ssct_ground::scene::{Capture, ProjectionKind};
 use std::cell::Cell;
 use std::time::Instant;
 

@@ -5,7 +5,7 @@ use super::MethodInfo;
 use super::ssct::{ThesisDrawing, ThesisMethod};
 use super::thesis::{ConeParams, FadeParams, HiZParams};
 use crate::gpu::shader::ThesisBlock;
-use crate::parameter::{Parameter, Parameters, parameters};
+use ssct_ground::parameter::{Parameter, Parameters, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -10,14 +10,14 @@ use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::billboard::{BillboardPass, Blur, Drawing, Occlusion, Order};
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::lighting::LightingPass;
 use crate::passes::{Content, LIT_COLOR};
-use crate::scene::{Camera, Impostor, Lens, Material};
 use ash::vk;
 use glam::camera::lh::view::look_to_mat4;
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
+use ssct_ground::scene::{Camera, Impostor, Lens, Material};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -4,12 +4,12 @@
 use super::SceneInput;
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, ShaderStage};
-use crate::parameter::{Parameter, parameters};
 use crate::passes::GBuffer;
 use crate::passes::gbuffer::{GBufferPass, Peel};
 use crate::passes::lighting::LightingPass;
 use crate::passes::resolution::DownsamplePass;
-use crate::scene::Camera;
+use ssct_ground::parameter::{Parameter, parameters};
+use ssct_ground::scene::Camera;
 
 parameters! {
     /// Parameters of methods that march through layers of depth.

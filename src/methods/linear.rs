@@ -5,10 +5,10 @@ use super::thesis::{self, FadeParams, MarchParams};
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu};
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::linear_trace::{LinearMarch, LinearTracePass};
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -1,7 +1,7 @@
 //! The parts of a scene that methods need. If a part is missing, its method shows nothing: its reflection is black everywhere, and
 //! its time is that of an empty loop.
 
-use crate::scene::{Scene, planes};
+use ssct_ground::scene::{Scene, planes};
 
 /// A part of a scene that a method reflects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

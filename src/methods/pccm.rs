@@ -8,8 +8,8 @@ use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::pccm::PccmPass;
 use crate::passes::{Content, CubeMap};
-use crate::scene::{Material, Probe};
 use glam::Vec3;
+use ssct_ground::scene::{Material, Probe};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
@@ -79,7 +79,7 @@ fn two_nearest<T>(maps: &[T], probe: impl Fn(&T) -> &Probe, eye: Vec3) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Aabb;
+    use ssct_ground::scene::Aabb;
 
     #[test]
     fn the_boxes_around_the_camera_come_first() {

@@ -10,15 +10,15 @@ use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
-use crate::math::frustum::projected_area;
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::Content;
 use crate::passes::gbuffer::{DEPTH_STENCIL, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::planar::{MAX_PLANES, MirrorDrawing, PlanarPass};
-use crate::scene::planes::{CoplanarGroup, merged};
-use crate::scene::{Camera, GBufferData};
 use glam::Vec4;
+use ssct_ground::math::frustum::projected_area;
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
+use ssct_ground::scene::planes::{CoplanarGroup, merged};
+use ssct_ground::scene::{Camera, GBufferData};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -7,10 +7,10 @@ use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest
 use crate::error::Result;
 use crate::gpu::shader::PosterBlock;
 use crate::gpu::{Frame, Gpu};
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::cone_march::{ConeMarchPass, MarchSteps};
 use crate::passes::filtered_gbuffer::FilteredGBufferPass;
 use crate::passes::{Content, PosterFilter};
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -3,13 +3,13 @@
 use super::{METHODS, MethodInfo};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, ShaderStage};
-use crate::math::OracleVersion;
-use crate::parameter::{
+use crate::passes::trace_normals::TraceNormals;
+use ssct_ground::math::OracleVersion;
+use ssct_ground::parameter::{
     Choice, Choices, Domain, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters,
 };
-use crate::passes::trace_normals::TraceNormals;
-use crate::scene::ProjectionKind;
-use crate::scene::capture::{MAX_CAPTURES, WantedCaptures};
+use ssct_ground::scene::ProjectionKind;
+use ssct_ground::scene::capture::{MAX_CAPTURES, WantedCaptures};
 use std::collections::BTreeMap;
 
 choices! {

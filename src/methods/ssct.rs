@@ -6,13 +6,13 @@ use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest
 use crate::error::Result;
 use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu};
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::color_chain::{ChainFilter, ChainMask, ColorChainPass};
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
 use crate::passes::{Content, GBuffer, Hits, MarchNumbers, Reflection};
-use crate::scene::Camera;
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
+use ssct_ground::scene::Camera;
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -5,12 +5,12 @@ use super::thesis::{self, UniformMarchParams};
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Sampler};
-use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::mask_chain::{MaskChainPass, MaskFilter};
 use crate::passes::sslr_reflection::SslrReflectionPass;
 use crate::passes::sslr_trace::SslrTracePass;
+use ssct_ground::parameter::{Parameter, Parameters, choices, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -6,10 +6,10 @@ use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest};
 use crate::error::Result;
 use crate::gpu::shader::SchmidtBlock;
 use crate::gpu::{Frame, Gpu};
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::LIT_COLOR;
 use crate::passes::color_chain::{ChainFilter, ColorChainPass};
 use crate::passes::schmidt_trace::{SchmidtMarch, SchmidtTracePass};
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -4,9 +4,9 @@
 use super::MethodInfo;
 use super::layers::LayerParams;
 use super::ssr::SchmidtMethod;
-use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::schmidt_trace::SchmidtMarch;
+use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

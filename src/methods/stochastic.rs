@@ -10,12 +10,12 @@ use crate::error::Result;
 use crate::gpu::programs::{StochasticExact, StochasticThesis};
 use crate::gpu::shader::{StochasticBlock, UnifiedBlock};
 use crate::gpu::{Frame, Gpu};
-use crate::parameter::{Parameter, Parameters, Preset, choices, parameters};
 use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::lost::{ListContent, LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::stochastic::{Rays, StochasticResolvePass, StochasticTrace};
+use ssct_ground::parameter::{Parameter, Parameters, Preset, choices, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -2,10 +2,10 @@
 //! Sources: thesis §4.2 and §4.3, and the facts on the author's own program.
 
 use crate::gpu::shader::ThesisBlock;
-use crate::math::constants::{MIRROR_ALPHA, XI};
-use crate::parameter::{Parameter, Parameters, Preset, Values, choices, parameters};
 use crate::passes::MarchNumbers;
-use crate::scene::Camera;
+use ssct_ground::math::constants::{MIRROR_ALPHA, XI};
+use ssct_ground::parameter::{Parameter, Parameters, Preset, Values, choices, parameters};
+use ssct_ground::scene::Camera;
 
 /// A bound for loops that the thesis leaves unbounded (docs/definitions.md, "Time").
 pub const UNBOUNDED: u32 = 1024;

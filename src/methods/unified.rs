@@ -75,8 +75,6 @@ use super::{Fallback, Input, Method, MethodInfo, MethodOutput, MethodRequest, Se
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, Precision, Sampled, ShaderStage};
-use crate::math::OracleVersion;
-use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
@@ -89,8 +87,10 @@ use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass, TriangleWa
 use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
 use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors};
-use crate::scene::Camera;
 use beyond::{BeyondInput, BeyondPass};
+use ssct_ground::math::OracleVersion;
+use ssct_ground::parameter::{Parameter, Parameters, choices, parameters};
+use ssct_ground::scene::Camera;
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {

@@ -6,8 +6,8 @@ use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{AreaLightBlock, AreaLightData};
 use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
-use crate::math::constants::{self, SHAPE_CAPSULE, SHAPE_CUBOID, SHAPE_CYLINDER, SHAPE_RECTANGLE, SHAPE_SPHERE};
-use crate::scene::{AreaLight, AreaShape, Camera};
+use ssct_ground::math::constants::{self, SHAPE_CAPSULE, SHAPE_CUBOID, SHAPE_CYLINDER, SHAPE_RECTANGLE, SHAPE_SPHERE};
+use ssct_ground::scene::{AreaLight, AreaShape, Camera};
 
 /// The most area lights that a scene can have for this pass.
 pub const MAX_AREA_LIGHTS: usize = constants::MAX_AREA_LIGHTS as usize;

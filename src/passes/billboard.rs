@@ -8,12 +8,12 @@ use crate::error::Result;
 use crate::gpu::programs::{Billboard, BillboardConstants};
 use crate::gpu::shader::{BillboardBlock, ImpostorData};
 use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
-use crate::math::constants::{
+use glam::Mat4;
+use ssct_ground::math::constants::{
     self, BLUR_DISTANCE, BLUR_NONE, BLUR_ROUGHNESS, ORDER_NEAREST, ORDER_PRINTED, ORDER_UNBROKEN,
 };
-use crate::parameter::choices;
-use crate::scene::{Camera, Impostor};
-use glam::Mat4;
+use ssct_ground::parameter::choices;
+use ssct_ground::scene::{Camera, Impostor};
 
 /// The most impostors that a scene can have for this pass.
 pub const MAX_IMPOSTORS: usize = constants::MAX_IMPOSTORS as usize;

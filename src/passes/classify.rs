@@ -8,8 +8,8 @@ use crate::gpu::memory::MemoryPlace;
 use crate::gpu::programs::Classify;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Image, ImageDesc};
-use crate::math::constants::LISTS;
 use ash::vk;
+use ssct_ground::math::constants::LISTS;
 
 /// Pipeline and lists of one size.
 pub struct ClassifyPass {

@@ -9,9 +9,9 @@ use crate::gpu::shader::{BlurBlock, MaskedBlurBlock};
 use crate::gpu::{
     ComputePipeline, Frame, Gpu, Image, ImageDesc, ImageSlice, PixelPipeline, Sampled, ShaderStage, Target, image,
 };
-use crate::parameter::choices;
-use crate::scene::Lens;
 use ash::vk;
+use ssct_ground::parameter::choices;
+use ssct_ground::scene::Lens;
 use std::ops::Range;
 
 choices! {

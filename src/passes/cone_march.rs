@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::programs::{ConeMarchMip, ConeMarchMipConstants, ConeMarchVolume, ConeMarchVolumeConstants};
 use crate::gpu::shader::PosterBlock;
 use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
-use crate::scene::Camera;
+use ssct_ground::scene::Camera;
 
 /// The numbers of the march that the poster prints.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,8 +6,8 @@ use crate::error::Result;
 use crate::gpu::shader::CubeFilterBlock;
 use crate::gpu::sync::Access;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, image, programs};
-use crate::math::phong;
 use ash::vk;
+use ssct_ground::math::phong;
 
 /// Side of a face in texels.
 pub const FACE_SIZE: u32 = 256;

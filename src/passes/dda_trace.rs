@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::programs::{Dda, DdaConstants};
 use crate::gpu::shader::DdaBlock;
 use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
-use crate::scene::Camera;
+use ssct_ground::scene::Camera;
 
 /// Pipeline and images of one size.
 pub struct DdaTracePass(TracedPass<Dda<'static>>);

@@ -3,7 +3,7 @@
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
-use crate::scene::{Camera, ProjectionKind};
+use ssct_ground::scene::{Camera, ProjectionKind};
 
 /// Pipeline and image of one size.
 pub struct EnvironmentPass {

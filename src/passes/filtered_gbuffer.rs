@@ -8,9 +8,9 @@ use crate::gpu::shader::{EdgeAwareBlock, PosterBlurBlock};
 use crate::gpu::{
     Frame, FrameContext, Gpu, Image, ImageDesc, ImageSlice, PixelPipeline, Sampled, ShaderStage, Target, image,
 };
-use crate::math::constants::{GAUSSIAN_1, GAUSSIAN_2, GAUSSIAN_3};
-use crate::scene::Camera;
 use ash::vk;
+use ssct_ground::math::constants::{GAUSSIAN_1, GAUSSIAN_2, GAUSSIAN_3};
+use ssct_ground::scene::Camera;
 
 /// The most slices of a volume. The last slice is blurred as wide as a texel of the mip chain's level 7. Each slice costs as much
 /// memory as the whole G-buffer.

@@ -6,7 +6,7 @@ use super::{Canvas, Captures, GBuffer, Hits, Reflection, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, Sampled, programs};
-use crate::scene::ProjectionKind;
+use ssct_ground::scene::ProjectionKind;
 
 /// The pipelines.
 pub struct FollowPass {

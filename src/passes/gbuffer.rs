@@ -14,11 +14,11 @@ use crate::gpu::sync::Access;
 use crate::gpu::{
     Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Sampler, Target, image,
 };
-use crate::math::constants::{ALPHA_MASK, NO_TRIANGLE, NORMAL_MAP, ROUGHNESS_MAP, SINGLE_SIDED};
-use crate::math::frustum::Frustum;
-use crate::scene::{Aabb, Camera, GBufferData, Material, Surface, Vertex};
 use ash::vk;
 use glam::{DMat4, Vec3};
+use ssct_ground::math::constants::{ALPHA_MASK, NO_TRIANGLE, NORMAL_MAP, ROUGHNESS_MAP, SINGLE_SIDED};
+use ssct_ground::math::frustum::Frustum;
+use ssct_ground::scene::{Aabb, Camera, GBufferData, Material, Surface, Vertex};
 use std::mem::offset_of;
 
 /// The images that [`GBuffer`] borrows, all of one size.

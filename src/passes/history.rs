@@ -5,11 +5,11 @@ use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
 use crate::error::Result;
 use crate::gpu::shader::{HistoryBlock, MoverData};
 use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Sampled, ShaderStage, Target, programs};
-use crate::math::constants::{BEYOND, MOST_MOVERS, NO_TRIANGLE};
 use crate::passes::lost::{ENDS, unit};
-use crate::scene::{Camera, Projection, ProjectionKind};
 use ash::vk;
 use glam::{DMat4, Vec2, Vec4Swizzles};
+use ssct_ground::math::constants::{BEYOND, MOST_MOVERS, NO_TRIANGLE};
+use ssct_ground::scene::{Camera, Projection, ProjectionKind};
 use std::cell::{Cell, OnceCell, RefCell};
 
 /// Format of the guide of the search: `Guide` of `shaders-glsl/common/history_guide.glsl`, packed.

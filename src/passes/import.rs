@@ -6,10 +6,10 @@ use crate::error::Result;
 use crate::gpu::programs::{Import, ImportConstants};
 use crate::gpu::shader::ImportBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, image};
-use crate::math::constants::NORMAL_OF_DEPTH;
-use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 use glam::{Mat3, Mat4};
+use ssct_ground::math::constants::NORMAL_OF_DEPTH;
+use ssct_ground::scene::{Camera, ProjectionKind};
 
 /// Pipelines and images of one size.
 pub struct ImportPass {

@@ -4,7 +4,7 @@ use super::scene_data::SceneData;
 use super::{GBuffer, LIT_COLOR, PerProjection, camera_block};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
-use crate::scene::{Camera, ProjectionKind};
+use ssct_ground::scene::{Camera, ProjectionKind};
 
 /// The pipelines.
 pub struct LightingPass {

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::programs::{Linear, LinearConstants};
 use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
-use crate::parameter::choices;
+use ssct_ground::parameter::choices;
 
 choices! {
     /// Which of the two listings marches.

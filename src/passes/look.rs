@@ -5,9 +5,9 @@ use super::Content;
 use crate::error::Result;
 use crate::gpu::shader::{KeepBlock, LookBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Sampled, Target, programs};
-use crate::math::constants::*;
-use crate::scene::Lens;
 use ash::vk;
+use ssct_ground::math::constants::*;
+use ssct_ground::scene::Lens;
 
 /// Format of the copies, wide enough for every image that a method makes.
 const KEPT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;

@@ -7,10 +7,10 @@ use crate::error::Result;
 use crate::gpu::memory::MemoryPlace;
 use crate::gpu::shader::CaptureBlock;
 use crate::gpu::{Buffer, Frame, Gpu, Image, ImageDesc, ImageSlice, Sampled};
-use crate::math::constants::NO_TRIANGLE;
-use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
 use glam::Vec3;
+use ssct_ground::math::constants::NO_TRIANGLE;
+use ssct_ground::scene::{Camera, ProjectionKind};
 
 /// Bytes of a ray in the list (`LostRay` of `shaders-glsl/captures/lost.glsl`).
 const RAY_BYTES: u64 = 48;

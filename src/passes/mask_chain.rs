@@ -5,8 +5,8 @@ use super::{RayTraceColor, UNENCODED_COLOR};
 use crate::error::Result;
 use crate::gpu::shader::BlurBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
-use crate::parameter::choices;
 use ash::vk;
+use ssct_ground::parameter::choices;
 
 choices! {
     /// How both chains are filtered.

@@ -1,6 +1,6 @@
 //! How rays end, as [`Hits`](super::Hits) tell.
 
-use crate::math::constants;
+use ssct_ground::math::constants;
 
 /// How a ray ended: the fourth channel of [`Hits`](super::Hits).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{LocalCubeMap, PccmBlock};
 use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target, programs};
-use crate::scene::{Camera, Probe, ProjectionKind};
+use ssct_ground::scene::{Camera, Probe, ProjectionKind};
 
 /// Pipeline and image of one size.
 pub struct PccmPass {

@@ -6,10 +6,10 @@ use crate::error::Result;
 use crate::gpu::programs::{PlanarCopy, PlanarLookup, PlanarMark};
 use crate::gpu::shader::PlaneBlock;
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, PixelPipeline, Sampled, ShaderStage, Target};
-use crate::parameter::choices;
-use crate::scene::Camera;
 use ash::vk;
 use glam::Vec4;
+use ssct_ground::parameter::choices;
+use ssct_ground::scene::Camera;
 
 choices! {
     /// How a mirror gets its mirrored scene.

@@ -6,9 +6,9 @@ use crate::error::Result;
 use crate::gpu::program::Program;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Pixels, Sampled, programs};
-use crate::math::constants::PYRAMID_TILE_SIDE;
-use crate::scene::ProjectionKind;
 use ash::vk;
+use ssct_ground::math::constants::PYRAMID_TILE_SIDE;
+use ssct_ground::scene::ProjectionKind;
 
 /// Side of the square that a workgroup of the shader makes, in pixels.
 const TILE: u32 = PYRAMID_TILE_SIDE as u32;

@@ -6,8 +6,8 @@ use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{DownsampleBlock, UpsampleBlock};
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
-use crate::scene::{Camera, ProjectionKind};
 use ash::vk;
+use ssct_ground::scene::{Camera, ProjectionKind};
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// The format is no depth format, since depth is written as a colour here. Shaders read it like any depth.

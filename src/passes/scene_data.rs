@@ -7,16 +7,16 @@ use crate::error::{Error, Result};
 use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, RayStructure, image, memory::MemoryPlace};
-use crate::math::constants;
-use crate::scene::capture::{BOUNDS_MARGIN, WantedCaptures};
-use crate::scene::planes::{CoplanarGroup, coplanar_groups};
-use crate::scene::sky::SkyCube;
-use crate::scene::tree::BuildTrees;
-use crate::scene::{
-    Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Placement, Probe, Scene, Texture, Vertex, sky,
-};
 use ash::vk;
 use glam::{Mat4, Vec3};
+use ssct_ground::math::constants;
+use ssct_ground::scene::capture::{BOUNDS_MARGIN, WantedCaptures};
+use ssct_ground::scene::planes::{CoplanarGroup, coplanar_groups};
+use ssct_ground::scene::sky::SkyCube;
+use ssct_ground::scene::tree::BuildTrees;
+use ssct_ground::scene::{
+    Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Placement, Probe, Scene, Texture, Vertex, sky,
+};
 use std::cell::{Cell, OnceCell, RefCell};
 use std::rc::Rc;
 use std::sync::OnceLock;

@@ -7,7 +7,7 @@ use crate::gpu::image::ImageSlice;
 use crate::gpu::programs::{ScreenSpaceReflections, ScreenSpaceReflectionsConstants};
 use crate::gpu::shader::SchmidtBlock;
 use crate::gpu::{Frame, Gpu, Sampled, ShaderStage};
-use crate::scene::Camera;
+use ssct_ground::scene::Camera;
 
 /// The listing whose march is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

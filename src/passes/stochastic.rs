@@ -11,8 +11,8 @@ use crate::gpu::programs::{
 };
 use crate::gpu::shader::{StochasticBlock, ThesisBlock, UnifiedBlock};
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
-use crate::math::OracleVersion;
 use ash::vk;
+use ssct_ground::math::OracleVersion;
 
 /// Format of the hit's place and the density of its direction. Points need all digits of 32-bit floats.
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;

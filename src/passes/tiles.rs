@@ -9,10 +9,10 @@ use crate::gpu::program::{Compute, Fragment};
 use crate::gpu::programs::Tile;
 use crate::gpu::shader::{TileListBlock, UnifiedBlock};
 use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ShaderStage, Target};
-use crate::math::OracleVersion;
-use crate::math::constants::{LISTS, TILE_SIDE};
-use crate::scene::ProjectionKind;
 use ash::vk;
+use ssct_ground::math::OracleVersion;
+use ssct_ground::math::constants::{LISTS, TILE_SIDE};
+use ssct_ground::scene::ProjectionKind;
 
 /// Pixels along a side of a tile.
 pub const TILE: u32 = TILE_SIDE as u32;

@@ -4,9 +4,9 @@ use super::{GBuffer, NORMAL, camera_block, stored_target};
 use crate::error::Result;
 use crate::gpu::programs::{TraceNormals as Program, TraceNormalsConstants};
 use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
-use crate::math::constants::{TRACE_GEOMETRIC, TRACE_SHADING, TRACE_UP};
-use crate::parameter::choices;
-use crate::scene::{Camera, ProjectionKind};
+use ssct_ground::math::constants::{TRACE_GEOMETRIC, TRACE_SHADING, TRACE_UP};
+use ssct_ground::parameter::choices;
+use ssct_ground::scene::{Camera, ProjectionKind};
 
 choices! {
     /// What rays are reflected at.

@@ -11,10 +11,10 @@ use crate::gpu::ray_structure::{Corners, RayStructure};
 use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, Frame, FrameContext, Gpu, Sampled, TexelBuffer};
-use crate::scene::Camera;
-use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, most_levels};
 use ash::vk;
 use glam::{DVec3, Mat4};
+use ssct_ground::scene::Camera;
+use ssct_ground::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, most_levels};
 use std::cell::{Cell, RefCell};
 
 /// Format of [`GBuffer::triangle`](super::GBuffer::triangle).

@@ -18,8 +18,8 @@ use crate::gpu::programs::{
 };
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Sampled};
-use crate::math::constants::{NARROW_LIST, WIDE_LIST};
 use ash::vk;
+use ssct_ground::math::constants::{NARROW_LIST, WIDE_LIST};
 
 const RECORD: vk::Format = vk::Format::R32G32B32A32_UINT;
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;

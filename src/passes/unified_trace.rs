@@ -14,8 +14,8 @@ use crate::gpu::programs::{
 };
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, Sampled, ShaderStage, Target};
-use crate::math::constants::MIRROR_LIST;
 use ash::vk;
+use ssct_ground::math::constants::MIRROR_LIST;
 
 /// Pipelines and images of one size.
 pub struct UnifiedTracePass {

@@ -7,10 +7,10 @@ use super::triangle_scene::{
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, Frame, Gpu};
-use crate::math::constants::{MAP_LEVELS, TREE_DEPTH};
-use crate::math::{linear_to_srgb, srgb_to_linear};
-use crate::scene::tree::{Tree, TriangleRecords};
-use crate::scene::{Encoding, Material, Texture};
+use ssct_ground::math::constants::{MAP_LEVELS, TREE_DEPTH};
+use ssct_ground::math::{linear_to_srgb, srgb_to_linear};
+use ssct_ground::scene::tree::{Tree, TriangleRecords};
+use ssct_ground::scene::{Encoding, Material, Texture};
 
 /// The triangles in device memory, and the buffers that a frame of the caller's copies there.
 pub struct UnlitTriangles {

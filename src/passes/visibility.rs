@@ -5,8 +5,8 @@ use super::{HiZ, Visibility};
 use crate::error::Result;
 use crate::gpu::shader::VisibilityBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, ShaderStage, Target, image, programs};
-use crate::scene::Lens;
 use ash::vk;
+use ssct_ground::scene::Lens;
 
 const FORMAT: vk::Format = vk::Format::R8_UNORM;
 

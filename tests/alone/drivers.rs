@@ -8,9 +8,9 @@ use crate::common::folder::Folder;
 use serde_json::Value;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{METHODS, Setup};
-use ssct_lab::scene::{Scene, library};
 use ssct_lab::stage::Globals;
 use ssct_lab::study::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
+use ssct_scenes::{Scene, library};
 
 const LAVAPIPE: &str = "llvmpipe";
 const SWIFTSHADER: &str = "SwiftShader";

@@ -13,9 +13,9 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Fault, Gpu, Watch};
 use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants};
 use ssct::{Context, FrameInput, Reflections};
-use ssct_lab::scene::{Camera, Lens, Scene, View};
 use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::{Camera, Lens, Scene, View};
 use std::sync::Arc;
 
 const EXTENT: [u32; 2] = [16, 9];

@@ -8,7 +8,7 @@ mod entry;
 use crate::alone;
 use crate::common::repository;
 use crate::memory::bounded;
-use ssct_lab::scene::{Encoding, gbuffer_file, path, texture};
+use ssct_scenes::{Encoding, gbuffer_file, path, texture};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

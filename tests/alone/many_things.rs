@@ -7,7 +7,7 @@ use crate::memory::allocated;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
-use ssct_lab::scene::{LoadOptions, Scene, gltf};
+use ssct_scenes::{LoadOptions, Scene, gltf};
 
 /// A document that draws a quad of four corners whose positions are repeated so often.
 fn quad(repeats: usize) -> Value {

@@ -9,8 +9,8 @@ use ssct::gpu::frame::Mode;
 use ssct::methods::setup::{BeyondScreen, HistoryUse, OwnRays, Stage as ShaderStage, StageChoice};
 use ssct::methods::unified::{self, FirstTraced, UnifiedParams};
 use ssct::methods::{EffectParams, METHODS, MethodInfo, Setup, Wants};
-use ssct_lab::scene::Capture;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::Capture;
 
 const EXTENT: [u32; 2] = [33, 18];
 

@@ -12,9 +12,9 @@ use ssct::{
     ImageUse, MeshTexture, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
     ReflectionsInfo, Reflectors, TriangleMesh, Triangles,
 };
-use ssct_lab::reference::unified::encode_octahedral;
-use ssct_lab::scene::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, library};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
+use ssct_scenes::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, library};
+use ssct_truth::reference::unified::encode_octahedral;
 
 pub const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 pub const BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;

@@ -2,8 +2,8 @@
 //! the files are what any renderer would write.
 
 use glam::{Mat4, Vec3};
-use ssct::scene::{Projection, ProjectionKind};
-use ssct_lab::scene::{Camera, GBufferData, Lens, Surface};
+use ssct_ground::scene::{Projection, ProjectionKind};
+use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 use std::path::Path;
 use std::process::Command;
 
@@ -50,7 +50,7 @@ pub fn check_composite(folder: &Path, size: [u32; 2], options: &[&str]) {
     let images = folder.join("images");
     let file = folder.join("g.exr");
     let data = gbuffer(&images, size);
-    std::fs::write(&file, ssct_lab::scene::gbuffer_file::encode(&data, &file).unwrap()).unwrap();
+    std::fs::write(&file, ssct_scenes::gbuffer_file::encode(&data, &file).unwrap()).unwrap();
     let run = Command::new(env!("CARGO_BIN_EXE_ssct"))
         .args(["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "r.exr"])
         .args(options)

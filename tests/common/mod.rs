@@ -14,15 +14,15 @@ use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::setup::CaptureSide;
 use ssct::methods::{self, EffectParams, Setup, Wants};
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::WorldReference;
-use ssct_lab::scene::{
+use ssct_lab::stage::image::{RenderedImage, render};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{
     Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, LoadOptions, Material, Mesh, Scene, Surface,
     Texture, Vertex, View, library, scene_file,
 };
-use ssct_lab::stage::image::{RenderedImage, render};
-use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
 use std::num::NonZero;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};

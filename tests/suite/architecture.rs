@@ -11,82 +11,74 @@ use crate::common::sources::{GLSL, texts};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A module at the root of a package, and those that it may import.
-const LAYERS: &[(&str, &[&str])] = &[
-    ("error", &[]),
-    ("conventions", &[]),
-    ("inside", &["error"]),
-    // Values and their names: what every layer may have parameters by.
-    ("parameter", &["error"]),
-    ("math", &["error", "parameter"]),
-    ("scene", &["error", "conventions", "math"]),
-    ("gpu", &["error", "parameter", "math"]),
-    ("reference", &["error", "inside", "math", "scene"]),
-    ("metrics", &["error", "math", "scene", "reference"]),
-    ("passes", &["error", "parameter", "math", "scene", "gpu"]),
-    ("methods", &["error", "parameter", "math", "scene", "gpu", "passes"]),
-    ("embed", &["error", "conventions", "parameter", "math", "scene", "gpu", "passes", "methods"]),
-    ("custom", &["error", "conventions", "parameter", "math", "scene", "gpu", "passes", "methods"]),
-    ("stage", &["error", "math", "scene", "gpu", "metrics", "passes", "methods"]),
-    ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "stage"]),
-    (
-        "report",
-        &[
-            "error",
-            "inside",
-            "parameter",
-            "math",
-            "scene",
-            "gpu",
-            "reference",
-            "metrics",
-            "passes",
-            "methods",
-            "stage",
-            "study",
-        ],
-    ),
-    (
-        "app",
-        &[
-            "error",
-            "inside",
-            "parameter",
-            "math",
-            "scene",
-            "gpu",
-            "reference",
-            "metrics",
-            "passes",
-            "methods",
-            "stage",
-            "study",
-            "report",
-            "custom",
-        ],
-    ),
-    ("main", &["app"]),
-    ("lib", &[]),
-];
+/// A package: where its sources are, and the modules at its root, each with those of the same package that it may import. Which packages
+/// it may import, its manifest says, and `packages_need_what_the_map_says` holds that. The modules of some packages are all beside each
+/// other, and not listed: that they import each other in no circle is enough.
+struct Package {
+    sources: &'static str,
+    layers: &'static [(&'static str, &'static [&'static str])],
+}
 
 /// The window's package, which stands above all layers.
 const VIEW: &str = "lab/view/src";
 
-/// The packages: where their sources are, and the modules at their roots. Of `scene`, the plain types are in the first, and
-/// what loads and generates scenes is in `lab/truth`. The window's modules are not listed, since nothing imports them.
-const PACKAGES: &[(&str, &[&str])] = &[
-    ("src", &["error", "conventions", "parameter", "math", "scene", "gpu", "passes", "methods", "embed", "lib"]),
-    ("lab/truth/src", &["inside", "scene", "reference", "metrics", "lib"]),
-    ("lab/src", &["stage", "study", "report", "custom", "app", "main", "lib"]),
-    (VIEW, &[]),
+/// The package that loads scenes, with the door to files.
+const SCENES: &str = "lab/scenes/src";
+
+const PACKAGES: &[Package] = &[
+    Package {
+        sources: "ground/src",
+        layers: &[
+            ("error", &[]),
+            ("conventions", &[]),
+            // Values and their names: what every layer may have parameters by.
+            ("parameter", &["error"]),
+            ("math", &["error", "parameter"]),
+            ("scene", &["error", "conventions", "math"]),
+            ("lib", &[]),
+        ],
+    },
+    Package {
+        sources: "src",
+        layers: &[
+            ("error", &[]),
+            ("gpu", &["error"]),
+            ("passes", &["error", "gpu"]),
+            ("methods", &["error", "gpu", "passes"]),
+            ("embed", &["error", "gpu", "passes", "methods"]),
+            ("lib", &[]),
+        ],
+    },
+    Package { sources: SCENES, layers: &[] },
+    Package { sources: "lab/truth/src", layers: &[("reference", &[]), ("metrics", &["reference"]), ("lib", &[])] },
+    Package {
+        sources: "lab/src",
+        layers: &[
+            ("error", &[]),
+            ("custom", &[]),
+            ("stage", &[]),
+            ("study", &["error", "stage"]),
+            ("report", &["error", "stage", "study"]),
+            ("app", &["error", "stage", "study", "report", "custom"]),
+            ("main", &["app"]),
+            ("lib", &[]),
+        ],
+    },
+    Package { sources: VIEW, layers: &[] },
 ];
 
-/// The most direct dependencies of the package that others embed, those of optional features included but for what builds
+/// What a module may not import of other packages, although its package needs them.
+const NOT_IMPORTED: &[(&str, &str, &[&str])] = &[
+    ("lab/src", "custom", &["ssct_truth::"]),
+    ("lab/src", "stage", &["ssct_truth::reference", "ssct_scenes::inside"]),
+];
+
+/// The most direct dependencies of the packages that others embed, those of optional features included but for what builds
 /// trees over triangles, which few need.
 const MOST_DEPENDENCIES: usize = 10;
 
 /// What it never depends on: command lines, plots, windows.
-const NOT_EMBEDDED: &[&str] = &["ash-window", "clap", "egui", "plotters", "ssct-lab", "winit"];
+const NOT_EMBEDDED: &[&str] = &["ash-window", "clap", "egui", "plotters", "ssct-lab", "ssct-scenes", "winit"];
 
 /// Modules of `passes` that are no pass: what several of them read, or are made of.
 const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles", "traced", "tracer", "triangle_scene"];
@@ -139,8 +131,8 @@ fn files(folder: &str, extensions: &[&str]) -> impl Iterator<Item = (String, Str
 
 fn sources() -> Vec<Source> {
     let shipped = |(path, _): &(String, String)| Path::new(path).file_stem().is_some_and(|stem| stem != "tests");
-    let package_sources = |(package, _): &(&'static str, _)| {
-        let package = *package;
+    let package_sources = |package: &Package| {
+        let package = package.sources;
         let source = move |(path, text): (String, String)| Source { package, path, code: code(&text) };
         let found: Vec<_> = files(package, &["rs"]).filter(shipped).map(source).collect();
         assert!(found.len() > 25, "only {} sources found in {package}", found.len());
@@ -278,30 +270,28 @@ fn module(path: &str) -> &str {
     path.split(['/', '.']).next().unwrap()
 }
 
-/// What a file imports against the rule of the layers. The laboratory may name a module of the other package by either
-/// crate, and the window may import everything.
-fn wrong_imports(package: &str, path: &str, code: &str) -> Vec<String> {
-    if package == VIEW {
+/// What a file imports against the rule of the layers.
+fn wrong_imports(Source { package, path, code }: &Source) -> Vec<String> {
+    let Package { layers, .. } = PACKAGES.iter().find(|p| p.sources == *package).unwrap();
+    if layers.is_empty() {
         return Vec::new();
     }
     let module = module(path);
-    let Some((_, below)) = LAYERS.iter().find(|(name, _)| *name == module) else {
+    let Some((_, below)) = layers.iter().find(|(name, _)| *name == module) else {
         return vec![format!("{path}: the module {module} stands in no layer")];
     };
-    let prefixes: &[&str] = match (package, module) {
-        (_, "lib") => &[],
-        (_, "main") => &["ssct_lab::", "ssct_truth::", "ssct::"],
-        ("src", _) => &["crate::"],
-        _ => &["crate::", "ssct_truth::", "ssct::"],
+    let prefix = match module {
+        "lib" => return Vec::new(),
+        "main" => "ssct_lab::",
+        _ => "crate::",
     };
-    // `ssct` is a method, too, whose items are no modules.
-    let is_module = |n: &String| LAYERS.iter().any(|(name, _)| n == name);
     let wrong = |n: &String| n != module && !below.contains(&n.as_str());
-    let named = |prefix: &&str| {
-        let names = names_after(code, prefix).into_iter();
-        names.filter(|n| *prefix != "ssct::" || is_module(n)).collect::<Vec<_>>()
-    };
-    prefixes.iter().flat_map(named).filter(wrong).map(|n| format!("{path} imports {n}")).collect()
+    let above = names_after(code, prefix).into_iter().filter(wrong);
+    let mut found: Vec<_> = above.map(|n| format!("{path} imports {n}")).collect();
+    let forbidden =
+        NOT_IMPORTED.iter().filter(|(p, m, _)| p == package && *m == module).flat_map(|(_, _, words)| *words);
+    found.extend(forbidden.filter(|word| code.contains(**word)).map(|word| format!("{path} imports {word}")));
+    found
 }
 
 /// The sibling passes that a pass imports.
@@ -313,44 +303,72 @@ fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
 
 #[test]
 fn imports_point_down_only() {
-    let wrong: Vec<_> = sources().iter().flat_map(|s| wrong_imports(s.package, &s.path, &s.code)).collect();
+    let wrong: Vec<_> = sources().iter().flat_map(wrong_imports).collect();
     assert_eq!(wrong, [""; 0]);
 }
 
+/// The folders of packages that the map lists, by the packages' names, with the packages that each needs.
+fn packages_of_the_map() -> BTreeMap<String, (String, BTreeSet<String>)> {
+    let map = std::fs::read_to_string(repository().join("src/ARCHITECTURE.md")).unwrap();
+    let quoted = |cell: &str| cell.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+    let row = |line: &str| {
+        let cells: Vec<_> = line.split('|').map(quoted).collect();
+        let [_, name, folder, needs, ..] = &cells[..] else { return None };
+        let is_package =
+            name.len() == 1 && name[0].starts_with("ssct") && folder.len() == 1 && folder[0].ends_with('/');
+        is_package.then(|| (name[0].clone(), (folder[0].clone(), needs.iter().cloned().collect())))
+    };
+    map.lines().filter_map(row).collect()
+}
+
 #[test]
-fn what_others_embed_knows_nothing_of_the_laboratory() {
-    for s in sources() {
-        let (_, modules) = PACKAGES.iter().find(|(package, _)| *package == s.package).unwrap();
-        let is_listed = s.package == VIEW || modules.contains(&module(&s.path));
-        assert!(is_listed, "{} is in {}", s.path, s.package);
-        assert!(s.package != "src" || !s.code.contains("ssct_lab"), "{} names the laboratory", s.path);
-        assert!(s.package == VIEW || !s.code.contains("ssct_view"), "{} names the window", s.path);
+fn packages_need_what_the_map_says() {
+    let members: Vec<_> = manifest(".")["workspace"]["members"].as_array().unwrap().clone();
+    let map = packages_of_the_map();
+    assert_eq!(map.len(), members.len(), "every package is in the map: {map:?}");
+    for (name, (folder, needs)) in &map {
+        let manifest = manifest(folder);
+        assert_eq!(manifest["package"]["name"].as_str(), Some(&**name), "{folder}");
+        let dependencies = manifest["dependencies"].as_table().unwrap().keys();
+        let ours: BTreeSet<_> = dependencies.filter(|d| map.contains_key(*d)).cloned().collect();
+        assert_eq!(ours, *needs, "what {name} needs");
+        let is_plain = matches!(&**name, "ssct-ground" | "ssct-scenes" | "ssct-truth");
+        assert!(!is_plain || !manifest["dependencies"].as_table().unwrap().contains_key("ash"), "{name} knows Vulkan");
     }
+}
+
+#[test]
+fn every_module_is_listed_in_its_package() {
+    for s in sources() {
+        let Package { layers, .. } = PACKAGES.iter().find(|p| p.sources == s.package).unwrap();
+        let is_listed = layers.is_empty() || layers.iter().any(|(name, _)| *name == module(&s.path));
+        assert!(is_listed, "{} is in {}", s.path, s.package);
+    }
+}
+
+/// The manifest of a package.
+fn manifest(folder: &str) -> toml::Table {
+    let path = repository().join(folder).join("Cargo.toml");
+    std::fs::read_to_string(path).unwrap().parse().expect("a manifest")
 }
 
 #[test]
 fn what_others_embed_depends_on_little() {
-    let text = std::fs::read_to_string(repository().join("Cargo.toml")).unwrap();
-    let manifest: toml::Table = text.parse().unwrap();
-    assert!(!manifest.contains_key("target"), "dependencies of one system count, too: count them here");
-    let names: Vec<_> =
-        manifest["dependencies"].as_table().unwrap().keys().map(String::as_str).filter(|n| *n != "obvhs").collect();
-    assert!(names.contains(&"ash") && names.len() <= MOST_DEPENDENCIES, "{}: {names:?}", names.len());
+    let manifests = [manifest("."), manifest("ground")];
+    assert!(
+        manifests.iter().all(|m| !m.contains_key("target")),
+        "dependencies of one system count, too: count them here"
+    );
+    let keys = |table: &str| -> BTreeSet<String> {
+        manifests.iter().filter_map(|m| m.get(table)?.as_table()).flat_map(|t| t.keys().cloned()).collect()
+    };
+    let mut names = keys("dependencies");
+    names.retain(|n| n != "obvhs" && n != "ssct-ground");
+    assert!(names.contains("ash") && names.len() <= MOST_DEPENDENCIES, "{}: {names:?}", names.len());
     for table in ["dependencies", "build-dependencies", "dev-dependencies"] {
-        for name in manifest[table].as_table().unwrap().keys() {
-            assert!(!NOT_EMBEDDED.contains(&name.as_str()), "{name} in {table}");
-        }
+        let found = keys(table).into_iter().find(|name| NOT_EMBEDDED.contains(&name.as_str()));
+        assert_eq!(found, None, "in {table}");
     }
-}
-
-#[test]
-fn the_references_share_nothing_with_the_gpu() {
-    for layer in ["reference", "metrics"] {
-        let (_, below) = LAYERS.iter().find(|(name, _)| *name == layer).unwrap();
-        assert!(["gpu", "passes", "methods"].iter().all(|n| !below.contains(n)), "{layer}");
-    }
-    let vulkan = |s: &&Source| s.is_of("reference") && s.code.contains("ash::");
-    assert_eq!(sources().iter().filter(vulkan).map(|s| s.path.clone()).collect::<Vec<_>>(), [""; 0]);
 }
 
 #[test]
@@ -430,7 +448,7 @@ const ONE_CIRCLE: (&str, &str) = ("src", "gpu::");
 fn no_modules_beside_each_other_import_each_other_in_a_circle() {
     let sources = sources();
     let mut found = 0;
-    for (package, _) in PACKAGES {
+    for Package { sources: package, .. } in PACKAGES {
         for (folder, mut imports) in siblings(&sources, package) {
             let modules: BTreeSet<String> = imports.keys().cloned().collect();
             for names in imports.values_mut() {

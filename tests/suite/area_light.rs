@@ -3,13 +3,13 @@
 
 use crate::common::{Builder, camera, gpu};
 use glam::{DVec3, Vec3};
-use ssct::math::phong;
 use ssct::methods::{Setup, Wants, find};
-use ssct_lab::reference::first_hits::{FirstHits, Receiver};
-use ssct_lab::reference::lobe::lobe_direction;
-use ssct_lab::scene::{AreaLight, AreaShape, Material, Scene};
+use ssct_ground::math::phong;
 use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Shot, Stage, gbuffer};
+use ssct_scenes::{AreaLight, AreaShape, Material, Scene};
+use ssct_truth::reference::first_hits::{FirstHits, Receiver};
+use ssct_truth::reference::lobe::lobe_direction;
 
 const EXTENT: [u32; 2] = [64, 48];
 /// Directions along each side of the grid.

@@ -7,9 +7,9 @@ use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::Setup;
 use ssct::methods::billboard::BillboardParams;
 use ssct::passes::billboard::{Blur, Occlusion, Order};
-use ssct_lab::reference::first_hits::Receiver;
-use ssct_lab::scene::{Encoding, Impostor, Scene, Texture};
 use ssct_lab::stage::Globals;
+use ssct_scenes::{Encoding, Impostor, Scene, Texture};
+use ssct_truth::reference::first_hits::Receiver;
 
 const EXTENT: [u32; 2] = [241, 181];
 const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);
@@ -188,7 +188,7 @@ fn a_glow_fades_beyond_the_edges_of_a_billboard() {
     // An image of one colour, so that all its levels are equal.
     let mut even = scene(false);
     even.textures[1].rgba = [255, 188, 0, 255].repeat(64);
-    let color = Vec3::new(1.0, ssct::math::srgb_to_linear(188.0 / 255.0), 0.0);
+    let color = Vec3::new(1.0, ssct_ground::math::srgb_to_linear(188.0 / 255.0), 0.0);
     let (strength, width) = (0.5, 0.75);
     let (plain, _) = glowing(&gpu, &even, Occlusion::None, (0.0, width));
     let (lit, off) = glowing(&gpu, &even, Occlusion::None, (strength, width));

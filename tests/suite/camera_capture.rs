@@ -9,9 +9,9 @@ use ssct::gpu::{DeviceQuery, Gpu, Pixels, Watch};
 use ssct::methods::setup::{BeyondScreen, CaptureCount};
 use ssct::methods::{EffectParams, Fallback, Setup, Wants, find};
 use ssct::passes::PathCode;
-use ssct_lab::metrics::place::RayEnd;
-use ssct_lab::scene::{Camera, Capture, Scene, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Camera, Capture, Scene, View};
+use ssct_truth::metrics::place::RayEnd;
 use std::sync::Arc;
 
 const EXTENT: [u32; 2] = [80, 45];
@@ -153,7 +153,7 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
                 let apart = found.as_vec3().distance(truth);
                 assert!(code == Some(PathCode::Capture) && apart < 0.05, "{method}: {code:?}, {apart} m off");
                 // The picture runs over 32 m from black to white, in sRGB.
-                let encoded = |v: f32| ssct::math::display_byte(v) as f32 / 255.0;
+                let encoded = |v: f32| ssct_ground::math::display_byte(v) as f32 / 255.0;
                 let [u, v] = [(truth.x + 16.0) / 32.0, 1.0 - (truth.y + 15.0) / 32.0];
                 let off = (encoded(color[0]) - u).abs().max((encoded(color[1]) - v).abs());
                 assert!(off < 0.05, "{method}: {color:?} at {u}, {v}");

@@ -6,21 +6,21 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
-use ssct::math::constants::{PATH_NONE, PATH_SKY, PATH_UNKNOWN};
-use ssct::math::random::Stream;
 use ssct::methods::capture::CaptureImages;
 use ssct::methods::setup::CaptureCount;
 use ssct::methods::{EffectParams, Fallback, SceneInput, Setup, Wants, find, unified};
 use ssct::passes::PathCode;
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
-use ssct_lab::reference::images::EndInImages;
-use ssct_lab::reference::unified::{CaptureTraversal, RayEndKind, ScreenRayEnd, Traversal};
-use ssct_lab::reference::{CaptureData, ImageOracle};
-use ssct_lab::scene::capture::face_camera;
-use ssct_lab::scene::{Aabb, Capture, GBufferData, Lens, Material, Scene, Surface, View};
+use ssct_ground::math::constants::{PATH_NONE, PATH_SKY, PATH_UNKNOWN};
+use ssct_ground::math::random::Stream;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_lab::study::stress;
+use ssct_scenes::capture::face_camera;
+use ssct_scenes::{Aabb, Capture, GBufferData, Lens, Material, Scene, Surface, View};
+use ssct_truth::reference::images::EndInImages;
+use ssct_truth::reference::unified::{CaptureTraversal, RayEndKind, ScreenRayEnd, Traversal};
+use ssct_truth::reference::{CaptureData, ImageOracle};
 
 /// What the device drew and where its rays ended.
 struct Drawn {
@@ -161,7 +161,7 @@ fn check_twin(drawn: &Drawn) -> Count {
     count
 }
 
-fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct_lab::reference::unified::Hit) -> bool {
+fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct_truth::reference::unified::Hit) -> bool {
     let uv = hit.position * screen.parameters.pixel_to_clip;
     let bits = [uv.x, uv.y, 1.0 - hit.depth].map(f32::to_bits);
     PathCode::from_channel(found[3]) == Some(PathCode::HiZ) && bits == [0, 1, 2].map(|c| found[c].to_bits())

@@ -5,16 +5,16 @@ use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
-use ssct::math::random::Stream;
 use ssct::methods::Setup;
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::passes::color_chain::{ChainFilter, ChainMask, ColorChainPass};
 use ssct::passes::gbuffer::GBufferImages;
-use ssct_lab::reference::Level;
-use ssct_lab::reference::hi_z::{self, MinMax};
-use ssct_lab::reference::visibility::{self, Range};
-use ssct_lab::scene::{GBufferData, LoadOptions, Surface, scene_file};
+use ssct_ground::math::random::Stream;
 use ssct_lab::stage::Globals;
+use ssct_scenes::{GBufferData, LoadOptions, Surface, scene_file};
+use ssct_truth::reference::Level;
+use ssct_truth::reference::hi_z::{self, MinMax};
+use ssct_truth::reference::visibility::{self, Range};
 
 const SIZES: [[u32; 2]; 14] = [
     [1, 1],
@@ -326,7 +326,7 @@ fn the_two_filters_differ() {
     let gpu = gpu();
     let [a, b] = [ChainFilter::Hardware, ChainFilter::Gaussian].map(|f| render(&gpu, [64, 64], f));
     assert_eq!(a.get("color"), b.get("color"), "level 0 is the lit colour either way");
-    let difference = ssct_lab::metrics::rmse(&a.levels("color")[1].values, &b.levels("color")[1].values);
+    let difference = ssct_truth::metrics::rmse(&a.levels("color")[1].values, &b.levels("color")[1].values);
     assert!(difference > 0.005, "{difference}");
 }
 

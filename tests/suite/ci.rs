@@ -115,9 +115,9 @@ fn every_script_says_what_it_is_for() {
     assert_eq!(output.status.code(), Some(2), "nothing is fetched for a flag that there is not");
 }
 
-/// The numbers of a version, without what is said behind them.
+/// The numbers of a version, without what is said before and behind them.
 fn numbers(version: &str) -> Vec<u64> {
-    let plain = version.split(['+', '-']).next().unwrap();
+    let plain = version.trim_start_matches('=').split(['+', '-']).next().unwrap();
     plain.split('.').map(|number| number.parse().unwrap()).collect()
 }
 
@@ -133,8 +133,10 @@ fn each_manifest_asks_for_versions_that_are_tested() {
         .map(|p| (p["name"].as_str().unwrap(), numbers(p["version"].as_str().unwrap())))
         .collect();
     let mut seen = 0;
-    for file in ["Cargo.toml", "c/Cargo.toml", "lab/Cargo.toml", "lab/truth/Cargo.toml", "lab/view/Cargo.toml"] {
-        let manifest = read(file);
+    let workspace = read("Cargo.toml")["workspace"]["members"].as_array().unwrap().clone();
+    for folder in &workspace {
+        let file = format!("{}/Cargo.toml", folder.as_str().unwrap());
+        let manifest = read(&file);
         let kinds = ["dependencies", "dev-dependencies", "build-dependencies"];
         let own = kinds.iter().filter_map(|kind| manifest.get(*kind)?.as_table());
         let shared = manifest.get("workspace").and_then(|w| w.get("dependencies")?.as_table());

@@ -46,7 +46,11 @@ fn render_writes_the_image_at_its_size() {
     .channel_data
     .pixels;
     for (linear, display) in exr.iter().zip(image.pixels()) {
-        assert_eq!([0, 1, 2].map(|c| ssct::math::display_byte(linear[c])), display.0, "the EXR is the PNG, linear");
+        assert_eq!(
+            [0, 1, 2].map(|c| ssct_ground::math::display_byte(linear[c])),
+            display.0,
+            "the EXR is the PNG, linear"
+        );
     }
 
     // A method other than the default makes another image, and so does each of these flags.

@@ -4,10 +4,10 @@
 use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show};
 use glam::{DVec2, Vec3};
 use ssct::gpu::Pixels;
-use ssct::math::cone::{Circle, circles};
 use ssct::methods::Setup;
-use ssct::parameter::Preset;
 use ssct::passes::PathCode;
+use ssct_ground::math::cone::{Circle, circles};
+use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
 /// A trilinear sample of a chain; the level is clamped to it.

@@ -7,11 +7,11 @@ use ssct::gpu::Pixels;
 use ssct::methods::dda::DdaParams;
 use ssct::methods::{Setup, Wants, find};
 use ssct::passes::PathCode;
-use ssct_lab::metrics::HitAgreement;
-use ssct_lab::reference::{Oracle, Outcome};
-use ssct_lab::scene::{Camera, Scene, View};
 use ssct_lab::stage::gbuffer::{self, hit_positions};
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::{Camera, Scene, View};
+use ssct_truth::metrics::HitAgreement;
+use ssct_truth::reference::{Oracle, Outcome};
 
 const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
 const WALL_Z: f32 = 6.0;

@@ -16,8 +16,8 @@ use ssct::{
     FrameInput, ImageInput, MemoryBlock, MemoryPlace, NormalEncoding, NormalSpace, Reflections, ReflectionsInfo,
     Reflectors,
 };
-use ssct_lab::scene::Capture;
 use ssct_lab::stage::{Globals, Stage, gbuffer};
+use ssct_scenes::Capture;
 use std::ptr::NonNull;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

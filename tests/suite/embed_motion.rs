@@ -8,11 +8,11 @@ use ssct::gpu::{Image, Pixels};
 use ssct::methods::setup::{BeyondScreen, HistoryUse};
 use ssct::methods::unified::{FirstTraced, HitColor, UnifiedParams};
 use ssct::methods::{EffectParams, Setup, Wants, find};
-use ssct::scene::{Aabb, Camera};
 use ssct::{FrameInput, ImageInput, MotionInput, Reflections, ReflectionsInfo};
-use ssct_lab::metrics::image::masked_rmse;
-use ssct_lab::scene::{GBufferData, Scene, View};
+use ssct_ground::scene::{Aabb, Camera};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{GBufferData, Scene, View};
+use ssct_truth::metrics::image::masked_rmse;
 
 const EXTENT: [u32; 2] = [161, 91];
 

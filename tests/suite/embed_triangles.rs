@@ -12,8 +12,8 @@ use ssct::methods::unified::{FirstTraced, HitColor, UnifiedParams};
 use ssct::methods::{self, EffectParams, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::{FrameInput, HitTexture, MeshTexture, Reflections, ReflectionsInfo, TriangleMesh, Triangles};
-use ssct_lab::scene::{GBufferData, Surface};
 use ssct_lab::stage::{Stage, gbuffer};
+use ssct_scenes::{GBufferData, Surface};
 
 const EXTENT: [u32; 2] = [97, 61];
 /// Size of lit images, whose pixels show textures.

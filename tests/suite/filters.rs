@@ -3,11 +3,11 @@
 
 use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, show};
 use ssct::gpu::{Gpu, Pixels};
-use ssct::math::linear_to_srgb;
 use ssct::methods::Setup;
 use ssct::methods::poster::PosterParams;
-use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
+use ssct_ground::math::linear_to_srgb;
+use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
 fn sslr(gpu: &Gpu, extent: [u32; 2], preset: Preset, roughness: f32) -> Shown {
@@ -45,7 +45,7 @@ fn masked_blur(color: &Pixels, mask: &Pixels, [w, h]: [u32; 2], step: [f32; 2]) 
 
 /// To 8 bits and back, as the images between the passes do.
 fn rounded(mut color: Pixels, mut mask: Pixels) -> (Pixels, Pixels) {
-    color.values.iter_mut().for_each(|v| *v = ssct::math::srgb_to_linear(encoded(*v).round() / 255.0));
+    color.values.iter_mut().for_each(|v| *v = ssct_ground::math::srgb_to_linear(encoded(*v).round() / 255.0));
     mask.values.iter_mut().for_each(|v| *v = (*v * 255.0).round() / 255.0);
     (color, mask)
 }

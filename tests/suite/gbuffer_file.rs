@@ -7,10 +7,10 @@ use crate::common::gpu;
 use glam::Vec3;
 use ssct::methods::setup::{CaptureCount, CaptureSide};
 use ssct::methods::{self, EffectParams, Fallback, METHODS, Setup, Wants};
-use ssct::parameter::{Choices, Field};
-use ssct_lab::scene::capture_file::CaptureFolder;
-use ssct_lab::scene::{GBufferData, gbuffer_file};
+use ssct_ground::parameter::{Choices, Field};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
+use ssct_scenes::capture_file::CaptureFolder;
+use ssct_scenes::{GBufferData, gbuffer_file};
 use std::path::Path;
 use std::process::Command;
 

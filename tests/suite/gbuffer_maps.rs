@@ -24,9 +24,9 @@ use glam::{DMat4, DVec3, Mat4, Vec3};
 use half::f16;
 use ssct::gpu::Pixels;
 use ssct::methods::{self, METHODS, Setup, Wants};
-use ssct_lab::scene::gbuffer_map::GBufferMap;
-use ssct_lab::scene::{GBufferData, gbuffer_file};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::gbuffer_map::GBufferMap;
+use ssct_scenes::{GBufferData, gbuffer_file};
 use std::sync::OnceLock;
 
 const SIZE: [u32; 2] = [161, 119];
@@ -56,7 +56,7 @@ fn original() -> &'static GBufferData {
         data.normal[..sky].fill(Vec3::ZERO);
         data.roughness[..sky].fill(0.0);
         data.reflectivity[..sky].fill(0.0);
-        data.surface.fill(ssct_lab::scene::Surface::Lit);
+        data.surface.fill(ssct_scenes::Surface::Lit);
         assert!(data.reflecting().iter().filter(|r| **r).count() > 4000, "a scene that reflects");
         data
     })
@@ -237,7 +237,7 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
         [0, 1, 2].map(|k| floats(axis(&data.color, k))).into_iter().chain([
             floats(each(&data.reflectivity, |v| f64::from(*v) * 0.25)),
             // α(ϱ) by its formula; an exponent is infinite for a mirror.
-            floats(each(&data.roughness, |v| ssct::math::phong::exponent(f64::from(*v)))),
+            floats(each(&data.roughness, |v| ssct_ground::math::phong::exponent(f64::from(*v)))),
         ]),
     ));
     write_exr(&folder.path("a.exr"), SIZE, vec![depth_and_normal]);
@@ -385,7 +385,7 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
     let gl_depth = "channel = \"gl\"\nkind = \"minus-one-to-one\"";
     let signed = "encoding = \"octahedral\"\nchannels = [\"x\", \"y\"]";
     let in_view = |data: &GBufferData| GBufferData {
-        camera: ssct_lab::scene::Camera { world_to_view: Mat4::IDENTITY, ..data.camera },
+        camera: ssct_scenes::Camera { world_to_view: Mat4::IDENTITY, ..data.camera },
         ..data.clone()
     };
     let expected = in_view(data);

@@ -4,13 +4,13 @@
 use crate::common::gpu;
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
-use ssct::math::OracleVersion;
 use ssct::methods::{self, Setup, Wants};
-use ssct_lab::metrics::image::masked_rmse;
-use ssct_lab::reference::screen::{Sampling, ScreenReference};
-use ssct_lab::scene::{GBufferData, View};
+use ssct_ground::math::OracleVersion;
 use ssct_lab::stage::gbuffer::{self, reflect};
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::{GBufferData, View};
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::reference::screen::{Sampling, ScreenReference};
 
 /// The G-buffer of a built-in view, moved aside by a part of a metre.
 fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {

@@ -5,8 +5,6 @@ use crate::common::{check_validation, gpu, is_gpu_assisted, share_of_roundings};
 use glam::{IVec2, Vec2, Vec3, Vec4};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Image, Pixels, ShaderStage};
-use ssct::math::OracleVersion;
-use ssct::math::random::Stream;
 use ssct::methods::{self, Setup, Wants, unified};
 use ssct::passes::classify::ClassifyPass;
 use ssct::passes::color_chain::ColorChainPass;
@@ -16,10 +14,12 @@ use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::tiles::UnifiedSetup;
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
-use ssct_lab::reference::Level;
-use ssct_lab::reference::unified::{AimedRay, Gloss, NeighbourRay, ResolvedCell, Traversal};
-use ssct_lab::scene::{Camera, GBufferData, Lens, Surface};
+use ssct_ground::math::OracleVersion;
+use ssct_ground::math::random::Stream;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Camera, GBufferData, Lens, Surface};
+use ssct_truth::reference::Level;
+use ssct_truth::reference::unified::{AimedRay, Gloss, NeighbourRay, ResolvedCell, Traversal};
 
 /// The numbers of fade that `unified::parameters` gives.
 const FADE: [f32; 2] = [0.8, 1.0];

@@ -6,13 +6,13 @@ use crate::common::{gpu, repository, unfaded};
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct::parameter::Preset;
 use ssct::passes::color_chain::ChainFilter;
-use ssct_lab::metrics::flip::FlipMap;
+use ssct_ground::parameter::Preset;
 use ssct_lab::report::images::{Rgb, display};
-use ssct_lab::scene::library;
 use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::library;
+use ssct_truth::metrics::flip::FlipMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

@@ -5,12 +5,12 @@ use ssct::gpu::Pixels;
 use ssct::methods::thesis::{self, HiZParams};
 use ssct::methods::{self, Setup, Wants};
 use ssct::passes::{Content, PathCode};
-use ssct_lab::reference::Level;
-use ssct_lab::reference::hi_z::MinMax;
-use ssct_lab::reference::hi_z_ray_trace::{End, reflection_ray, trace};
 use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
 use ssct_lab::study::twin::hi_z_constants;
+use ssct_truth::reference::Level;
+use ssct_truth::reference::hi_z::MinMax;
+use ssct_truth::reference::hi_z_ray_trace::{End, reflection_ray, trace};
 
 /// No power of two, so that levels have odd sides.
 const SIZE: [u32; 2] = [97, 55];

@@ -4,9 +4,9 @@ use crate::common::gpu;
 use glam::{Vec2, Vec3};
 use ssct::methods::setup::HistoryUse;
 use ssct::methods::{EffectParams, Setup, Wants, find};
-use ssct_lab::metrics::image::masked_rmse;
-use ssct_lab::scene::{Placement, Scene, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Placement, Scene, View};
+use ssct_truth::metrics::image::masked_rmse;
 
 const EXTENT: [u32; 2] = [161, 91];
 

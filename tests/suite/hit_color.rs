@@ -6,8 +6,8 @@ use glam::Vec3;
 use ssct::methods::Setup;
 use ssct::methods::setup::StageChoice;
 use ssct::methods::unified::UnifiedParams;
-use ssct_lab::scene::Scene;
 use ssct_lab::stage::Globals;
+use ssct_scenes::Scene;
 
 /// An even height, so that no row of pixels is the horizon.
 const EXTENT: [u32; 2] = [160, 120];

@@ -6,8 +6,8 @@ use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::Setup;
 use ssct::methods::ibr::IbrParams;
-use ssct_lab::scene::{Impostor, Scene};
 use ssct_lab::stage::Globals;
+use ssct_scenes::{Impostor, Scene};
 
 const EXTENT: [u32; 2] = [241, 181];
 const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);

@@ -2,11 +2,11 @@
 //! normal sees of the lit scene, the right way round.
 
 use glam::{DVec3, Vec3};
-use ssct::math::srgb_to_linear;
 use ssct::passes::scene_data::MAX_LIGHTS;
-use ssct_lab::reference::surface::World;
-use ssct_lab::scene::bvh::WorldRay;
-use ssct_lab::scene::{Encoding, Impostor, Material, Scene, library};
+use ssct_ground::math::srgb_to_linear;
+use ssct_scenes::bvh::WorldRay;
+use ssct_scenes::{Encoding, Impostor, Material, Scene, library};
+use ssct_truth::reference::surface::World;
 
 /// Points along each side of an image that are looked at.
 const GRID: u32 = 24;

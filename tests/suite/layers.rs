@@ -8,10 +8,10 @@ use ssct::gpu::Pixels;
 use ssct::gpu::frame::Mode;
 use ssct::methods::layers::LayerParams;
 use ssct::methods::{EffectParams, METHODS, Setup, Wants, find};
-use ssct::parameter::{Parameters, Value};
-use ssct_lab::metrics::place::RayEnd;
-use ssct_lab::scene::{Camera, GBufferData, Scene, View};
+use ssct_ground::parameter::{Parameters, Value};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Camera, GBufferData, Scene, View};
+use ssct_truth::metrics::place::RayEnd;
 
 const EYE: Vec3 = Vec3::new(0.0, 1.0, 0.0);
 const EXTENT: [u32; 2] = [320, 180];

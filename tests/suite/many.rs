@@ -5,9 +5,9 @@ use glam::Vec3;
 use ssct::methods::Setup;
 use ssct::methods::planar::PlanarParams;
 use ssct::passes::scene_data::MAX_LIGHTS;
-use ssct_lab::scene::obj::{Handedness, ObjFile, ObjOptions};
-use ssct_lab::scene::{Light, obj};
 use ssct_lab::stage::{Globals, Stage};
+use ssct_scenes::obj::{Handedness, ObjFile, ObjOptions};
+use ssct_scenes::{Light, obj};
 use std::fmt::Write;
 
 /// The albedo of one material of many; neighbours differ.

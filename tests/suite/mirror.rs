@@ -8,10 +8,10 @@ mod ramp;
 
 use crate::common::{Builder, Shown, camera};
 use glam::{DVec2, DVec3, Vec3};
-use ssct::math::display_byte;
-use ssct::math::projection::{project, unproject};
 use ssct::passes::PathCode;
-use ssct_lab::scene::{Camera, Scene};
+use ssct_ground::math::display_byte;
+use ssct_ground::math::projection::{project, unproject};
+use ssct_scenes::{Camera, Scene};
 
 const WALL_Z: f64 = 6.0;
 /// Side of a cell of the wall's pattern in metres.

@@ -4,14 +4,14 @@
 use crate::common::{check_validation, gpu};
 use crate::triangles::{EXTENT, beyond, mirrors, traced};
 use glam::{Quat, Vec3};
-use ssct::error::Result;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameReport, Gpu, Pixels};
 use ssct::methods::unified::FirstTraced;
 use ssct::methods::{MethodInfo, Setup, Wants, find};
-use ssct::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords, most_levels};
-use ssct_lab::scene::{Placement, Scene};
+use ssct_ground::error::Result;
+use ssct_ground::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords, most_levels};
 use ssct_lab::stage::{Shot, Stage, gbuffer};
+use ssct_scenes::{Placement, Scene};
 use std::cell::Cell;
 use std::rc::Rc;
 

@@ -5,8 +5,8 @@ use crate::common::folder::Folder;
 use ssct::gpu::Pixels;
 use ssct::methods::thesis::{ConeAngle, ConeParams, FadeParams};
 use ssct::methods::{METHODS, MethodInfo, Setup, Wants, find};
-use ssct_lab::scene::{Scene, library};
 use ssct_lab::stage::{Globals, Shot, Stage, image};
+use ssct_scenes::{Scene, library};
 
 const SIZE: [u32; 2] = [64, 36];
 

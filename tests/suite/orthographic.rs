@@ -9,13 +9,13 @@ use crate::{gloss_twin, triangles, unified as on_screen};
 use glam::{Mat4, Vec3};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{Gpu, Pixels};
-use ssct::math::OracleVersion;
 use ssct::methods::setup::{BeyondScreen, CaptureCount, HistoryUse};
 use ssct::methods::unified::FirstTraced;
 use ssct::methods::{self, Effect, EffectParams, Fallback, METHODS, Setup, Wants, unified};
 use ssct::{ClipY, ProjectionKind, Reflections};
-use ssct_lab::scene::{Camera, Capture, GBufferData, Lens, Projection, Scene, View};
+use ssct_ground::math::OracleVersion;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Camera, Capture, GBufferData, Lens, Projection, Scene, View};
 
 /// A view of a built-in scene along parallel lines.
 fn parallel(scene: &Scene, eye: Vec3, look_at: Vec3, height_m: f32) -> View {

@@ -5,13 +5,11 @@ use crate::common::folder::Folder;
 use crate::common::html::{attributes, chromium, probe};
 use ssct::gpu::DeviceInfo;
 use ssct::methods::{Prepared, Setup, find};
-use ssct::parameter::Preset;
 use ssct::passes::gbuffer::DrawnCounts;
-use ssct_lab::metrics::HitAgreement;
+use ssct_ground::parameter::Preset;
 use ssct_lab::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Strip, Times};
 use ssct_lab::report::images::Rgb;
 use ssct_lab::report::{plot, tables};
-use ssct_lab::scene::Lens;
 use ssct_lab::stage::Globals;
 use ssct_lab::study::engine::Row;
 use ssct_lab::study::error::{ErrorRecord, ErrorReference, ImageError, source_table};
@@ -19,6 +17,8 @@ use ssct_lab::study::record::{Head, PassRecord, Provenance, recorded};
 use ssct_lab::study::table::{cells, compare};
 use ssct_lab::study::timing::chart;
 use ssct_lab::study::{Stats, TimeRecord};
+use ssct_scenes::Lens;
+use ssct_truth::metrics::HitAgreement;
 use std::path::Path;
 
 /// Phone and desktop, in CSS pixels.

@@ -7,8 +7,8 @@ use ssct::methods::Setup;
 use ssct::methods::planar::PlanarParams;
 use ssct::methods::setup::{EffectParams, Fallback};
 use ssct::passes::planar::MirrorDrawing;
-use ssct_lab::scene::{Camera, Scene};
 use ssct_lab::stage::Globals;
+use ssct_scenes::{Camera, Scene};
 
 const EXTENT: [u32; 2] = [321, 239];
 
@@ -17,7 +17,7 @@ const EXTENT: [u32; 2] = [321, 239];
 fn scene() -> Scene {
     let mut b = Builder::new("mirrors");
     b.light(Vec3::new(0.3, -0.6, 0.5));
-    b.0.lights.push(ssct_lab::scene::Light::Point { position: Vec3::new(-1.0, 2.0, 2.0), energy: 3.0 });
+    b.0.lights.push(ssct_scenes::Light::Point { position: Vec3::new(-1.0, 2.0, 2.0), energy: 3.0 });
     let mirror = b.mirror();
     let up = Vec3::new(0.0, 1.0, -0.15).normalize();
     b.quad(mirror, Vec3::new(-2.5, 0.0, 5.0), Vec3::X * 5.0, up * 3.0, Vec3::X.cross(up) * -1.0);

@@ -6,12 +6,12 @@ use glam::Vec3;
 use ssct::gpu::FrameContext;
 use ssct::methods::{self, Setup};
 use ssct::passes::gbuffer::GBufferImages;
-use ssct_lab::metrics::image::masked_rmse;
-use ssct_lab::reference::surface::World;
 use ssct_lab::stage::{Globals, gbuffer};
 use ssct_lab::study::precision::{
     ColorFormat, DepthFormat, ExactGBuffer, NormalFormat, ORACLE, PrecisionSpec, Storage, measure, rungs,
 };
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::reference::surface::World;
 
 const SIZE: [u32; 2] = [161, 91];
 

@@ -10,8 +10,8 @@ use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::setup::Tracer;
 use ssct::methods::unified::{self, FirstTraced};
 use ssct::methods::{EffectParams, MethodInfo, Setup, Wants};
-use ssct_lab::scene::{Encoding, Material, Scene, Texture};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Encoding, Material, Scene, Texture};
 
 /// The number of rays of which one may end elsewhere: on another of two triangles that are equally near within rounding.
 const RAYS_TO_A_TIE: usize = 1000;

@@ -10,11 +10,11 @@ use ssct::methods::setup::CaptureCount;
 use ssct::methods::{EffectParams, Fallback, MethodInfo, SceneInput, Setup, Wants, captures, ssct as thesis, unified};
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
-use ssct_lab::scene::{Capture, Light, Scene, View};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_lab::study::age::{self, AgeStudy};
 use ssct_lab::study::engine::{Bench, Study};
 use ssct_lab::study::journal::Journal;
+use ssct_scenes::{Capture, Light, Scene, View};
 use std::sync::Arc;
 
 /// A mirror floor, a lit wall, and a red screen behind the eye that reflections of the floor and the mirror wall show.

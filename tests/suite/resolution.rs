@@ -5,9 +5,9 @@ use crate::common::{clutter, clutter_camera, gpu, show};
 use ssct::gpu::Pixels;
 use ssct::gpu::frame::Mode;
 use ssct::methods::{EffectParams, Setup, Wants, find};
-use ssct_lab::metrics::rmse;
-use ssct_lab::scene::View;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::View;
+use ssct_truth::metrics::rmse;
 
 const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: None };
 

@@ -19,9 +19,9 @@ mod scene_files;
 mod shared_scenes;
 
 use glam::{Vec2, Vec3};
-use ssct_lab::scene::obj::{Handedness, ObjFile, ObjOptions};
-use ssct_lab::scene::texture::MAX_EXTENT;
-use ssct_lab::scene::{LoadOptions, Material, Mesh, Scene, Vertex, obj};
+use ssct_scenes::obj::{Handedness, ObjFile, ObjOptions};
+use ssct_scenes::texture::MAX_EXTENT;
+use ssct_scenes::{LoadOptions, Material, Mesh, Scene, Vertex, obj};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -59,7 +59,7 @@ impl Folder {
         self.load("a.obj", &LEFT).unwrap()
     }
 
-    fn load(&self, name: &str, options: &ObjOptions) -> ssct::error::Result<Scene> {
+    fn load(&self, name: &str, options: &ObjOptions) -> ssct_ground::error::Result<Scene> {
         obj::load(&[ObjFile::from(self.path(name))], options)
     }
 

@@ -3,12 +3,12 @@
 
 use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, unfaded};
 use glam::{DVec2, DVec3, Vec3};
-use ssct::math::projection::{project, unproject};
 use ssct::methods::ssr_fast::SsrFastParams;
 use ssct::methods::{EffectParams, Setup, find};
 use ssct::passes::PathCode;
-use ssct_lab::scene::{Camera, Lens};
+use ssct_ground::math::projection::{project, unproject};
 use ssct_lab::stage::Globals;
+use ssct_scenes::{Camera, Lens};
 
 /// Eq. 28 as printed, fed with standard depth: 2 d / (d + far).
 fn linear_depth(z: f64) -> f64 {

@@ -3,8 +3,8 @@
 
 use crate::common::hang::wait_until;
 use serde_json::Value;
-use ssct_lab::scene::library;
 use ssct_lab::study::journal::scene_digest;
+use ssct_scenes::library;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

@@ -13,13 +13,13 @@ use ssct::methods::sslr::SslrParams;
 use ssct::methods::ssr_fast::SsrFastParams;
 use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants, hzct, poster, ssct as thesis, sslr};
 use ssct::methods::{dda, ssr, ssr_fast};
-use ssct::parameter::Preset;
 use ssct::passes::color_chain::{ChainFilter, ChainMask};
 use ssct::passes::mask_chain::MaskFilter;
 use ssct::passes::trace_normals::TraceNormals;
-use ssct_lab::scene::{Camera, Capture, Material, Scene, View};
+use ssct_ground::parameter::Preset;
 use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::{Camera, Capture, Material, Scene, View};
 use std::collections::BTreeMap;
 
 /// The bits of a frame's images by their names, its passes, and what the device counted in each.

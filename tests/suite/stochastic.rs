@@ -3,14 +3,14 @@
 use crate::common::{clutter, clutter_camera, gpu, unfaded};
 use glam::Vec3;
 use ssct::gpu::Pixels;
-use ssct::math::OracleVersion;
 use ssct::methods::setup::HistoryUse;
 use ssct::methods::stochastic::{StochasticParams, StochasticWalk};
 use ssct::methods::{EffectParams, Fallback, Setup, Wants, find};
-use ssct_lab::metrics::image::masked_rmse;
-use ssct_lab::reference::screen::{Sampling, ScreenReference};
-use ssct_lab::scene::{Camera, GBufferData, Scene, Surface, View};
+use ssct_ground::math::OracleVersion;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Camera, GBufferData, Scene, Surface, View};
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::reference::screen::{Sampling, ScreenReference};
 
 const EXTENT: [u32; 2] = [161, 91];
 

@@ -9,12 +9,12 @@ use ssct::methods::setup::BeyondScreen;
 use ssct::methods::unified::{FirstTraced, UnifiedParams};
 use ssct::methods::{self, EffectParams, MethodInfo, SceneInput, Setup, Wants};
 use ssct::passes::PathCode;
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::ray::RaySetup;
-use ssct_lab::reference::surface::World;
-use ssct_lab::scene::bvh::WorldRay;
-use ssct_lab::scene::{GBufferData, Material, Scene};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::bvh::WorldRay;
+use ssct_scenes::{GBufferData, Material, Scene};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::ray::RaySetup;
+use ssct_truth::reference::surface::World;
 
 pub(crate) const EXTENT: [u32; 2] = [160, 90];
 

@@ -6,18 +6,18 @@ use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Image, Pixels};
-use ssct::math::OracleVersion;
-use ssct::math::random::Stream;
 use ssct::methods::{EffectParams, Fallback, Input, Method, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::scene_data::SceneData;
 use ssct::passes::{GBuffer, PathCode, Reflectors};
-use ssct_lab::metrics::hits::HitAgreement;
-use ssct_lab::reference::unified::{HitCode, Parameters, Traversal};
-use ssct_lab::reference::{Hierarchy, MissReason, Outcome};
-use ssct_lab::scene::{Camera, GBufferData, Lens, LoadOptions, Material, Scene, Surface, View, library, scene_file};
+use ssct_ground::math::OracleVersion;
+use ssct_ground::math::random::Stream;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Camera, GBufferData, Lens, LoadOptions, Material, Scene, Surface, View, library, scene_file};
+use ssct_truth::metrics::hits::HitAgreement;
+use ssct_truth::reference::unified::{HitCode, Parameters, Traversal};
+use ssct_truth::reference::{Hierarchy, MissReason, Outcome};
 
 /// Awkward sizes: one texel, rows, odd, prime, around a workgroup's 64 pixels.
 const SIZES: [[u32; 2]; 12] = [

@@ -7,7 +7,6 @@ use crate::gloss_twin::{mixed, noise, rooms};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu};
-use ssct::math::OracleVersion::{self, V1, V2};
 use ssct::methods::setup::StageChoice::{self, Compute, Fragment};
 use ssct::methods::setup::{BeyondScreen, HistoryUse};
 use ssct::methods::unified::{FirstTraced, HitColor, UnifiedParams};
@@ -16,8 +15,9 @@ use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::PyramidPass;
 use ssct::passes::{GBuffer, Reflectors};
 use ssct::{Reflections, ReflectionsInfo};
-use ssct_lab::scene::{Camera, Capture, GBufferData, Scene};
+use ssct_ground::math::OracleVersion::{self, V1, V2};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Camera, Capture, GBufferData, Scene};
 
 /// The stages that trace rays and that gather what they saw. Each pair must make the images that the first pair makes.
 const STAGES: [[StageChoice; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fragment], [Fragment, Compute]];

@@ -19,15 +19,15 @@ use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::ssr_fast::SsrFastParams;
 use ssct::methods::unified::{FirstTraced, HitColor, UnifiedParams};
 use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants};
-use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::pyramid::PyramidPass;
 use ssct::passes::tiles::ARGUMENT_BYTES;
-use ssct_lab::scene::View;
+use ssct_ground::parameter::Preset;
 use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_scenes::View;
 
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {

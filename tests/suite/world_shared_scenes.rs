@@ -2,9 +2,9 @@
 //! triangles and masked plants.
 
 use crate::common::sponza;
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::surface::World;
-use ssct_lab::scene::Camera;
+use ssct_scenes::Camera;
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
 
 #[test]
 fn sponza_is_ready_for_rays_and_has_no_cracks() {

@@ -4,11 +4,11 @@
 use glam::{DVec3, Vec3};
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world_hits::{WorldHit, world_hits};
-use ssct_lab::scene::{Camera, Encoding, GBufferData, Material, Scene, Surface, Texture};
 use ssct_lab::stage::{Globals, Shot, Stage, image};
+use ssct_scenes::{Camera, Encoding, GBufferData, Material, Scene, Surface, Texture};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world_hits::{WorldHit, world_hits};
 
 const SIZE: [u32; 2] = [240, 135];
 

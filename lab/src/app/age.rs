@@ -4,12 +4,12 @@ use super::cli::{CommonOptions, DeviceOptions, point, size};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
-use crate::methods;
-use crate::scene::capture::MAX_CAPTURES;
 use crate::study::age::AgeStudy;
 use crate::study::stress::JUDGED;
 use clap::Args;
 use glam::Vec3;
+use ssct::methods;
+use ssct_scenes::capture::MAX_CAPTURES;
 
 /// Options of `ssct age`.
 #[derive(Debug, Args)]
@@ -70,7 +70,7 @@ impl StudyOptions for AgeOptions {
         let methods = resolve::showing(methods::choose(&names, &setup)?, |method| method, &[&scene])?;
         if setup.values.given().any(|name| name == "captures_per_frame") {
             let message = "age compares several numbers of faces a frame: give --faces instead of --captures-per-frame";
-            return Err(Error::Usage(message.into()));
+            return Err(Error::usage(message.into()));
         }
         resolve::meshes(&scene, "--moving", &self.moving)?;
         let study = AgeStudy {

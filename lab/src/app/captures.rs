@@ -4,16 +4,16 @@ use super::cli::DeviceOptions;
 use super::printed;
 use super::resolve;
 use crate::error::Error;
-use crate::inside::PathInFolder;
-use crate::methods::capture::common_near_m;
 use crate::report::captures::{self, CubePictures};
 use crate::report::files;
-use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
-use crate::scene::obj::Handedness;
-use crate::scene::placement::{WantedCaptures, with_captures};
-use crate::scene::{Capture, LoadOptions, Scene, capture_file, scene_file};
 use crate::stage::{Stage, gbuffer};
 use clap::Args;
+use ssct::methods::capture::common_near_m;
+use ssct_scenes::capture::{MAX_CAPTURES, MAX_RESOLUTION};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::obj::Handedness;
+use ssct_scenes::placement::{WantedCaptures, with_captures};
+use ssct_scenes::{Capture, LoadOptions, Scene, capture_file, scene_file};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -76,7 +76,7 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
     }
     if placement.captures.is_empty() {
         let why = "it has no floor that people could stand on, or nothing around one that a mirror could show";
-        return Err(Error::Usage(format!("no place for a capture was found in scene {}: {why}", scene.name)).into());
+        return Err(Error::usage(format!("no place for a capture was found in scene {}: {why}", scene.name)).into());
     }
     if let Some(file) = &options.write {
         let coordinates = coordinates(&options.scene)?;
@@ -98,7 +98,7 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
 /// The handedness in which a scene file states places of captures: that of the given scene file, or else right-handed.
 fn coordinates(sources: &[PathBuf]) -> crate::error::Result<Handedness> {
     match sources {
-        [file] if super::resolve::is_toml(file) => scene_file::coordinates(file),
+        [file] if super::resolve::is_toml(file) => Ok(scene_file::coordinates(file)?),
         _ => Ok(Handedness::Right),
     }
 }
@@ -130,7 +130,7 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
         }
         let [color, depth] = std::mem::take(&mut pictures).crosses();
         color.write_png(place.join(file.with_file_name("color.png")))?;
-        depth.write_png(place.join(file.with_file_name("depth.png")))
+        Ok(depth.write_png(place.join(file.with_file_name("depth.png")))?)
     })?;
     // The list comes last, so that a folder with a list has all of its faces.
     let near_m = common_near_m(captures);

@@ -2,10 +2,10 @@
 
 use super::parameters::{BesideGBufferOptions, MethodOptions, choice};
 use crate::report::figures::Figure;
-use crate::scene::texture::MAX_EXTENT;
 use crate::study::shard::Shard;
 use clap::{Args, Subcommand};
 use glam::Vec3;
+use ssct_scenes::texture::MAX_EXTENT;
 use std::path::PathBuf;
 
 /// Options of `ssct devices`.

@@ -2,13 +2,13 @@
 
 use super::printed;
 use crate::error::{Error, Result};
-use crate::inside::PathInFolder;
-use crate::metrics::bootstrap::Verdict;
 use crate::report::{compare as report, files, images, tables};
 use crate::study::compare::{self, Run, Selection, THRESHOLD, TOTAL, TimeComparison};
 use crate::study::shaders::{self, ShaderRecord};
 use crate::study::timing::SAMPLES;
 use clap::Args;
+use ssct_scenes::inside::PathInFolder;
+use ssct_truth::metrics::bootstrap::Verdict;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -64,7 +64,7 @@ impl CompareOptions {
     /// The second path, which two folders of shaders and two images need.
     fn second(&self) -> Result<&Path> {
         let missing = "compare takes two folders or images, A and B, or one folder of times with --a and --b";
-        self.second.as_deref().ok_or_else(|| Error::Usage(missing.into()))
+        self.second.as_deref().ok_or_else(|| Error::usage(missing.into()))
     }
 
     /// Refuses options that only a comparison of times has; `what` names the compared things.
@@ -76,7 +76,7 @@ impl CompareOptions {
             ("--a and --b", self.a.is_some()),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
-            Some((option, _)) => Err(Error::Usage(format!("{option}: for times, not for {what}"))),
+            Some((option, _)) => Err(Error::usage(format!("{option}: for times, not for {what}"))),
             None => Ok(()),
         }
     }
@@ -100,7 +100,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
         && sort(second)? != a
     {
         let message = "compare takes two folders of times, two of shaders or two images, not one of each";
-        return Err(Error::Usage(message.into()).into());
+        return Err(Error::usage(message.into()).into());
     }
     match a {
         PathContent::Times => times(options),
@@ -121,7 +121,7 @@ fn sort(path: &Path) -> Result<PathContent> {
         return Ok(PathContent::Image);
     }
     std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
-    Err(Error::Usage(format!("{}: neither a folder of times, a .csv, a .png nor an .exr file", path.display())))
+    Err(Error::usage(format!("{}: neither a folder of times, a .csv, a .png nor an .exr file", path.display())))
 }
 
 fn times(options: &CompareOptions) -> anyhow::Result<()> {
@@ -171,7 +171,7 @@ fn settings(options: &CompareOptions, chosen: [&Selection; 2], threshold: f64) -
 /// Refuses a `--threshold` that is out of range.
 pub fn check_threshold(threshold: f64) -> Result<()> {
     if !(0.0..1.0).contains(&threshold) {
-        return Err(Error::Usage(format!("--threshold {threshold}: must be at least 0 and below 1")));
+        return Err(Error::usage(format!("--threshold {threshold}: must be at least 0 and below 1")));
     }
     Ok(())
 }
@@ -194,7 +194,7 @@ fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("shaders")?;
     let paths = [&options.first, options.second()?];
     let read = |folder: &Path| -> Result<Vec<ShaderRecord>> {
-        files::read_records(&PathInFolder::folder(folder).join(SHADERS))
+        Ok(files::read_records(&PathInFolder::folder(folder).join(SHADERS))?)
     };
     let names = paths.map(|path| path.display().to_string());
     let (a, b) = (read(paths[0])?, read(paths[1])?);

@@ -2,8 +2,8 @@
 
 use super::cli::DevicesOptions;
 use super::printed;
-use crate::gpu::device;
 use crate::study::names::json_text;
+use ssct::gpu::device;
 use std::io::Write;
 
 /// Lists the devices. The default device is chosen by its type, not by its place in the list.

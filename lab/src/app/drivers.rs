@@ -3,14 +3,13 @@
 use super::cli::{CommonOptions, size};
 use super::printed;
 use super::{progress, resolve};
-use crate::error::Error;
-use crate::inside::PathInFolder;
 use crate::report::{files, tables};
 use crate::stage::Globals;
 use crate::study::agreement::{AgreementRecord, AgreementSpec, DrawnRecord};
 use crate::study::other_devices;
 use clap::Args;
 use serde_json::Value;
+use ssct_scenes::inside::PathInFolder;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -54,7 +53,7 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     let others = other_devices::others(&base, common.device.validation)?;
     if others.is_empty() {
         let message = format!("there is no device beside {} to compare with", base.info().name);
-        return Err(Error::NoDevice(message).into());
+        return Err(ssct::Error::NoDevice(message).into());
     }
     let spec = |globals: Globals| AgreementSpec {
         scene: &scene,

@@ -5,11 +5,11 @@ use super::measure::StudyOptions;
 use super::resolve;
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
-use crate::scene::{Scene, View, library};
 use crate::stage::Globals;
 use crate::study::error::ErrorStudy;
 use crate::study::sweep;
 use clap::Args;
+use ssct_scenes::{Scene, View, library};
 
 /// Pixels of a quick study.
 pub const QUICK_SIZE: [u32; 2] = [320, 180];
@@ -57,7 +57,7 @@ impl StudyOptions for ErrorOptions {
 
     fn study(&self) -> Result<ErrorStudy> {
         if self.samples == 0 || self.rays < 2 {
-            return Err(Error::Usage("--samples must be at least 1, and --rays at least 2".into()));
+            return Err(Error::usage("--samples must be at least 1, and --rays at least 2".into()));
         }
         let place = &self.common.place;
         let scenes = match (&place.scene[..], self.quick) {

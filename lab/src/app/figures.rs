@@ -11,10 +11,7 @@ use super::printed;
 use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::{DeviceInfo, Gpu};
-use crate::inside::PathInFolder;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
-use crate::scene::{LoadOptions, Scene};
 use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
 use crate::study::journal::{digest, scene_digest};
 use crate::study::names::one_line;
@@ -22,6 +19,9 @@ use crate::study::record::DEFINITIONS;
 use plate::{Document, FinishedFigure, Plate, PrintedScene, quote_word};
 use plates::plates;
 use serde_json::{Value, json};
+use ssct::gpu::{DeviceInfo, Gpu};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::{LoadOptions, Scene};
 use std::io::Write;
 use std::path::Path;
 use workshop::Workshop;
@@ -87,7 +87,7 @@ const INDEX: &str = "index.html";
 /// Writes the page that shows some figures of one device; the files of the figures lie in the folder.
 pub fn write_page(folder: &PathInFolder, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
     let page = FiguresPage { device, command: command.to_owned(), groups: groups(entries) };
-    folder.join(INDEX).write(page.render(folder)?.as_bytes())
+    Ok(folder.join(INDEX).write(page.render(folder)?.as_bytes())?)
 }
 
 /// The settings that a figure depends on, besides the device and the program; the program includes the built-in scenes.
@@ -112,12 +112,12 @@ impl OwnScene {
     fn load(path: &Path) -> Result<Self> {
         let file = path.to_string_lossy().into_owned();
         if !path.is_file() {
-            return Err(Error::Usage(format!("--scene {file}: there is no such file")));
+            return Err(Error::usage(format!("--scene {file}: there is no such file")));
         }
         let scene = resolve::load(&[path.to_owned()], &LoadOptions::default())?;
         let Some(printed) = PrintedScene::from_scene(&scene) else {
             let named = |p: PrintedScene| p.views().join(", ");
-            return Err(Error::Usage(format!(
+            return Err(Error::usage(format!(
                 "--scene {file}: no figure is drawn in this scene, as it has neither the views of the thesis's rooms ({}) nor \
                  those of Sponza ({})",
                 named(PrintedScene::Rooms),
@@ -125,7 +125,7 @@ impl OwnScene {
             )));
         };
         if file.contains('"') {
-            return Err(Error::Usage(format!(
+            return Err(Error::usage(format!(
                 "--scene {file}: a path with a quotation mark cannot stand in a command"
             )));
         }
@@ -159,7 +159,7 @@ fn find_plates(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static P
         let what = own.map_or("there is no such figure".to_owned(), |own| {
             format!("no such figure shows the scene of {} in print", own.file)
         });
-        return Err(Error::Usage(format!("--only {unknown}: {what}; available are: {}", numbers.join(", "))));
+        return Err(Error::usage(format!("--only {unknown}: {what}; available are: {}", numbers.join(", "))));
     }
     Ok(drawn.into_iter().filter(|p| only.is_empty() || only.iter().any(|name| is(p, name))).collect())
 }

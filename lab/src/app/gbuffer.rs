@@ -2,13 +2,13 @@
 
 use super::cli::{GBufferCommand, GBufferConvertOptions, GBufferExportOptions, GBufferReflectOptions};
 use super::resolve;
-use crate::methods;
 use crate::report::{files, images};
-use crate::scene::capture_file::CaptureFolder;
-use crate::scene::gbuffer_map::{self, GBufferMap};
-use crate::scene::texture::MAX_EXTENT;
-use crate::scene::{GBufferData, LoadOptions, gbuffer_file};
 use crate::stage::{Shot, Stage, gbuffer};
+use ssct::methods;
+use ssct_scenes::capture_file::CaptureFolder;
+use ssct_scenes::gbuffer_map::{self, GBufferMap};
+use ssct_scenes::texture::MAX_EXTENT;
+use ssct_scenes::{GBufferData, LoadOptions, gbuffer_file};
 use std::path::Path;
 
 /// Runs the subcommand.

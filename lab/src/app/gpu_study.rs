@@ -6,15 +6,8 @@ use super::printed;
 use super::run::{Run, go_on};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
-use crate::inside::PathInFolder;
-use crate::methods::setup::{BeyondScreen, CaptureCount, HistoryUse, Stage as ShaderStage, StageChoice, Tracer};
-use crate::methods::unified::{FirstTraced, UnifiedParams};
-use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, traced, unified};
-use crate::metrics::bootstrap::MIN_SAMPLES;
 use crate::report::gpu_study_report::{self as report, CompiledPrograms, DeviceTimes, Findings, LayerMessages};
 use crate::report::{files, kept_images};
-use crate::scene::{Scene, View, library};
 use crate::stage::{Globals, Stage};
 use crate::study::agreement::{self, AgreementRecord, AgreementSpec};
 use crate::study::engine::{self, Bench};
@@ -25,6 +18,13 @@ use crate::study::timing::{self, TimeSpec};
 use crate::study::{bandwidth, other_devices, shaders, steps, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
+use ssct::gpu::Gpu;
+use ssct::methods::setup::{BeyondScreen, CaptureCount, HistoryUse, Stage as ShaderStage, StageChoice, Tracer};
+use ssct::methods::unified::{FirstTraced, UnifiedParams};
+use ssct::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, traced, unified};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::{Scene, View, library};
+use ssct_truth::metrics::bootstrap::MIN_SAMPLES;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -213,7 +213,7 @@ fn of_roughness(roughness: f32) -> Globals {
 type Place = (Scene, View);
 
 fn place([scene, view]: [&str; 2]) -> Result<Place> {
-    let scene = library::scene(scene).ok_or_else(|| Error::Usage(format!("there is no scene {scene}")))?;
+    let scene = library::scene(scene).ok_or_else(|| Error::usage(format!("there is no scene {scene}")))?;
     let view = scene.view(view)?.clone();
     Ok((scene, view))
 }
@@ -359,7 +359,7 @@ fn findings(
 /// `unified` in both stages and with a history.
 fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPrograms> {
     let compiler = match other_devices::compiler(gpu) {
-        Err(Error::NoDevice(why)) => return Ok(CompiledPrograms::Unknown(why)),
+        Err(Error::Renderer(ssct::Error::NoDevice(why))) => return Ok(CompiledPrograms::Unknown(why)),
         opened => opened?,
     };
     let setup = Setup::new(plan.size);
@@ -417,7 +417,7 @@ fn compare_with_kept(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) 
 /// The messages of the validation layers about every method, where the layers are installed.
 fn layer_messages(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<LayerMessages> {
     let watched = match other_devices::validated(gpu) {
-        Err(Error::Usage(why)) => return Ok(LayerMessages::Unknown(why)),
+        Err(Error::Renderer(ssct::Error::Usage(why))) => return Ok(LayerMessages::Unknown(why)),
         opened => opened?,
     };
     for spec in specs {

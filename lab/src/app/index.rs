@@ -3,8 +3,6 @@
 use super::compare::check_threshold;
 use super::printed;
 use crate::error::{Error, Result};
-use crate::inside::PathInFolder;
-use crate::methods;
 use crate::report::html::{LIBRARY_TITLE, LibraryPage};
 use crate::report::library;
 use crate::study::compare::THRESHOLD;
@@ -12,6 +10,8 @@ use crate::study::library::changes::changes;
 use crate::study::library::trends::trends;
 use crate::study::names::one_line;
 use clap::Args;
+use ssct::methods;
+use ssct_scenes::inside::PathInFolder;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -84,7 +84,7 @@ fn may_be_written(page: &PathInFolder) -> Result<()> {
     match page.read()? {
         Some(there) if !is_library(&String::from_utf8_lossy(&there)) => {
             let page = page.path();
-            Err(Error::Usage(format!("{} is no page of a library: name another folder with -o", page.display())))
+            Err(Error::usage(format!("{} is no page of a library: name another folder with -o", page.display())))
         }
         _ => Ok(()),
     }

@@ -6,14 +6,14 @@ use super::printed;
 use super::run::{Run, command_line, go_on};
 use super::{progress, resolve};
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::inside::PathInFolder;
 use crate::report::results::{self, Results};
 use crate::study::cell_list::CellList;
 use crate::study::engine::{self, Bench, Row, Study};
 use crate::study::exhibit::ExtraFile;
 use crate::study::journal::Journal;
 use clap::Args;
+use ssct::gpu::Gpu;
+use ssct_scenes::inside::PathInFolder;
 use std::io::Write;
 
 /// The flags of a study.
@@ -90,7 +90,8 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     }
     let bar = progress::bar(<O::Study as Study>::Row::KIND, engine::steps(&study, &list));
     let keep = &mut |file: &ExtraFile| {
-        to.output.as_ref().map_or(Ok(()), |folder| results::keep(&PathInFolder::folder(folder), file))
+        let Some(folder) = &to.output else { return Ok(()) };
+        Ok(results::keep(&PathInFolder::folder(folder), file)?)
     };
     let advance = &mut |steps: usize| bar.inc(steps as u64);
     let outcome =

@@ -6,8 +6,6 @@ use super::printed;
 use super::run::Run;
 use super::{figures, reference_part, studies};
 use crate::error::{Error, Result};
-use crate::gpu::DeviceInfo;
-use crate::inside::PathInFolder;
 use crate::report::devices::{by_device, device_name};
 use crate::report::html::{self, DeviceText, Entry};
 use crate::report::results::{PAGE, device_folder};
@@ -21,6 +19,8 @@ use crate::study::names::one_line;
 use crate::study::record::Provenance;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use ssct::gpu::DeviceInfo;
+use ssct_scenes::inside::PathInFolder;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     let own = |input: &MergeInput| same_folder(&input.folder, &options.output);
     if let Some(input) = inputs.iter().find(|input| own(input)) {
         let message = format!("-o {}: the result must lie beside what is merged", input.folder.display());
-        return Err(Error::Usage(message).into());
+        return Err(Error::usage(message).into());
     }
     let kind = inputs[0].cells.kind.as_str();
     let Some(merger) = studies::mergers().into_iter().chain([of_figures()]).find(|m| m.kind == kind) else {
@@ -88,7 +88,7 @@ fn check_nothing_is_lost(folder: &PathInFolder, merged: &MergedRun) -> Result<()
     if lost == 0 {
         return Ok(());
     }
-    Err(Error::Usage(format!(
+    Err(Error::usage(format!(
         "-o {}: it holds {lost} result(s) that are not among those that are merged; merge it with them into another folder, \
          or remove {}",
         folder.path().display(),

@@ -1,7 +1,6 @@
 //! Merging of the runs of any study into one run.
 
 use crate::error::{Error, Result};
-use crate::inside::PathInFolder;
 use crate::report::copies;
 use crate::report::devices::by_device;
 use crate::report::results::{Results, device_folder};
@@ -9,6 +8,7 @@ use crate::report::run_folder::JOURNAL;
 use crate::study::columns::Columns;
 use crate::study::engine::{self, Row, Study};
 use crate::study::merge::{MergeInput, MergedRun, ResultKind};
+use ssct_scenes::inside::PathInFolder;
 
 /// How runs of one kind are merged.
 pub struct Merger {
@@ -67,7 +67,7 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
 fn check_study<R: Row>(input: &MergeInput) -> Result<()> {
     engine::check::<R>(input).map_err(|(line, why)| wrong_journal(input, line, &why))?;
     let folders = R::FOLDERS.iter().flat_map(|name| named_folders(&[input], name));
-    folders.into_iter().try_for_each(|folder| copies::check(&folder))
+    Ok(folders.into_iter().try_for_each(|folder| copies::check(&folder))?)
 }
 
 /// The error for a journal with a result that cannot be right.

@@ -43,7 +43,7 @@ impl StudyOptions for MotionOptions {
         let place = &self.common.place;
         if place.reflectivity != 1.0 || place.normal_deviation.is_some() {
             let message = "motion is measured with the reflectivity and the normals of the materials";
-            return Err(Error::Usage(message.into()));
+            return Err(Error::usage(message.into()));
         }
         let scene = resolve::scene(place, "rooms")?;
         let views = match (&place.view, place.eye) {

@@ -1,11 +1,11 @@
 //! Parameters on the command line: the flags of methods, made from the methods' tables.
 
 use super::headings::METHOD;
-use crate::methods::{self, EffectParams, Setup};
-use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Values};
 use crate::study::error::Variant;
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use ssct::methods::{self, EffectParams, Setup};
+use ssct_ground::parameter::{Choices, Domain, Parameter, Parameters, Preset, Values};
 use std::path::PathBuf;
 
 /// How methods run: the values of the flags that were given.
@@ -29,7 +29,7 @@ impl MethodOptions {
     /// # Errors
     /// A sentence for a name that no method has, and for a value that its parameter does not take.
     pub fn from_typed<'t>(typed: impl Iterator<Item = (&'t str, &'t str)>) -> crate::error::Result<Self> {
-        let usage = crate::error::Error::Usage;
+        let usage = crate::error::Error::usage;
         let parameters = methods::parameters();
         let mut values = Values::default();
         for (name, text) in typed {
@@ -282,9 +282,9 @@ impl FromArgMatches for BesideGBufferOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::METHODS;
-    use crate::methods::setup::{CaptureCount, HistoryUse};
     use serde_json::json;
+    use ssct::methods::METHODS;
+    use ssct::methods::setup::{CaptureCount, HistoryUse};
 
     fn parse(flags: &[&str]) -> Result<MethodOptions, clap::Error> {
         let command = MethodOptions::augment_args(Command::new("method")).no_binary_name(true);

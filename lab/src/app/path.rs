@@ -43,7 +43,7 @@ impl StudyOptions for PathOptions {
     fn study(&self) -> Result<PathStudy> {
         let place = &self.common.place;
         if place.view.is_some() || place.eye.is_some() {
-            return Err(Error::Usage("a path says where the camera is; leave out --view and --eye".into()));
+            return Err(Error::usage("a path says where the camera is; leave out --view and --eye".into()));
         }
         let mut scene = resolve::scene(place, "rooms")?;
         let path = resolve::path(&scene, &self.path, "--path")?;

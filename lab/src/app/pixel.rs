@@ -1,13 +1,13 @@
 //! `ssct render --pixel`: one pixel explained.
 
 use crate::error::{Error, Result};
-use crate::methods::{MethodInfo, Setup};
-use crate::metrics::verdict::PixelVerdict;
-use crate::reference::surface::World;
-use crate::scene::{GBufferData, Material, Scene};
 use crate::stage::{RenderedImage, Shot, Stage, gbuffer};
 use crate::study::inspect::Inspection;
 use crate::study::pixel::{MethodImages, PixelMethod, PixelReport, explain, verdicts};
+use ssct::methods::{MethodInfo, Setup};
+use ssct_scenes::{GBufferData, Material, Scene};
+use ssct_truth::metrics::verdict::PixelVerdict;
+use ssct_truth::reference::surface::World;
 
 /// The method and the scene of a frame.
 #[derive(Clone, Copy)]
@@ -34,7 +34,7 @@ pub fn parse(text: &str) -> std::result::Result<[u32; 2], String> {
 /// Refuses a pixel outside of a picture.
 ///
 /// # Errors
-/// [`Error::Usage`] with the last column and row that there are.
+/// [`Usage`](ssct_ground::Error::Usage) with the last column and row that there are.
 pub fn check([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Result<()> {
     if x < width && y < height {
         return Ok(());
@@ -44,7 +44,7 @@ pub fn check([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Result<()> {
 
 fn outside([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Error {
     let (right, bottom) = (width.saturating_sub(1), height.saturating_sub(1));
-    Error::Usage(format!(
+    Error::usage(format!(
         "--pixel {x},{y}: the picture has {width}x{height} pixels, from 0,0 at the top left to {right},{bottom}"
     ))
 }
@@ -81,7 +81,7 @@ impl<'a> Judge<'a> {
     /// Explains a pixel.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a pixel outside of the picture.
+    /// [`Usage`](ssct_ground::Error::Usage) for a pixel outside of the picture.
     pub fn explained(&self, pixel: [u32; 2]) -> Result<PixelReport> {
         let GBufferData { width, height, .. } = self.inspection.gbuffer;
         explain(&self.inspection, self.made, &self.world, self.method, pixel)

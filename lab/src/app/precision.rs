@@ -5,11 +5,11 @@ use super::error::{QUICK_SIZE, QUICK_VIEWS};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
-use crate::methods;
 use crate::stage::Globals;
 use crate::study::precision::PrecisionStudy;
 use crate::study::stress;
 use clap::Args;
+use ssct::methods;
 
 /// Roughness values where none are given.
 const ROUGHNESS: [f32; 2] = [0.0, 0.1];
@@ -67,15 +67,18 @@ impl StudyOptions for PrecisionOptions {
         let size = self.size.unwrap_or(if self.quick { QUICK_SIZE } else { [480, 270] });
         let methods = match &self.method[..] {
             [] => {
-                let both = [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?;
+                let both =
+                    [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<ssct::Result<Vec<_>>>()?;
                 resolve::methods_taking_lenses(both, &resolve::lenses(&scene, &views))
             }
-            names => resolve::distinct_values(names).iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
+            names => {
+                resolve::distinct_values(names).iter().map(|n| methods::find(n)).collect::<ssct::Result<Vec<_>>>()?
+            }
         };
         if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == COPIES) {
             let message =
                 format!("precision is for methods that sample a G-buffer of any format; {} does not", method.name);
-            return Err(Error::Usage(message));
+            return Err(Error::usage(message));
         }
         let setup = self.common.method_options.setup(size);
         methods::check_read(&methods, &setup)?;

@@ -6,17 +6,17 @@ use super::reference_part::{self, ReferencePart};
 use super::run::go_on;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::Pixels;
-use crate::reference::first_hits::FirstHits;
-use crate::reference::kept_samples::{short, whole_file};
-use crate::reference::paths::Paths;
-use crate::reference::surface::World;
-use crate::reference::world::state::WorldState;
-use crate::reference::world::{SamplingTarget, WorldReference};
 use crate::report::images;
-use crate::scene::{Camera, GBufferData, Material, Scene};
 use crate::study::record::DEFINITIONS;
 use glam::Vec3;
+use ssct::gpu::Pixels;
+use ssct_scenes::{Camera, GBufferData, Material, Scene};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::kept_samples::{short, whole_file};
+use ssct_truth::reference::paths::Paths;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::state::WorldState;
+use ssct_truth::reference::world::{SamplingTarget, WorldReference};
 use std::path::{Path, PathBuf};
 
 /// Rays a pixel that are traced before the program can stop again, where no standard error is asked for.
@@ -28,10 +28,10 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let looks_inside = options.dump.is_some() || options.figure.is_some() || options.pixel.is_some();
     let Some(output) = options.output.as_ref().filter(|_| !looks_inside) else {
         let message = "the reference has no intermediates: give -o, without --dump, --figure or --pixel";
-        return Err(Error::Usage(message.into()).into());
+        return Err(Error::usage(message.into()).into());
     };
     if !(options.standard_error.is_finite() && options.standard_error > 0.0) {
-        return Err(Error::Usage(format!("--standard-error {}: must be above 0", options.standard_error)).into());
+        return Err(Error::usage(format!("--standard-error {}: must be above 0", options.standard_error)).into());
     }
     images::check_extension(output)?;
     let globals = resolve::one_globals(&common.place, "render makes one image")?;
@@ -94,7 +94,10 @@ fn sample(
     }
     reference.run(&mut state, target, &mut |state| {
         progress(state)?;
-        kept.as_ref().map_or(Ok(()), |path| state.save(path))
+        if let Some(path) = &kept {
+            state.save(path)?;
+        }
+        Ok::<_, Error>(())
     })?;
     Ok(state)
 }
@@ -125,7 +128,7 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     let effect = options.common.method_options.setup(options.size).effect();
     let reference = WorldReference::new(&world, &first_hits, &camera, 1).with_bounces(effect.bounces);
     let mut state = reference.start();
-    reference.run(&mut state, &target(options), &mut |_| Ok(()))?;
+    reference.run(&mut state, &target(options), &mut |_| Ok::<_, Error>(()))?;
     let made = reference.image(&state);
     let shown = if options.reflection_only { &made.reflection } else { &made.composite };
     Ok(pixels(shown, options.size))
@@ -135,7 +138,7 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
 fn by_paths(options: &RenderOptions, world: &World, camera: &Camera, bounces: u32) -> Result<Pixels> {
     let paths = Paths::new(world, bounces, 1).ok_or_else(|| {
         let scene = &world.scene.name;
-        Error::Usage(format!("--diffuse-bounces {bounces}: the scene {scene} has no rectangular area light"))
+        Error::usage(format!("--diffuse-bounces {bounces}: the scene {scene} has no rectangular area light"))
     })?;
     Ok(pixels(&paths.image(camera, options.size, options.max_rays), options.size))
 }

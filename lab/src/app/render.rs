@@ -5,14 +5,14 @@ use super::pixel::{self, Judge};
 use super::printed;
 use super::resolve;
 use crate::error::Error;
-use crate::inside::PathInFolder;
-use crate::methods::{self, Prepared, Setup, Wants};
 use crate::report::dump::Dump;
 use crate::report::figures::Figure;
 use crate::report::pixel::text;
 use crate::report::{figures, images};
 use crate::stage::{Shot, Stage, image};
 use crate::study::record::{DEFINITIONS, recorded};
+use ssct::methods::{self, Prepared, Setup, Wants};
+use ssct_scenes::inside::PathInFolder;
 use std::io::Write;
 
 /// Renders one image, its intermediates or a figure.
@@ -23,11 +23,11 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     if options.shard.is_some() {
         let message = "--shard is for --method reference, whose rays can be divided; any other image is drawn at once";
-        return Err(Error::Usage(message.into()).into());
+        return Err(Error::usage(message.into()).into());
     }
     if options.diffuse_bounces.is_some() {
         let message = "--diffuse-bounces is for --method reference: no other method has light that surfaces pass on";
-        return Err(Error::Usage(message.into()).into());
+        return Err(Error::usage(message.into()).into());
     }
     if let Some(pixel) = options.pixel {
         pixel::check(pixel, options.size)?;

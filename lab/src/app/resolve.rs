@@ -4,26 +4,26 @@ use super::cli::{DeviceOptions, SceneOptions};
 use super::parameters::TypedVariant;
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
-use crate::gpu::{DeviceQuery, Gpu, Watch};
-use crate::methods::needs::Need;
-use crate::methods::{self, MethodInfo, Setup};
-use crate::scene::path::{self, VIEWS};
-use crate::scene::{CameraPath, FieldOfView, Lens, LoadOptions, Motion, Scene, View, gltf, library, obj, scene_file};
 use crate::stage::Globals;
 use crate::study::error::Variant;
 use crate::study::exhibit::distinct;
 use crate::study::sweep;
+use ssct::gpu::{DeviceQuery, Gpu, Watch};
+use ssct::methods::needs::Need;
+use ssct::methods::{self, MethodInfo, Setup};
+use ssct_scenes::path::{self, VIEWS};
+use ssct_scenes::{CameraPath, FieldOfView, Lens, LoadOptions, Motion, Scene, View, gltf, library, obj, scene_file};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Opens the device.
 pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
-    Gpu::open(&DeviceQuery {
+    Ok(Gpu::open(&DeviceQuery {
         device: options.device.clone(),
         validation: options.validation,
         watch: watch()?,
         ..DeviceQuery::default()
-    })
+    })?)
 }
 
 /// Makes a call fail, so that a user can try what happens then. The variable SSCT_FAULT names the call, as in `submission:7`.
@@ -41,7 +41,7 @@ pub fn scene(options: &SceneOptions, default: &str) -> Result<Scene> {
     let mut scene = load(sources, &LoadOptions { scale: options.scale, texture_side: options.texture_size })?;
     if let Some(time_s) = options.time {
         if !time_s.is_finite() {
-            return Err(Error::Usage(format!("--time {time_s}: must be a number of seconds")));
+            return Err(Error::usage(format!("--time {time_s}: must be a number of seconds")));
         }
         let motion = motion(&scene, options.motion.as_deref(), "--time")?.clone();
         scene.pose(&motion, time_s);
@@ -59,7 +59,7 @@ pub fn motion<'s>(scene: &'s Scene, name: Option<&str>, flag: &str) -> Result<&'
         let names: Vec<&str> = scene.motions.iter().map(|m| m.name.as_str()).collect();
         let has = if names.is_empty() { "it has none".to_owned() } else { format!("it has: {}", names.join(", ")) };
         let wanted = name.map_or_else(|| "no motion".to_owned(), |name| format!("no motion {name:?}"));
-        Error::Usage(format!("{flag}: scene {} has {wanted}; {has}", scene.name))
+        Error::usage(format!("{flag}: scene {} has {wanted}; {has}", scene.name))
     })
 }
 
@@ -67,7 +67,7 @@ pub fn motion<'s>(scene: &'s Scene, name: Option<&str>, flag: &str) -> Result<&'
 pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
     let scale = options.scale;
     if !(scale.is_finite() && scale > 0.0) {
-        return Err(Error::Usage(format!("--scale {scale}: must be a number above 0")));
+        return Err(Error::usage(format!("--scale {scale}: must be a number above 0")));
     }
     let extension = |p: &Path| p.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
     let scene = match sources {
@@ -80,7 +80,7 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
         [name] => {
             let name = name.to_string_lossy();
             let mut scene = library::scene(&name).ok_or_else(|| {
-                Error::Usage(format!(
+                Error::usage(format!(
                     "{name}: neither a built-in scene ({}) nor a .scene.toml, .gltf, .glb or .obj file",
                     library::every_name().collect::<Vec<_>>().join(", ")
                 ))
@@ -90,7 +90,7 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
             }
             scene
         }
-        _ => return Err(Error::Usage("--scene may repeat for OBJ files only".into())),
+        _ => return Err(Error::usage("--scene may repeat for OBJ files only".into())),
     };
     for warning in &scene.warnings {
         eprintln!("ssct: warning: {}", super::printable(warning));
@@ -106,12 +106,12 @@ pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Res
     let view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
         (_, Some(eye), Some(look_at)) => {
             if eye.distance(look_at) < 1e-6 {
-                return Err(Error::Usage("--eye and --look-at are the same point".into()));
+                return Err(Error::usage("--eye and --look-at are the same point".into()));
             }
             View { name: "custom".into(), eye, look_at, ..View::default() }
         }
         (Some(name), ..) => scene.view(name)?.clone(),
-        _ => scene.views.first().cloned().ok_or_else(|| Error::Usage(format!("scene {} has no view", scene.name)))?,
+        _ => scene.views.first().cloned().ok_or_else(|| Error::usage(format!("scene {} has no view", scene.name)))?,
     };
     let view = with_lens(scene, view, options)?;
     if options.eye.is_some() {
@@ -136,13 +136,13 @@ pub fn with_lens(scene: &Scene, mut view: View, options: &SceneOptions) -> Resul
 pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
     if let Some(fov) = options.fov {
         if !(fov > 0.0 && fov < 180.0) {
-            return Err(Error::Usage(format!("--fov {fov}: must lie between 0 and 180 degrees")));
+            return Err(Error::usage(format!("--fov {fov}: must lie between 0 and 180 degrees")));
         }
         lens.opening = FieldOfView::Angle(fov.to_radians());
     }
     if let Some(height) = options.orthographic_height {
         if !(height > 0.0 && height.is_finite()) {
-            return Err(Error::Usage(format!("--orthographic-height {height}: must be a number of metres above 0")));
+            return Err(Error::usage(format!("--orthographic-height {height}: must be a number of metres above 0")));
         }
         lens.opening = FieldOfView::Height(height);
     }
@@ -150,7 +150,7 @@ pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
     lens.far_m = options.far.unwrap_or(lens.far_m);
     let is_before_eye = lens.near_m > 0.0 || (lens.near_m == 0.0 && lens.kind().is_orthographic());
     if !(is_before_eye && lens.far_m > lens.near_m && lens.far_m.is_finite()) {
-        return Err(Error::Usage(format!(
+        return Err(Error::usage(format!(
             "near {} and far {}: near must be above 0 and below far",
             lens.near_m, lens.far_m
         )));
@@ -161,18 +161,18 @@ pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
 /// The path that a flag names: `views`, a path of the scene, or a file.
 pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
     if is_toml(name) {
-        return path::load(name);
+        return Ok(path::load(name)?);
     }
     let name = name.to_string_lossy();
     if let Some(path) = scene.paths.iter().find(|p| p.name == name) {
         return Ok(path.clone());
     }
     if name == VIEWS {
-        return CameraPath::through_views(scene);
+        return Ok(CameraPath::through_views(scene)?);
     }
     let names: Vec<&str> = [VIEWS].into_iter().chain(scene.paths.iter().map(|p| p.name.as_str())).collect();
     let there = names.join(", ");
-    Err(Error::Usage(format!("{flag} {name}: neither a path of scene {} ({there}) nor a .toml file", scene.name)))
+    Err(Error::usage(format!("{flag} {name}: neither a path of scene {} ({there}) nor a .toml file", scene.name)))
 }
 
 /// Refuses a name that no mesh has; the error lists the names of all meshes.
@@ -181,7 +181,7 @@ pub fn meshes(scene: &Scene, flag: &str, wanted: &[String]) -> Result<()> {
     names.sort_unstable();
     names.dedup();
     match wanted.iter().find(|name| !names.contains(&name.as_str())) {
-        Some(name) => Err(Error::Usage(format!(
+        Some(name) => Err(Error::usage(format!(
             "{flag} {name}: scene {} has no mesh of this name; it has: {}",
             scene.name,
             names.join(", ")
@@ -196,7 +196,7 @@ pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
         if (0.0..=1.0).contains(&v) {
             Ok(v)
         } else {
-            Err(Error::Usage(format!("{flag} {v}: must lie between 0 and 1")))
+            Err(Error::usage(format!("{flag} {v}: must lie between 0 and 1")))
         }
     };
     let reflectivity = in_unit("--reflectivity", options.reflectivity)?;
@@ -212,7 +212,7 @@ pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
 pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
     match globals(options)?[..] {
         [one] => Ok(one),
-        _ => Err(Error::Usage(format!("{why}: give one --roughness"))),
+        _ => Err(Error::usage(format!("{why}: give one --roughness"))),
     }
 }
 
@@ -277,7 +277,7 @@ pub fn showing<T>(all: Vec<T>, method: impl Fn(&T) -> &'static MethodInfo, scene
     if kept.is_empty() {
         let scenes: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
         let message = format!("no method is left that would show anything in {}", scenes.join(", "));
-        return Err(Error::Usage(message));
+        return Err(Error::usage(message));
     }
     Ok(kept)
 }

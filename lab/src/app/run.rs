@@ -57,7 +57,7 @@ impl Run {
     /// Writes the list of the run's cells into its folder, if there is one.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be written.
+    /// [`Io`](ssct_ground::Error::Io) if it cannot be written.
     pub fn list(&self, cells: &CellList) -> Result<()> {
         self.claim.as_ref().map_or(Ok(()), |(claim, _)| claim.list(cells))
     }

@@ -5,13 +5,13 @@ use super::measure::StudyOptions;
 use super::parameters::{TypedVariant, typed_variant};
 use super::resolve;
 use crate::error::{Error, Result};
-use crate::gpu::sources;
-use crate::gpu::{DeviceQuery, Gpu};
 use crate::stage::Globals;
 use crate::study::engine::LastMade;
 use crate::study::error::Variant;
 use crate::study::shaders::ShadersStudy;
 use clap::Args;
+use ssct::gpu::sources;
+use ssct::gpu::{DeviceQuery, Gpu};
 use std::ffi::OsString;
 
 /// Roughness values whose frames are compiled unless flags say otherwise: a mirror, a narrow lobe and a wide lobe.
@@ -54,10 +54,11 @@ fn try_family() -> Result<()> {
         Ok(tried) if tried.status.code().is_none() => {
             let said = String::from_utf8_lossy(&tried.stderr);
             let (said, family) = (said.trim(), family.to_string_lossy());
-            Err(Error::NoDevice(format!(
+            Err(ssct::Error::NoDevice(format!(
                 "the driver gave up on {FAMILY}={family}, and said: {said}; a younger Mesa may know the family \
                  (scripts/drivers.sh --radv, docs/devices.md)"
-            )))
+            ))
+            .into())
         }
         _ => Ok(()),
     }
@@ -76,15 +77,16 @@ impl StudyOptions for ShadersOptions {
         if *validation {
             let message =
                 "--validation: shaders are compiled here and not run, so that the layers have nothing to watch";
-            return Err(Error::Usage(message.into()));
+            return Err(Error::usage(message.into()));
         }
         try_family()?;
         let opened = Gpu::open(&DeviceQuery { device: device.clone(), compiles_only: true, ..DeviceQuery::default() });
         opened.map_err(|error| match error {
-            Error::NoDevice(why) if family().is_none() => {
-                Error::NoDevice(format!("{why}; for Mesa's RADV, {FAMILY}=navi31 names a GPU that need not be there"))
+            ssct::Error::NoDevice(why) if family().is_none() => {
+                let why = format!("{why}; for Mesa's RADV, {FAMILY}=navi31 names a GPU that need not be there");
+                ssct::Error::NoDevice(why).into()
             }
-            error => error,
+            error => error.into(),
         })
     }
 

@@ -4,11 +4,11 @@ use super::cli::{DeviceOptions, RunOptions};
 use super::measure::{self, StudyOptions};
 use super::merger::Merger;
 use crate::error::Result;
-use crate::methods::{self, METHODS};
 use crate::study::complaints::{self, ComplaintStudy};
 use crate::study::exhibit::distinct;
 use crate::study::stress::StressStudy;
 use clap::Args;
+use ssct::methods::{self, METHODS};
 
 /// Options of `ssct stress`.
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ impl StudyOptions for StressOptions {
     fn study(&self) -> Result<StressStudy> {
         let methods = match &self.method[..] {
             [] => METHODS.iter().collect(),
-            names => distinct(names.iter()).into_iter().map(|n| methods::find(n)).collect::<Result<_>>()?,
+            names => distinct(names.iter()).into_iter().map(|n| methods::find(n)).collect::<ssct::Result<_>>()?,
         };
         Ok(StressStudy::new(methods, self.quick, self.case.as_deref()))
     }
@@ -74,7 +74,7 @@ impl StudyOptions for Complaints<'_> {
     fn study(&self) -> Result<ComplaintStudy> {
         let asked = self.0.method.iter().map(String::as_str);
         let names: Vec<&str> = if self.0.method.is_empty() { complaints::METHODS.to_vec() } else { asked.collect() };
-        let methods = distinct(names.into_iter()).into_iter().map(methods::find).collect::<Result<Vec<_>>>()?;
+        let methods = distinct(names.into_iter()).into_iter().map(methods::find).collect::<ssct::Result<Vec<_>>>()?;
         ComplaintStudy::new(&methods, self.0.quick, self.0.case.as_deref())
     }
 }

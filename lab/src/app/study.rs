@@ -8,13 +8,9 @@ use super::run::{Run, go_on};
 use super::study_pictures::{self, ERROR_FOLDER, GLOSSY, ShownView, TRUTH_FOLDER};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
-use crate::inside::PathInFolder;
-use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Times};
 use crate::report::results::{self, Results};
 use crate::report::{files, plot, tables};
-use crate::scene::{Scene, View, library};
 use crate::stage::{Globals, Stage};
 use crate::study::agreement::{AgreementRecord, AgreementSpec};
 use crate::study::cell_list::CellList;
@@ -26,6 +22,10 @@ use crate::study::table::{self, ComparedRow, compare};
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{TimeRecord, other_devices};
 use indicatif::ProgressBar;
+use ssct::gpu::Gpu;
+use ssct::methods::{self, METHODS, MethodInfo, Setup};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::{Scene, View, library};
 use std::cell::RefCell;
 use std::io::Write;
 use std::path::PathBuf;
@@ -79,7 +79,7 @@ impl Plan {
         }
         let samples = options.samples;
         if samples == 0 {
-            return Err(Error::Usage("--samples 0: at least one is needed".into()));
+            return Err(Error::usage("--samples 0: at least one is needed".into()));
         }
         let table_sizes = table::sizes();
         let (timed_scenes, views, full) =
@@ -295,7 +295,7 @@ impl<'a> Study<'a> {
             Part::Errors(errors) => {
                 let (study, list) = &**errors;
                 let to = folder.join(ERROR_FOLDER);
-                let keep = &mut |file: &ExtraFile| results::keep(&to, file);
+                let keep = &mut |file: &ExtraFile| Ok(results::keep(&to, file)?);
                 let advance = &mut |steps: usize| self.bar.inc(steps as u64);
                 let mut bench = Bench { gpu: self.gpu, journal, go_on, advance, keep };
                 engine::measure(&mut *study.borrow_mut(), list, &mut bench)?;

@@ -2,17 +2,17 @@
 
 use super::reference;
 use crate::error::Result;
-use crate::gpu::Pixels;
-use crate::inside::PathInFolder;
-use crate::methods::{self, METHODS, MethodInfo, Setup, Wants, unified};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Gallery, Picture, Strip};
 use crate::report::images;
-use crate::scene::{Scene, View};
 use crate::stage::{Globals, Shot, Stage, gbuffer, image};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE, flip_file, picture_file};
 use crate::study::names::{cell_name, roughness, safe_word};
 use crate::study::table;
+use ssct::gpu::Pixels;
+use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants, unified};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::{Scene, View};
 
 /// Name of the pictures without reflections.
 const LIT: &str = "direct light";

@@ -5,9 +5,7 @@ use super::measure::StudyOptions;
 use super::parameters::{TypedVariant, typed_variant};
 use super::resolve;
 use crate::error::{Error, Result};
-use crate::methods;
 use crate::report::{files, trace};
-use crate::scene::{Scene, library};
 use crate::stage::Globals;
 use crate::study::captions::{CAPTIONS, Caption, REFERENCE};
 use crate::study::cell_list::CellList;
@@ -16,6 +14,8 @@ use crate::study::journal::Journal;
 use crate::study::table as table_5_8;
 use crate::study::timing::{self, ThesisFigures, TimeJob, TimeSettings, TimeStudy};
 use clap::{Args, ValueEnum};
+use ssct::methods;
+use ssct_scenes::{Scene, library};
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -99,7 +99,7 @@ impl StudyOptions for TimeOptions {
 
     fn study(&self) -> Result<TimeStudy> {
         if self.samples == 0 {
-            return Err(Error::Usage("--samples 0: at least one is needed".into()));
+            return Err(Error::usage("--samples 0: at least one is needed".into()));
         }
         let (beside, jobs) = match self.table {
             Some(Table::Captions) => (ThesisFigures::Captions, caption_jobs(self)?),
@@ -113,7 +113,7 @@ impl StudyOptions for TimeOptions {
 
     fn write_more(&self, list: &CellList, journal: &Journal) -> Result<()> {
         let Some(path) = &self.trace else { return Ok(()) };
-        files::write(path, trace::json(&timing::frames(list, journal)).as_bytes())
+        Ok(files::write(path, trace::json(&timing::frames(list, journal)).as_bytes())?)
     }
 }
 
@@ -145,7 +145,7 @@ fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
         if table && !options.size.iter().any(|size| all.contains(size)) {
             let named: Vec<String> = options.size.iter().map(|[w, h]| format!("{w}x{h}")).collect();
             let (named, has) = (named.join(", "), table_5_8::rows_and_seconds());
-            return Err(Error::Usage(format!("--table 5.8 has no row for {named}; {has}")));
+            return Err(Error::usage(format!("--table 5.8 has no row for {named}; {has}")));
         }
         return Ok(resolve::distinct_values(&options.size));
     }
@@ -155,7 +155,7 @@ fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
 /// The roughness values of table 5.8 that the flags ask for, each also set as the normal deviation.
 fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     if options.common.place.normal_deviation.is_some() {
-        return Err(Error::Usage("--table 5.8 sets the normal deviation to the roughness".into()));
+        return Err(Error::usage("--table 5.8 sets the normal deviation to the roughness".into()));
     }
     let known = table_5_8::ROUGHNESS;
     let wanted = if options.common.place.roughness.is_empty() {
@@ -165,7 +165,7 @@ fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     };
     if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
         let has = table_5_8::rows_and_seconds();
-        return Err(Error::Usage(format!("--table 5.8 has no row for roughness {r}; {has}")));
+        return Err(Error::usage(format!("--table 5.8 has no row for roughness {r}; {has}")));
     }
     let reflectivity = options.common.place.reflectivity;
     Ok(wanted.iter().map(|roughness| table_5_8::factors(*roughness, reflectivity)).collect())
@@ -176,14 +176,14 @@ fn caption_jobs(options: &TimeOptions) -> Result<Vec<TimeJob>> {
     let place = &options.common.place;
     if !options.method.is_empty() || !options.size.is_empty() {
         let message = "--table captions takes methods and sizes from the captions, without --method and --size";
-        return Err(Error::Usage(message.into()));
+        return Err(Error::usage(message.into()));
     }
     let (scenes, globals) = (caption_scenes(options)?, caption_globals(options)?);
     let job = |(caption, scene): (Caption, &Rc<Scene>)| {
         let has_reference = caption.other == REFERENCE;
         let names = ["ssct", caption.other];
         let methods = names.iter().filter(|name| **name != REFERENCE).map(|name| methods::find(name));
-        let methods = methods.collect::<Result<Vec<_>>>()?;
+        let methods = methods.collect::<ssct::Result<Vec<_>>>()?;
         Ok(TimeJob {
             scene: Rc::clone(scene),
             view: resolve::with_lens(scene, scene.view(caption.view)?.clone(), place)?,
@@ -219,7 +219,7 @@ fn find_captions<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<V
     if wanted.is_empty() {
         let views: Vec<&str> = CAPTIONS.iter().map(|c| c.view).collect();
         let views = views.join(", ");
-        return Err(Error::Usage(format!("no caption with times is of such a view; they are of: {views}")));
+        return Err(Error::usage(format!("no caption with times is of such a view; they are of: {views}")));
     }
     Ok(wanted)
 }

@@ -4,9 +4,9 @@ use super::cli::{SceneOptions, size};
 use super::printed;
 use super::resolve;
 use crate::error::Error;
-use crate::inside::PathInFolder;
 use crate::report::mitsuba::{Export, export};
 use clap::{Args, Subcommand};
+use ssct_scenes::inside::PathInFolder;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -48,7 +48,7 @@ pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
     let TruthCommand::Export(options) = &options.command;
     let globals = resolve::one_globals(&options.place, "truth export makes one image")?;
     if options.samples < 2 {
-        return Err(Error::Usage("--samples: a standard error needs at least two".into()).into());
+        return Err(Error::usage("--samples: a standard error needs at least two".into()).into());
     }
     let scene = resolve::scene(&options.place, "rooms")?;
     let view = resolve::view(&scene, &options.place, None)?;

@@ -5,10 +5,10 @@ use super::measure::StudyOptions;
 use super::resolve;
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
-use crate::scene::Scene;
 use crate::study::video::{CameraWay, VideoStudy};
 use clap::Args;
 use glam::Vec3;
+use ssct_scenes::Scene;
 use std::path::PathBuf;
 
 /// Options of `ssct video`.
@@ -75,7 +75,7 @@ impl StudyOptions for VideoOptions {
 
     fn study(&self) -> Result<VideoStudy> {
         if !(self.fps.is_finite() && (1.0..=1000.0).contains(&self.fps)) {
-            return Err(Error::Usage(format!("--fps {}: must lie between 1 and 1000", self.fps)));
+            return Err(Error::usage(format!("--fps {}: must lie between 1 and 1000", self.fps)));
         }
         let place = &self.common.place;
         let mut scene = resolve::scene(place, "rooms")?;
@@ -99,7 +99,7 @@ impl StudyOptions for VideoOptions {
             play.iter().flat_map(|motion| motion.placements_at(0.0)).map(|(name, _)| name).collect();
         let moves = |name: &String| self.moving.contains(name) || played.contains(&name.as_str());
         if let Some(name) = self.held.iter().find(|name| moves(name)) {
-            return Err(Error::Usage(format!("--held {name}: it moves by itself, by --moving or --play")));
+            return Err(Error::usage(format!("--held {name}: it moves by itself, by --moving or --play")));
         }
         Ok(VideoStudy {
             play,
@@ -133,7 +133,7 @@ fn named(options: &VideoOptions, scene: &Scene) -> Result<CameraWay> {
             let path = resolve::path(scene, name, "--way")?;
             if place.view.is_some() || place.eye.is_some() {
                 let message = "--way: a path says where the camera is; leave out --view and --eye";
-                return Err(Error::Usage(message.into()));
+                return Err(Error::usage(message.into()));
             }
             return Ok(CameraWay::Path(path));
         }

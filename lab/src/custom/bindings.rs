@@ -8,27 +8,27 @@ use super::shader::{self, CompiledPass};
 use super::source::ImageSource;
 use super::values::{Feed, FilledField, FrameState};
 use super::{inputs, kinds};
-use crate::error::{Error, Result};
-use crate::gpu::Sampler;
-use crate::scene::ProjectionKind;
+use ssct::gpu::Sampler;
+use ssct_ground::error::{Error, Result};
+use ssct_scenes::ProjectionKind;
 use std::cell::RefCell;
 use std::ops::Range;
 
 /// Compiles every shader and checks it against the manifest, without a device.
 ///
 /// # Errors
-/// [`Error::Malformed`] with file and line.
-pub fn check(manifest: &Manifest) -> Result<()> {
+/// [`Malformed`](ssct_ground::Error::Malformed) with file and line.
+pub fn check(manifest: &Manifest) -> ssct::Result<()> {
     let mut unfed = Vec::new();
     for pass in &manifest.passes {
         let compiled = shader::compile(manifest, pass)?;
         unfed.push((pass, PassBindings::read(manifest, pass, &compiled)?.1));
     }
-    check_fed(manifest, unfed)
+    Ok(check_fed(manifest, unfed)?)
 }
 
 /// # Errors
-/// [`Error::Malformed`] if shaders have names that nothing feeds; one sentence lists all of them.
+/// [`Malformed`](ssct_ground::Error::Malformed) if shaders have names that nothing feeds; one sentence lists all of them.
 fn check_fed(manifest: &Manifest, mut unfed: Vec<(&Pass, Vec<String>)>) -> Result<()> {
     unfed.retain(|(_, missing)| !missing.is_empty());
     let Some((first, _)) = unfed.first() else { return Ok(()) };
@@ -47,7 +47,7 @@ fn file_name(pass: &Pass) -> String {
 }
 
 /// # Errors
-/// [`Error::Usage`] if a method is fed a value or an image that only a perspective has, and cameras are orthographic.
+/// [`Usage`](ssct_ground::Error::Usage) if a method is fed a value or an image that only a perspective has, and cameras are orthographic.
 pub fn check_projection(manifest: &Manifest, projection: ProjectionKind) -> Result<()> {
     let is_angle = |given: &Feed| given.is_named("fov-y") || given.is_named("half-view");
     let is_of_perspective = |pass: &Pass| {
@@ -84,7 +84,7 @@ impl PassBindings {
     /// Checks a pass's shader against the manifest.
     ///
     /// # Errors
-    /// [`Error::Malformed`](crate::error::Error::Malformed) with the line of the manifest.
+    /// [`Malformed`](ssct_ground::Error::Malformed) with the line of the manifest.
     pub fn new(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<Self> {
         let (bindings, missing) = Self::read(manifest, pass, compiled)?;
         check_fed(manifest, vec![(pass, missing)])?;
@@ -213,7 +213,7 @@ impl PassShader<'_> {
 
 /// Id and bits of the specialization constants that the manifest gives.
 pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Vec<(u32, u32)> {
-    let given = |c: &crate::gpu::interface::Constant| {
+    let given = |c: &ssct::gpu::interface::Constant| {
         let (given, _) = pass.values.get(&c.name)?;
         let number = given.numbers(state, 1).first().copied()?;
         Some((

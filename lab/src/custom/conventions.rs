@@ -1,7 +1,7 @@
 //! The conventions that a method from a folder may have: handedness of its spaces, layout of matrices, clip space.
 
-use crate::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
 use serde::Deserialize;
+use ssct_ground::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
 
 /// The conventions of a method's shaders.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

@@ -2,17 +2,17 @@
 
 use super::manifest::{Alpha, HitEncoding, Manifest, format_of};
 use super::values::FrameState;
-use crate::error::Result;
-use crate::gpu::program::Sampled;
-use crate::gpu::programs::{CustomHits, CustomReflection};
-use crate::gpu::shader::{CustomHitsBlock, CustomOutputBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ShaderStage, Target};
-use crate::math::constants::{
+use ssct::error::Result;
+use ssct::gpu::program::Sampled;
+use ssct::gpu::programs::{CustomHits, CustomReflection};
+use ssct::gpu::shader::{CustomHitsBlock, CustomOutputBlock};
+use ssct::gpu::{Frame, Gpu, GraphicsPipeline, Image, ShaderStage, Target};
+use ssct::methods::Input;
+use ssct::passes::hi_z::HiZPass;
+use ssct::passes::{HITS, LIT_COLOR};
+use ssct_ground::math::constants::{
     ALPHA_FADE, ALPHA_NONE, ALPHA_PREMULTIPLIED, HITS_PIXEL, HITS_UV, HITS_UV_DEPTH, HITS_UV_MASKED, HITS_VIEW,
 };
-use crate::methods::Input;
-use crate::passes::hi_z::HiZPass;
-use crate::passes::{HITS, LIT_COLOR};
 
 /// The passes that make the reflection, and hits if they are wanted, from the method's images.
 pub struct Finish {

@@ -2,8 +2,8 @@
 //! own shaders. The depth, the number and the size of includes are bounded.
 
 use super::built_in;
-use crate::error::{Error, Result};
-use crate::scene::source_text;
+use ssct_ground::error::{Error, Result};
+use ssct_scenes::source_text;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -128,7 +128,7 @@ fn canonical_path(path: &Path) -> PathBuf {
 /// Checks that a shader lies in the method's folder, below one that the user allows, or is built in.
 ///
 /// # Errors
-/// [`Error::Malformed`] for a shader anywhere else.
+/// [`Malformed`](ssct_ground::Error::Malformed) for a shader anywhere else.
 pub fn check_shader(path: &Path, folder: &Path) -> Result<()> {
     check_place(path, folder).map_err(|why| Error::malformed(path, None, why))
 }

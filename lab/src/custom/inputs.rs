@@ -6,28 +6,28 @@ use super::manifest::SamplerName;
 use super::noise;
 use super::source::{CapturePart, Depth, DepthChain, ImageSource, Normal};
 use super::values;
-use crate::conventions::{Axes, NormalEncoding};
-use crate::error::{Error, Result};
-use crate::gpu::memory::{Buffer, MemoryPlace};
-use crate::gpu::program::Sampled;
-use crate::gpu::programs::{Convert, Reduce, ReduceConstants};
-use crate::gpu::shader::ConvertBlock;
-use crate::gpu::{
+use ash::vk;
+use ssct::error::{Error, Result};
+use ssct::gpu::memory::{Buffer, MemoryPlace};
+use ssct::gpu::program::Sampled;
+use ssct::gpu::programs::{Convert, Reduce, ReduceConstants};
+use ssct::gpu::shader::ConvertBlock;
+use ssct::gpu::{
     ComputePipeline, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampler, ShaderStage,
     Target, image,
 };
-use crate::math::constants::{
+use ssct::methods::{Input, Intermediate, unified};
+use ssct::passes::color_chain::{ChainFilter, ColorChainPass};
+use ssct::passes::hi_z::HiZPass;
+use ssct::passes::pyramid::PyramidPass;
+use ssct::passes::visibility::VisibilityPass;
+use ssct::passes::{Content, GBuffer, HiZ as ThesisHiZ, LIT_COLOR, camera_block};
+use ssct_ground::conventions::{Axes, NormalEncoding};
+use ssct_ground::math::constants::{
     CONVERT_LINEAR_DEPTH, CONVERT_MOTION, CONVERT_REVERSED_DEPTH, CONVERT_VIEW_NORMAL, CONVERT_VIEW_PLACE,
     CONVERT_WORLD_NORMAL, CONVERT_WORLD_PLACE,
 };
-use crate::methods::{Input, Intermediate, unified};
-use crate::passes::color_chain::{ChainFilter, ColorChainPass};
-use crate::passes::hi_z::HiZPass;
-use crate::passes::pyramid::PyramidPass;
-use crate::passes::visibility::VisibilityPass;
-use crate::passes::{Content, GBuffer, HiZ as ThesisHiZ, LIT_COLOR, camera_block};
-use crate::scene::{Camera, ProjectionKind};
-use ash::vk;
+use ssct_scenes::{Camera, ProjectionKind};
 
 /// The passes that make the sources that a method reads.
 pub struct Inputs {

@@ -11,11 +11,11 @@ pub use sections::{Alpha, HitEncoding, ImageSection, PassStage, SamplerName};
 use super::MANIFEST;
 use super::conventions::Conventions;
 use super::source::ImageSource;
-use crate::error::{Error, Result};
-use crate::scene::source_text::{self, SourceText};
 use ash::vk;
 use passes::KnownNames;
 use sections::{BufferSection, OutputSection, ParameterSection, Sections};
+use ssct_ground::error::{Error, Result};
+use ssct_scenes::source_text::{self, SourceText};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -57,7 +57,7 @@ impl Manifest {
     /// Reads `method.toml` of a folder.
     ///
     /// # Errors
-    /// [`Error::Io`] if there is no manifest; [`Error::Malformed`] with the line of the fault.
+    /// [`Io`](ssct_ground::Error::Io) if there is no manifest; [`Malformed`](ssct_ground::Error::Malformed) with the line of the fault.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let text = source_text::read(&path, "a manifest", MAX_BYTES)?;

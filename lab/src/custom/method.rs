@@ -8,17 +8,17 @@ use super::manifest::{ImageSection, InputKind, LevelOf, Manifest, Pass, PassReac
 use super::shader;
 use super::source::ImageSource;
 use super::values::{FilledField, FrameState};
-use crate::error::{Error, Result};
-use crate::gpu::loose::{DispatchSize, LooseProgram};
-use crate::gpu::memory::{Buffer, MemoryPlace};
-use crate::gpu::program::Sampled;
-use crate::gpu::{Frame, Gpu, Image, ImageDesc, ImageSlice, Resource, Target, image};
-use crate::methods::{Input, Intermediate, Method, MethodOutput, MethodRequest, Setup};
-use crate::parameter::{Parameter, Values};
-use crate::passes::{Content, Hits, LIT_COLOR, Reflection};
-use crate::scene::Camera;
 use ash::vk;
 use glam::Vec3;
+use ssct::error::{Error, Result};
+use ssct::gpu::loose::{DispatchSize, LooseProgram};
+use ssct::gpu::memory::{Buffer, MemoryPlace};
+use ssct::gpu::program::Sampled;
+use ssct::gpu::{Frame, Gpu, Image, ImageDesc, ImageSlice, Resource, Target, image};
+use ssct::methods::{Input, Intermediate, Method, MethodOutput, MethodRequest, Setup};
+use ssct::passes::{Content, Hits, LIT_COLOR, Reflection};
+use ssct_ground::parameter::{Parameter, Values};
+use ssct_scenes::Camera;
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -105,6 +105,7 @@ impl Reload {
         }
         *self.seen.borrow_mut() = seen;
         let made = Manifest::read(&self.folder)
+            .map_err(Error::from)
             .and_then(|manifest| RunningVersion::new(&self.gpu, &manifest, &now.parameters, &self.setup, self.hits));
         match made {
             Ok(running) => {
@@ -208,7 +209,7 @@ impl RunningVersion {
                         pass.name,
                         buffer.size()
                     );
-                    return Err(manifest.error(&pass.span, message));
+                    return Err(manifest.error(&pass.span, message).into());
                 }
             }
             let constants = bindings::constants(pass, &made, &still);
@@ -368,7 +369,7 @@ impl RunningVersion {
         if let Some(other) = targets.iter().find(|t| t.extent() != pass_extent) {
             let message =
                 format!("pass {:?}: its targets are {pass_extent:?} and {:?} pixels large", pass.name, other.extent());
-            return Err(self.manifest.error(&pass.span, message));
+            return Err(self.manifest.error(&pass.span, message).into());
         }
         let state = state(pass_extent, level);
         let block = |fields: &[FilledField], size: usize| {
@@ -437,7 +438,10 @@ impl RunningVersion {
         if pass.levels.is_some() {
             return Ok(false);
         }
-        Err(self.manifest.error(&pass.span, format!("pass {:?}: the image {image} has no such level", pass.name)))
+        Err(self
+            .manifest
+            .error(&pass.span, format!("pass {:?}: the image {image} has no such level", pass.name))
+            .into())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Blue noise, by void and cluster (Ulichney 1993): a tile of ranks in which the texels below any threshold are spread evenly.
 
-use crate::math::random::Stream;
+use ssct_ground::math::random::Stream;
 
 /// Texels along a side of the tile.
 pub const RANKS_ACROSS: usize = 64;

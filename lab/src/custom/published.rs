@@ -1,8 +1,8 @@
 //! Sources that feed the fields of the project's own shaders, for the message about a manifest that leaves some out. The message names the
 //! field's option with its published value, or the name of a value that every method has.
 
-use crate::methods;
-use crate::parameter::{Domain, Parameter, Value};
+use ssct::methods;
+use ssct_ground::parameter::{Domain, Parameter, Value};
 
 /// The source that feeds a field.
 #[derive(Clone, Copy)]

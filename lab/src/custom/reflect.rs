@@ -11,8 +11,8 @@ mod code;
 
 pub use blocks::{BlockField, BlockLayout};
 
-use crate::gpu::interface::Constant;
 use code::{SpirvCode, decoration, op};
+use ssct::gpu::interface::Constant;
 use std::collections::BTreeMap;
 
 /// Storage classes of variables.

@@ -1,6 +1,6 @@
 //! The images that a user's shader may read, by their names in a manifest.
 
-use crate::conventions::NormalEncoding;
+use ssct_ground::conventions::NormalEncoding;
 use std::fmt;
 
 /// A kind of depth.

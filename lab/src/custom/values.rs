@@ -2,12 +2,12 @@
 
 use super::conventions::Conventions;
 use super::reflect::{BlockField, Component};
-use crate::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
-use crate::gpu::image::{full_chain, level_extent};
-use crate::parameter::{Domain, Parameter, Value, Values};
-use crate::passes::hi_z;
-use crate::scene::Camera;
 use glam::{DMat4, DVec3, Vec3};
+use ssct::gpu::image::{full_chain, level_extent};
+use ssct::passes::hi_z;
+use ssct_ground::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
+use ssct_ground::parameter::{Domain, Parameter, Value, Values};
+use ssct_scenes::Camera;
 
 /// The value that a manifest gives to a field: numbers, or the name of a value that changes.
 #[derive(Debug, Clone, PartialEq)]
@@ -328,7 +328,7 @@ pub fn axes(to: Axes) -> DMat4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Lens;
+    use ssct_scenes::Lens;
 
     fn state<'a>(camera: &'a Camera, values: &'a Values, conventions: Conventions) -> FrameState<'a> {
         FrameState {

@@ -4,12 +4,12 @@ use super::diagrams::COLORS;
 use super::images::{Rgb, display, picture};
 use super::svg::Svg;
 use super::tables;
-use crate::gpu::Pixels;
-use crate::passes::Content;
-use crate::scene::placement::Placement;
-use crate::scene::{GBufferData, Surface, sky};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::Serialize;
+use ssct::gpu::Pixels;
+use ssct::passes::Content;
+use ssct_scenes::placement::Placement;
+use ssct_scenes::{GBufferData, Surface, sky};
 
 /// A capture of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ pub struct CaptureRecord {
 
 /// One record a capture, in their order.
 pub fn records(scene: &str, placement: &Placement) -> Vec<CaptureRecord> {
-    let record = |(index, (capture, seen)): (usize, (&crate::scene::Capture, &f32))| CaptureRecord {
+    let record = |(index, (capture, seen)): (usize, (&ssct_scenes::Capture, &f32))| CaptureRecord {
         kind: "capture",
         scene: scene.to_owned(),
         from: if index < placement.own { "file" } else { "placement" },
@@ -153,8 +153,8 @@ impl CubePictures {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Capture;
-    use crate::scene::capture::face_camera;
+    use ssct_scenes::Capture;
+    use ssct_scenes::capture::face_camera;
 
     /// Beside an edge of the cross, the two faces show nearly the same direction.
     #[test]

@@ -1,6 +1,6 @@
 //! Films as animated pictures, which play on and on.
 
-use crate::metrics::video::Film;
+use ssct_truth::metrics::video::Film;
 use webp_animation::{Encoder, EncoderOptions, EncodingConfig};
 
 /// Quality of the animated pictures, of 100.

@@ -3,13 +3,13 @@
 use super::images::{Rgb, write_exr};
 use super::legend::scale;
 use super::{files, tables};
-use crate::error::Result;
-use crate::gpu::{DeviceInfo, Pixels};
-use crate::inside::PathInFolder;
-use crate::math::display_byte;
-use crate::metrics::bootstrap::{MIN_SAMPLES, Verdict};
 use crate::study::compare::{self, ImageComparison, Side, TOTAL, TimeComparison};
 use crate::study::names::one_line;
+use ssct::gpu::{DeviceInfo, Pixels};
+use ssct_ground::error::Result;
+use ssct_ground::math::display_byte;
+use ssct_scenes::inside::PathInFolder;
+use ssct_truth::metrics::bootstrap::{MIN_SAMPLES, Verdict};
 
 /// Writes compare.json and compare.txt.
 pub fn write(folder: &PathInFolder, json: &str, text: &str) -> Result<()> {

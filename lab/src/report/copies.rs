@@ -1,9 +1,9 @@
 //! Copies files of runs into the folder of the merged run. A run may come from a stranger, so that only pictures in its folder are copied,
 //! under names without a path.
 
-use crate::error::{Error, Result};
-use crate::inside::PathInFolder;
 use crate::study::names::safe_word;
+use ssct_ground::error::{Error, Result};
+use ssct_scenes::inside::PathInFolder;
 use std::collections::BTreeMap;
 
 /// The endings of the pictures that measurements make beside records.
@@ -32,7 +32,7 @@ pub fn check_name(name: &str) -> std::result::Result<(), String> {
 /// Checks the files of a folder that [`copy_files`] would copy, before anything is written.
 ///
 /// # Errors
-/// [`Error::Malformed`] for a file that may not be copied, [`Error::Io`] for a folder that cannot be read.
+/// [`Malformed`](ssct_ground::Error::Malformed) for a file that may not be copied, [`Io`](ssct_ground::Error::Io) for a folder that cannot be read.
 pub fn check(folder: &PathInFolder) -> Result<()> {
     for listed in folder.list()? {
         let place = folder.join(&listed.name);
@@ -45,7 +45,7 @@ pub fn check(folder: &PathInFolder) -> Result<()> {
 /// Checks a picture, if it is there.
 ///
 /// # Errors
-/// The errors of [`PathInFolder::read`], and [`Error::Malformed`] for a drawing that could do more than be seen.
+/// The errors of [`PathInFolder::read`], and [`Malformed`](ssct_ground::Error::Malformed) for a drawing that could do more than be seen.
 pub fn check_file(place: &PathInFolder) -> Result<()> {
     if is_drawing(place) { read_checked(place).map(drop) } else { place.open().map(drop) }
 }
@@ -118,7 +118,7 @@ pub fn copy_files(from: &[PathInFolder], to: &PathInFolder, same: bool) -> Resul
 /// Copies the first of some files that exists. With `same`, all that exist must be equal.
 ///
 /// # Errors
-/// The errors of [`check_file`] and of writing, and [`Error::Malformed`] for files that are not equal.
+/// The errors of [`check_file`] and of writing, and [`Malformed`](ssct_ground::Error::Malformed) for files that are not equal.
 pub fn copy_file(from: &[PathInFolder], to: &PathInFolder, same: bool) -> Result<()> {
     let mut first: Option<(&PathInFolder, Vec<u8>)> = None;
     for place in from {

@@ -1,8 +1,8 @@
 //! Records of several devices. Times of different devices are never compared: every report shows the times of each
 //! device apart (docs/many-machines.md, "Merging").
 
-use crate::gpu::DeviceInfo;
 use crate::study::names::one_line;
+use ssct::gpu::DeviceInfo;
 
 /// Records by device, in the order in which the devices appear.
 pub fn by_device<T: Clone>(records: &[T], device: impl Fn(&T) -> &DeviceInfo) -> Vec<(DeviceInfo, Vec<T>)> {

@@ -5,12 +5,12 @@ use super::files;
 use super::images::{Color, PATH_COLORS, Rgb, paths, picture, write_exr};
 use super::legend::legend;
 use crate::error::Result;
-use crate::gpu::Pixels;
-use crate::inside::PathInFolder;
-use crate::metrics::verdict::PixelVerdict;
-use crate::passes::{Content, PathCode};
-use crate::scene::Lens;
 use crate::stage::Intermediates;
+use ssct::gpu::Pixels;
+use ssct::passes::{Content, PathCode};
+use ssct_scenes::Lens;
+use ssct_scenes::inside::PathInFolder;
+use ssct_truth::metrics::verdict::PixelVerdict;
 
 /// The colours of verdicts.
 const VERDICT_COLORS: [(PixelVerdict, Color, &str); 4] = [
@@ -55,7 +55,7 @@ impl Dump<'_> {
         let values = self.reflection.texels().map(|texel| texel[3]).collect();
         let fade = Pixels { width, height, channels: 1, values };
         picture(Content::Share, &fade, self.lens).write_png(folder.join("fade.png"))?;
-        write_exr(folder.join("fade.exr"), &fade, &["fade"])
+        Ok(write_exr(folder.join("fade.exr"), &fade, &["fade"])?)
     }
 
     fn write_verdicts(&self, folder: &PathInFolder) -> Result<()> {
@@ -69,7 +69,7 @@ impl Dump<'_> {
         let count = |n: usize| rows.iter().filter(|row| **row == n).count();
         let entries: Vec<_> =
             VERDICT_COLORS.iter().enumerate().map(|(n, (_, color, said))| (*color, *said, count(n))).collect();
-        files::write(folder.join("verdict-legend.svg"), legend("verdict.png", &entries).as_bytes())
+        Ok(files::write(folder.join("verdict-legend.svg"), legend("verdict.png", &entries).as_bytes())?)
     }
 }
 

@@ -4,13 +4,13 @@
 use super::images::{Rgb, display, paths, picture};
 use super::sheet::{blank, paste};
 use crate::error::{Error, Result};
-use crate::gpu::Pixels;
-use crate::methods::poster::PosterParams;
-use crate::methods::{EffectParams, Setup};
-use crate::parameter::choices;
-use crate::passes::{Content, PosterFilter};
-use crate::scene::Lens;
 use crate::stage::Intermediates;
+use ssct::gpu::Pixels;
+use ssct::methods::poster::PosterParams;
+use ssct::methods::{EffectParams, Setup};
+use ssct::passes::{Content, PosterFilter};
+use ssct_ground::parameter::choices;
+use ssct_scenes::Lens;
 use std::ops::Range;
 
 choices! {
@@ -64,7 +64,7 @@ const SSLR_LEVELS: usize = 5;
 /// Draws a figure.
 ///
 /// # Errors
-/// [`Error::Usage`] if the method does not make the images that the figure shows.
+/// [`Usage`](ssct_ground::Error::Usage) if the method does not make the images that the figure shows.
 pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
     match figure {
         Figure::VisibilityChain => chain(all, "visibility", 1..usize::MAX, lens),
@@ -81,7 +81,7 @@ fn find<'a>(all: &'a Intermediates, kind: Content, stem: &str) -> Result<&'a Pix
     all.iter()
         .find(|(s, k, _)| s == stem && *k == kind)
         .map(|(_, _, p)| p)
-        .ok_or_else(|| Error::Usage(format!("this method has no {stem} to make the figure of")))
+        .ok_or_else(|| Error::usage(format!("this method has no {stem} to make the figure of")))
 }
 
 /// Some levels of a chain, arranged as in the thesis: the first at the left, the smaller ones stacked at its right.
@@ -94,7 +94,7 @@ fn chain(all: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> 
         .collect();
     let Some(first) = levels.first() else {
         let least = wanted.start + 1;
-        return Err(Error::Usage(format!("the figure needs a method with a chain {name} of more than {least} levels")));
+        return Err(Error::usage(format!("the figure needs a method with a chain {name} of more than {least} levels")));
     };
     let gap = 4;
     let column = levels.get(1).map_or(0, |l| l.width + gap);

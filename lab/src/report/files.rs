@@ -1,15 +1,15 @@
 //! Records as text, and files of times.
 
-use crate::error::{Error, Result};
-use crate::gpu::DeviceInfo;
-use crate::inside::PathInFolder;
-use crate::methods::{self, EffectParams, MethodInfo};
-use crate::parameter::{Parameter, Parameters};
 use crate::study::compare::{Subject, TimeSample};
 use crate::study::names::{csv_cell, json_text};
 use crate::study::timing::{FLOORS, MEASURED, PLACE};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use ssct::gpu::DeviceInfo;
+use ssct::methods::{self, EffectParams, MethodInfo};
+use ssct_ground::error::{Error, Result};
+use ssct_ground::parameter::{Parameter, Parameters};
+use ssct_scenes::inside::PathInFolder;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ pub fn csv(cells: &[Vec<String>]) -> String {
 /// The records of a study, from the JSON array that it wrote.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read, [`Error::Malformed`] if it holds other records.
+/// [`Io`](ssct_ground::Error::Io) if the file can't be read, [`Malformed`](ssct_ground::Error::Malformed) if it holds other records.
 pub fn read_records<R: DeserializeOwned>(file: &PathInFolder) -> Result<Vec<R>> {
     serde_json::from_slice(&file.bytes()?)
         .map_err(|e| Error::malformed(file.path(), None, format!("holds other records: {e}")))
@@ -48,7 +48,7 @@ pub fn read_records<R: DeserializeOwned>(file: &PathInFolder) -> Result<Vec<R>> 
 /// columns.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read. [`Error::Malformed`] if there are no rows, or with the line of a row that lacks a column or has
+/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if there are no rows, or with the line of a row that lacks a column or has
 /// a time that is no finite number ≥ 0.
 pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
     let (path, text) = (&file.path(), file.bytes()?);
@@ -120,7 +120,7 @@ fn subject(
 /// The device of a time.json, from its first record; `None` if there is no such file.
 ///
 /// # Errors
-/// [`Error::Io`] if the file exists and can't be read, [`Error::Malformed`] if it holds no record with a device.
+/// [`Io`](ssct_ground::Error::Io) if the file exists and can't be read, [`Malformed`](ssct_ground::Error::Malformed) if it holds no record with a device.
 pub fn read_device(file: &PathInFolder) -> Result<Option<DeviceInfo>> {
     let Some(text) = file.read()? else { return Ok(None) };
     let path = &file.path();

@@ -3,11 +3,11 @@
 
 use super::images::{Rgb, display};
 use crate::error::{Error, Result};
-use crate::gpu::Pixels;
-use crate::passes::Content;
-use crate::scene::Camera;
 use crate::stage::Intermediates;
 use glam::{Mat3, Vec2, Vec3};
+use ssct::gpu::Pixels;
+use ssct::passes::Content;
+use ssct_scenes::Camera;
 
 /// Rows of pictures as in print, from the intermediates of a frame and its camera: positions and
 /// normals in world space; the same in view space; albedo and reflectivity; the lit scene.
@@ -15,11 +15,11 @@ use glam::{Mat3, Vec2, Vec3};
 /// Positions span their own range in each picture: black is their least x, y and z, white the greatest.
 ///
 /// # Errors
-/// [`Error::Usage`] if an intermediate is missing.
+/// [`Usage`](ssct_ground::Error::Usage) if an intermediate is missing.
 pub fn rows(all: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
     let find = |stem: &str, kind: Content| {
         let found = all.iter().find(|(s, k, _)| s == stem && *k == kind).map(|(_, _, p)| p);
-        found.ok_or_else(|| Error::Usage(format!("this frame has no {stem} to make the figure of")))
+        found.ok_or_else(|| Error::usage(format!("this frame has no {stem} to make the figure of")))
     };
     let (depth, normal) = (find("depth", Content::ReversedDepth)?, find("normal", Content::Normal)?);
     let lit = find("color-0", Content::Color).or_else(|_| find("color", Content::Color))?;
@@ -76,7 +76,7 @@ fn normals(normal: &Pixels, turn: Mat3) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Lens;
+    use ssct_scenes::Lens;
 
     #[test]
     fn positions_are_where_the_camera_sees_them() {

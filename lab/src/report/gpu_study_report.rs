@@ -1,11 +1,6 @@
 //! The study of a device as files and a page.
 
 use super::{files, html};
-use crate::error::Result;
-use crate::gpu::DeviceInfo;
-use crate::inside::PathInFolder;
-use crate::methods::setup::Stage;
-use crate::parameter::Choices;
 use crate::study::TimeRecord;
 use crate::study::agreement::{AgreementRecord, DrawnRecord};
 use crate::study::bandwidth::{self, BandwidthRecord};
@@ -17,6 +12,11 @@ use crate::study::shaders::ShaderRecord;
 use crate::study::steps::StepsRecord;
 use crate::study::table;
 use serde_json::{Value, json};
+use ssct::gpu::DeviceInfo;
+use ssct::methods::setup::Stage;
+use ssct_ground::error::Result;
+use ssct_ground::parameter::Choices;
+use ssct_scenes::inside::PathInFolder;
 
 /// The messages of the validation layers outside the allow-list.
 pub enum LayerMessages {

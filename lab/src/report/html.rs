@@ -16,7 +16,6 @@ pub use study::{DevicePart, StudyPage};
 
 use super::plot::DrawnChart;
 use crate::error::Result;
-use crate::gpu::DeviceInfo;
 use crate::study::TimeRecord;
 use crate::study::agreement::AgreementRecord;
 use crate::study::error::ErrorRecord;
@@ -25,6 +24,7 @@ use crate::study::names::{is_obeyed_in_lines, without_obeyed};
 use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::table::ComparedRow;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use ssct::gpu::DeviceInfo;
 use std::path::PathBuf;
 
 /// Everything that the page shows.

@@ -1,16 +1,16 @@
 //! Images: PNG to look at, EXR to compute with.
 
-use crate::error::{Error, Result};
-use crate::gpu::Pixels;
-use crate::inside::PathInFolder;
-use crate::math::{display_byte, linear_to_srgb, srgb_to_linear};
-use crate::passes::Content;
-use crate::passes::PathCode;
-use crate::scene::Lens;
-use crate::scene::bounded;
-use crate::scene::gbuffer_file::{MAX_BYTES, check_claims};
-use crate::scene::texture::{self, Encoding, MAX_EXTENT, Texture};
 use crate::study::compare::LinearImage;
+use ssct::gpu::Pixels;
+use ssct::passes::Content;
+use ssct::passes::PathCode;
+use ssct_ground::error::{Error, Result};
+use ssct_ground::math::{display_byte, linear_to_srgb, srgb_to_linear};
+use ssct_scenes::Lens;
+use ssct_scenes::bounded;
+use ssct_scenes::gbuffer_file::{MAX_BYTES, check_claims};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::texture::{self, Encoding, MAX_EXTENT, Texture};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -105,7 +105,7 @@ const MOST_PIXELS: u64 = 1 << 26;
 /// linear, 8 bits a channel. Alpha is left out.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read. [`Error::Malformed`] if it is no such image, or has more than [`MAX_EXTENT`] pixels on a side
+/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, or has more than [`MAX_EXTENT`] pixels on a side
 /// or more than 2²⁶ in all. For an `.exr`, the size is checked before memory is taken for the pixels.
 pub fn read_image(path: &Path) -> Result<LinearImage> {
     if is(path, "exr") {
@@ -136,7 +136,7 @@ fn read_exr(path: &Path) -> Result<LinearImage> {
 /// without a fourth name.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read. [`Error::Malformed`] if it is no such image, lacks a channel, or has more than [`MAX_EXTENT`]
+/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, lacks a channel, or has more than [`MAX_EXTENT`]
 /// pixels on a side or more than 2²⁶ in all. The size is checked before memory is taken for the pixels.
 pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     exr_channels(&bounded::read(path, "an image", MAX_BYTES)?, path, names, fourth)
@@ -145,7 +145,7 @@ pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) ->
 /// Decodes the bytes of a file that [`read_exr_channels`] reads.
 ///
 /// # Errors
-/// The [`Error::Malformed`] of [`read_exr_channels`].
+/// The [`Malformed`](ssct_ground::Error::Malformed) of [`read_exr_channels`].
 pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
     let wrong = |message: String| Error::malformed(path, None, message);

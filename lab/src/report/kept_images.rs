@@ -3,12 +3,12 @@
 
 use super::files;
 use super::images::{exr_channels, write_exr};
-use crate::error::{Error, Result};
-use crate::gpu::{DeviceInfo, Pixels};
-use crate::inside::PathInFolder;
-use crate::methods::MethodInfo;
-use crate::scene::{GBufferData, gbuffer_file};
 use crate::study::agreement::DeviceImage;
+use ssct::gpu::{DeviceInfo, Pixels};
+use ssct::methods::MethodInfo;
+use ssct_ground::error::{Error, Result};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::{GBufferData, gbuffer_file};
 
 const COLOR: [&str; 4] = ["R", "G", "B", "A"];
 const HITS: [&str; 4] = ["X", "Y", "Z", "W"];
@@ -32,7 +32,7 @@ pub fn write_device(folder: &PathInFolder, device: &DeviceInfo) -> Result<()> {
 /// Reads the device that made the images.
 ///
 /// # Errors
-/// [`Error::Io`] for a file that cannot be read, [`Error::Malformed`] for a file that names no device.
+/// [`Io`](ssct_ground::Error::Io) for a file that cannot be read, [`Malformed`](ssct_ground::Error::Malformed) for a file that names no device.
 pub fn read_device(folder: &PathInFolder) -> Result<DeviceInfo> {
     let path = folder.join("device.json");
     let wrong = |why: String| Error::malformed(path.path(), None, format!("names no device{why}"));
@@ -68,7 +68,7 @@ pub fn read_gbuffer(folder: &PathInFolder, stem: &str) -> Result<GBufferData> {
 /// Reads the images that methods made of the G-buffer; methods without an image in the folder are left out.
 ///
 /// # Errors
-/// [`Error::Malformed`] for a file that cannot be read as such an image, or is of another size than the G-buffer.
+/// [`Malformed`](ssct_ground::Error::Malformed) for a file that cannot be read as such an image, or is of another size than the G-buffer.
 pub fn read(
     folder: &PathInFolder,
     stem: &str,

@@ -2,9 +2,9 @@
 
 use super::images::Color;
 use super::svg::Svg;
-use crate::math::display_byte;
 use crate::study::names::counted;
 use glam::Vec2;
+use ssct_ground::math::display_byte;
 
 const ROW: f32 = 22.0;
 const MARGIN: f32 = 12.0;

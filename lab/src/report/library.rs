@@ -4,13 +4,13 @@
 use super::files;
 use super::run_folder::{JOURNAL, is_finished};
 use crate::error::{Error, Result};
-use crate::gpu::DeviceInfo;
-use crate::inside::PathInFolder;
 use crate::study::compare;
 use crate::study::library::changes::totals_only;
 use crate::study::library::read::{self, KINDS, ReadRecord};
 use crate::study::library::{DatedBy, LibraryRun, Measurement, Quantity, RecordFile, Setting};
 use serde_json::Value as Json;
+use ssct::gpu::DeviceInfo;
+use ssct_scenes::inside::PathInFolder;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
@@ -39,7 +39,7 @@ pub struct Library {
 /// Reads every folder from a root down. Hidden folders and links to folders are not followed.
 ///
 /// # Errors
-/// [`Error::Io`] if the folder itself cannot be read.
+/// [`Io`](ssct_ground::Error::Io) if the folder itself cannot be read.
 pub fn scan(root: &Path) -> Result<Library> {
     // A root that cannot be read is an error; a folder below it that cannot be read is part of the result.
     let inside = PathInFolder::folder(root);

@@ -7,17 +7,17 @@
 //! counts as a lit surface here, in the reference as well.
 
 use super::images::write_rgba_png;
-use crate::error::{Error, Result};
-use crate::inside::PathInFolder;
-use crate::reference::first_hits::{FirstHits, PrimaryRays};
-use crate::reference::surface::World;
-use crate::reference::world::{RAY_START_M, WorldReference};
-use crate::scene::bvh::{TriangleHit, WorldRay};
-use crate::scene::{Camera, Encoding, Light, Material, Mesh, Scene, Surface};
 use crate::study::names::json_text;
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use ssct_ground::error::{Error, Result};
+use ssct_scenes::bvh::{TriangleHit, WorldRay};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::{Camera, Encoding, Light, Material, Mesh, Scene, Surface};
+use ssct_truth::reference::first_hits::{FirstHits, PrimaryRays};
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::{RAY_START_M, WorldReference};
 use std::fmt::Write as _;
 
 /// The scene, the camera and the settings of an export.
@@ -50,7 +50,7 @@ pub struct Exported {
 /// Writes the folder.
 ///
 /// # Errors
-/// [`Error::Usage`] for an orthographic camera, and errors of writing files.
+/// [`Usage`](ssct_ground::Error::Usage) for an orthographic camera, and errors of writing files.
 pub fn export(folder: &PathInFolder, what: &Export) -> Result<Exported> {
     let fov_y_radians = what.camera.lens.fov_y_radians().ok_or_else(|| {
         let message = "scenes are exported for Mitsuba with perspectives alone, and this camera is orthographic";
@@ -290,7 +290,7 @@ impl Arrays<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::library;
+    use ssct_scenes::library;
 
     #[test]
     fn an_export_is_complete_and_its_arrays_begin_as_numpy_wants() {

@@ -7,13 +7,13 @@ use super::html::{DevicePart, StudyPage};
 use super::images::{Rgb, write_exr};
 use super::plot::{self, DrawnChart};
 use super::{clips, files, tables};
-use crate::error::{Error, Result};
-use crate::gpu::{DeviceInfo, Pixels};
-use crate::inside::PathInFolder;
 use crate::study::cell_list::CellList;
 use crate::study::columns::Columns;
 use crate::study::engine::Row;
 use crate::study::exhibit::{Content, ExtraFile, Sheet, Table};
+use ssct::gpu::{DeviceInfo, Pixels};
+use ssct_ground::error::{Error, Result};
+use ssct_scenes::inside::PathInFolder;
 use std::path::{Path, PathBuf};
 
 /// The folder that holds the folders of the devices.
@@ -56,7 +56,7 @@ impl<R: Row> Results<'_, R> {
     /// Writes every file into a folder.
     ///
     /// # Errors
-    /// [`Error::Io`] with the file that cannot be written.
+    /// [`Io`](ssct_ground::Error::Io) with the file that cannot be written.
     pub fn write(&self, folder: &PathInFolder) -> Result<()> {
         let apart = by_device(self.rows, |r| &r.program().device);
         let mut parts = Vec::new();
@@ -162,7 +162,7 @@ fn meanings<R: Columns>() -> Vec<(String, &'static str)> {
 /// Writes a file of a measurement into the folder of its run.
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be written, and for a film that is too large for its format.
+/// [`Io`](ssct_ground::Error::Io) if it cannot be written, and for a film that is too large for its format.
 pub fn keep(folder: &PathInFolder, file: &ExtraFile) -> Result<()> {
     let path = folder.join(&file.path);
     match &file.content {

@@ -1,11 +1,11 @@
 //! The folder of a run: one run at a time, its journal, and whether the last run in it was finished.
 
 use crate::error::{Error, Result};
-use crate::inside::PathInFolder;
 use crate::study::cell_list::CellList;
 use crate::study::journal::{self, Journal};
 use crate::study::merge::{Line, MergeInput};
 use crate::study::names::json_text;
+use ssct_scenes::inside::PathInFolder;
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
 use std::io::{ErrorKind, Write};
@@ -42,7 +42,7 @@ impl FolderClaim {
     /// Makes the folder if it is missing, sees whether it can be written into, and locks it.
     ///
     /// # Errors
-    /// [`Error::Io`] for a folder that cannot be made or written into, [`Error::Busy`] if another run has it.
+    /// [`Io`](ssct_ground::Error::Io) for a folder that cannot be made or written into, [`Error::Busy`] if another run has it.
     pub fn new(folder: &Path) -> Result<Self> {
         let inside = PathInFolder::folder(folder);
         inside.make()?;
@@ -61,7 +61,7 @@ impl FolderClaim {
     /// The folder's journal: with `resume`, it goes on from the entries that the folder has; without `resume`, it begins anew.
     ///
     /// # Errors
-    /// [`Error::Unfinished`] if it would begin anew over a run that was not finished, [`Error::Io`] for a file
+    /// [`Error::Unfinished`] if it would begin anew over a run that was not finished, [`Io`](ssct_ground::Error::Io) for a file
     /// that cannot be read or written.
     pub fn journal(&self, resume: bool) -> Result<Journal> {
         let place = self.folder.join(JOURNAL);
@@ -79,7 +79,7 @@ impl FolderClaim {
     /// A journal that begins anew, whatever the folder has.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be written.
+    /// [`Io`](ssct_ground::Error::Io) for a file that cannot be written.
     pub fn new_journal(&self) -> Result<Journal> {
         self.begun(0, "")
     }
@@ -98,17 +98,17 @@ impl FolderClaim {
     /// Writes the list of the run's cells.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be written.
+    /// [`Io`](ssct_ground::Error::Io) if it cannot be written.
     pub fn list(&self, cells: &CellList) -> Result<()> {
         let text = serde_json::to_string_pretty(cells)
             .map_err(|e| Error::io("write", self.folder.join(CELLS).path(), e.into()))?;
-        self.folder.join(CELLS).write(json_text(&format!("{text}\n")).as_bytes())
+        Ok(self.folder.join(CELLS).write(json_text(&format!("{text}\n")).as_bytes())?)
     }
 
     /// Notes that the run is finished, so that the next run may begin anew.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be written.
+    /// [`Io`](ssct_ground::Error::Io) if it cannot be written.
     pub fn finish(&self) -> Result<()> {
         let place = self.folder.join(JOURNAL);
         let line = format!("{FINISHED}\n");
@@ -119,8 +119,8 @@ impl FolderClaim {
 /// Reads the folder of a run, which must have ended.
 ///
 /// # Errors
-/// [`Error::Busy`] if a run is going on in the folder, [`Error::Io`] for files that cannot be read,
-/// [`Error::Malformed`] if the list of cells is missing or cannot be read.
+/// [`Error::Busy`] if a run is going on in the folder, [`Io`](ssct_ground::Error::Io) for files that cannot be read,
+/// [`Malformed`](ssct_ground::Error::Malformed) if the list of cells is missing or cannot be read.
 pub fn read(folder: &Path) -> Result<MergeInput> {
     // Opening a pipe in place of a folder would wait for its other end.
     if !std::fs::metadata(folder).map_err(|e| Error::io("read", folder, e))?.is_dir() {

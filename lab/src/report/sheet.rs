@@ -82,10 +82,10 @@ pub fn framed(picture: &Rgb, part: Part) -> Rgb {
 /// The absolute difference of two display images, times a factor.
 ///
 /// # Errors
-/// [`Error::Usage`] if they differ in size.
+/// [`Usage`](ssct_ground::Error::Usage) if they differ in size.
 pub fn difference(a: &Rgb, b: &Rgb, times: u8) -> Result<Rgb> {
     if (a.width, a.height) != (b.width, b.height) {
-        return Err(Error::Usage(format!("{}x{} and {}x{} can't be compared", a.width, a.height, b.width, b.height)));
+        return Err(Error::usage(format!("{}x{} and {}x{} can't be compared", a.width, a.height, b.width, b.height)));
     }
     let bytes = a.bytes.iter().zip(&b.bytes).map(|(a, b)| a.abs_diff(*b).saturating_mul(times)).collect();
     Ok(Rgb { bytes, ..*a })

@@ -53,8 +53,8 @@ pub fn json(frames: &[TimedFrame]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::frame::HostTime;
-    use crate::gpu::{FrameReport, PassTime};
+    use ssct::gpu::frame::HostTime;
+    use ssct::gpu::{FrameReport, PassTime};
 
     #[test]
     fn passes_lie_within_their_frame_and_frames_follow_each_other() {

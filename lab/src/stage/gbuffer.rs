@@ -1,19 +1,19 @@
 //! G-buffers and captures between device and host, and methods run on a G-buffer from the host.
 
 use super::{Shot, Stage};
-use crate::error::Result;
-use crate::gpu::frame::Mode;
-use crate::gpu::{FrameContext, Gpu, Pixels};
-use crate::methods::capture::{CaptureFacePass, CaptureImages, common_near_m};
-use crate::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup, Wants};
-use crate::metrics::place::RayEnd;
-use crate::passes::PathCode;
-use crate::passes::gbuffer::{GBufferImages, GBufferPass};
-use crate::passes::scene_data;
-use crate::scene::capture::face_camera;
-use crate::scene::capture_file::{CaptureFolder, SkyCube};
-use crate::scene::{Camera, Capture, GBufferData, Material, Scene, Surface};
 use glam::Vec3;
+use ssct::error::Result;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Gpu, Pixels};
+use ssct::methods::capture::{CaptureFacePass, CaptureImages, common_near_m};
+use ssct::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup, Wants};
+use ssct::passes::PathCode;
+use ssct::passes::gbuffer::{GBufferImages, GBufferPass};
+use ssct::passes::scene_data;
+use ssct_scenes::capture::face_camera;
+use ssct_scenes::capture_file::{CaptureFolder, SkyCube};
+use ssct_scenes::{Camera, Capture, GBufferData, Material, Scene, Surface};
+use ssct_truth::metrics::place::RayEnd;
 
 /// Reads the G-buffer of a shot that has run.
 pub fn read(context: &mut FrameContext, shot: &Shot) -> Result<GBufferData> {
@@ -104,7 +104,7 @@ pub fn reflect(
     let sky = sky.map(|sky| scene_data::upload_sky(&mut context, &sky)).transpose()?;
     let effect = match captures {
         Some(folder) => {
-            let given = CaptureImages::of_faces(&mut context, folder.captures(), |k, f| folder.face(k, f))?;
+            let given = CaptureImages::of_faces(&mut context, folder.captures(), |k, f| Ok(folder.face(k, f)?))?;
             let given = given.within(folder.bounds());
             Effect::with_captures(&mut context, method, &setup, wants, given)?
         }
@@ -179,7 +179,7 @@ pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels>
 }
 
 /// The ends of a method's rays in the world: the places of hits on the screen or in captures, the sky where captures show it, and unknown
-/// where a ray misses. `hits` is the image of [`crate::passes::Hits`], of the G-buffer's size.
+/// where a ray misses. `hits` is the image of [`ssct::passes::Hits`], of the G-buffer's size.
 pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     let clip_to_view = gbuffer.view_to_clip().inverse();
     let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
@@ -200,7 +200,7 @@ pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
 }
 
 /// The hits of a method's rays on the screen, in continuous pixel coordinates; `None` for a miss. `hits` is the image of
-/// [`crate::passes::Hits`].
+/// [`ssct::passes::Hits`].
 pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
     let size = [f64::from(hits.width), f64::from(hits.height)];
     let position = |t: &[f32]| [f64::from(t[0]) * size[0], f64::from(t[1]) * size[1]];
@@ -210,8 +210,8 @@ pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Lens;
     use glam::DVec3;
+    use ssct_scenes::Lens;
 
     #[test]
     fn a_hit_ends_at_the_place_that_it_shows_and_a_miss_nowhere() {

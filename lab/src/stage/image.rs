@@ -2,12 +2,12 @@
 
 use super::gbuffer;
 use super::{Shot, Stage};
-use crate::error::Result;
-use crate::gpu::{FrameReport, ImageSlice, Pixels};
-use crate::methods::{Intermediate, Output};
-use crate::passes::Content;
-use crate::passes::gbuffer::DrawnCounts;
-use crate::passes::pyramid;
+use ssct::error::Result;
+use ssct::gpu::{FrameReport, ImageSlice, Pixels};
+use ssct::methods::{Intermediate, Output};
+use ssct::passes::Content;
+use ssct::passes::gbuffer::DrawnCounts;
+use ssct::passes::pyramid;
 
 /// A finished image and how it was made.
 pub struct RenderedImage {

@@ -8,17 +8,17 @@ use super::journal::scene_digest;
 use super::names::cell_name;
 use super::record::{Head, Provenance, RecordSubject, Stats};
 use crate::error::{Error, Result};
-use crate::gpu::frame::Mode;
-use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
-use crate::metrics::image::masked_rmse;
-use crate::reference::first_hits::FirstHits;
-use crate::reference::surface::World;
-use crate::reference::world::WorldReference;
-use crate::scene::{GBufferData, Material, Scene, View};
 use crate::stage::gbuffer;
 use crate::stage::{Globals, Shot, Stage};
 use glam::Vec3;
 use serde_json::{Value, json};
+use ssct::gpu::frame::Mode;
+use ssct::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
+use ssct_scenes::{GBufferData, Material, Scene, View};
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
 
 /// The scene, what moves in it, and how captures follow.
 pub struct AgeStudy {
@@ -144,7 +144,7 @@ impl AgeStudy {
     /// Refuses methods that use no captures.
     ///
     /// # Errors
-    /// [`Error::Usage`] with the method.
+    /// [`Usage`](ssct_ground::Error::Usage) with the method.
     pub fn check(&self) -> Result<()> {
         let effect = self.setup.effect();
         let takes = |method: &MethodInfo| {
@@ -154,7 +154,7 @@ impl AgeStudy {
         match self.methods.iter().find(|method| !takes(method)) {
             Some(method) => {
                 let message = format!("the method {} has no captures whose age could be measured", method.name);
-                Err(Error::Usage(message))
+                Err(Error::usage(message))
             }
             None => Ok(()),
         }

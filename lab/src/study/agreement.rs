@@ -8,17 +8,17 @@ use super::names::name_among;
 use super::record::{Head, RecordSubject};
 use super::ties::is_tie;
 use crate::error::Result;
-use crate::gpu::{DeviceInfo, Gpu, Pixels, Precision};
-use crate::methods::{Effect, Input, MethodInfo, SceneInput, Setup, Wants};
-use crate::metrics::flip::FlipMap;
-use crate::metrics::hits::{HitAgreement, HitVerdict};
-use crate::metrics::image::masked_rmse;
-use crate::passes::GBuffer;
-use crate::passes::gbuffer::GBufferImages;
-use crate::reference::hierarchy::Hierarchy;
-use crate::scene::{GBufferData, Scene, View};
 use crate::stage::gbuffer::{self, hit_positions, reflect_at_rest};
 use crate::stage::{Globals, Shot, Stage};
+use ssct::gpu::{DeviceInfo, Gpu, Pixels, Precision};
+use ssct::methods::{Effect, Input, MethodInfo, SceneInput, Setup, Wants};
+use ssct::passes::GBuffer;
+use ssct::passes::gbuffer::GBufferImages;
+use ssct_scenes::{GBufferData, Scene, View};
+use ssct_truth::metrics::flip::FlipMap;
+use ssct_truth::metrics::hits::{HitAgreement, HitVerdict};
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::reference::hierarchy::Hierarchy;
 use std::rc::Rc;
 
 /// The scene, view and methods that every device draws.
@@ -157,7 +157,7 @@ pub fn draw(gpu: &Gpu, spec: &AgreementSpec) -> Result<GBufferData> {
     let materials = spec.globals.materials(spec.scene, spec.view);
     let shot = Shot::of_scene(&mut stage, spec.setup.extent, camera, materials)?;
     stage.draw(&shot)?;
-    gbuffer::read(&mut stage.context, &shot)
+    Ok(gbuffer::read(&mut stage.context, &shot)?)
 }
 
 /// Draws the methods' images from a G-buffer; methods that see more than the screen also get the scene.

@@ -5,10 +5,10 @@ use super::columns::{columns, figure, time};
 use super::exhibit::Table;
 use super::record::{Provenance, Stats, TimeRecord};
 use crate::error::Result;
-use crate::gpu::frame::Mode;
-use crate::gpu::{FrameContext, Gpu, Image, ImageDesc, image};
-use crate::passes::pyramid;
 use ash::vk;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Gpu, Image, ImageDesc, image};
+use ssct::passes::pyramid;
 
 /// The pass of `unified` that builds its pyramid.
 const PYRAMID: &str = "pyramid";

@@ -5,14 +5,14 @@ use super::exhibit::Table;
 use super::names::roughness;
 use super::record::{Head, RecordSubject};
 use super::{Stats, TimeRecord};
-use crate::gpu::Gpu;
-use crate::methods::Setup;
-use crate::reference::first_hits::FirstHits;
-use crate::reference::surface::World;
-use crate::reference::world::WorldReference;
-use crate::scene::{Scene, View};
 use crate::stage::Globals;
 use serde::Serialize;
+use ssct::gpu::Gpu;
+use ssct::methods::Setup;
+use ssct_scenes::{Scene, View};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
 use std::time::Instant;
 
 /// The name of the ground truth among the methods: Mitsuba in print, the world reference here.

@@ -4,9 +4,9 @@
 use super::journal::setup_digest;
 use super::record::Provenance;
 use super::shard::{Shard, owners};
-use crate::gpu::DeviceInfo;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use ssct::gpu::DeviceInfo;
 
 /// The cells of a run, with everything that must be equal in two runs of one study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

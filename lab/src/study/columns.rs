@@ -2,7 +2,7 @@
 //! tables show it. A column is either a figure, which is equal to the bit on every machine, or a time, which is kept apart by
 //! device. Tables, CSV files and the comparison of shards follow from the declaration.
 
-use crate::metrics::HitAgreement;
+use ssct_truth::metrics::HitAgreement;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 

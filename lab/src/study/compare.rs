@@ -15,11 +15,11 @@ pub use self::subject::Subject;
 
 use self::samples::{Group, Samples, groups_of_both};
 use super::record::{DEFINITIONS, Provenance, Stats};
-use crate::gpu::DeviceInfo;
-use crate::metrics::bootstrap::{
+use serde::Serialize;
+use ssct::gpu::DeviceInfo;
+use ssct_truth::metrics::bootstrap::{
     CONFIDENCE, MIN_SAMPLES, RESAMPLES, Ratio, Verdict, median_of_ratios, ratio_of_medians, samples_to_decide,
 };
-use serde::Serialize;
 
 /// The name under which the sum of a frame's counted passes is compared.
 pub const TOTAL: &str = "total";

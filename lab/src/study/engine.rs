@@ -12,11 +12,11 @@ use super::record::{DEFINITIONS, Provenance};
 use super::shard::Shard;
 use super::sound;
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::scene::Scene;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use ssct::gpu::Gpu;
+use ssct_scenes::Scene;
 use std::collections::HashSet;
 
 /// A study: cells that are measured one after the other.
@@ -171,7 +171,7 @@ impl<K: PartialEq, T> LastMade<K, T> {
     ///
     /// # Errors
     /// Errors of `make`.
-    pub fn get_or_make(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
+    pub fn get_or_make<E>(&mut self, key: K, make: impl FnOnce() -> Result<T, E>) -> Result<&mut T, E> {
         let kept = self.0.take().filter(|(known, _)| *known == key);
         let (key, made) = match kept {
             Some(same) => same,

@@ -19,21 +19,21 @@ use super::interleave::{self, Round, interleave};
 use super::journal::{Journal, digest};
 use super::record::{RecordSubject, Stats};
 use crate::error::Result;
-use crate::gpu::frame::Mode;
-use crate::gpu::{FrameContext, Gpu, Image, Pixels};
-use crate::math::OracleVersion;
-use crate::methods::ssct::{self, ThesisMethod};
-use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
-use crate::metrics::bootstrap::interval_of_median;
-use crate::metrics::flip::FlipMap;
-use crate::metrics::image::error_map;
-use crate::passes::Hits;
-use crate::passes::gbuffer::GBufferImages;
-use crate::scene::{GBufferData, Scene, View};
 use crate::stage::gbuffer;
 use crate::stage::{Globals, Shot, Stage};
+use ::ssct::gpu::frame::Mode;
+use ::ssct::gpu::{FrameContext, Gpu, Image, Pixels};
+use ::ssct::methods::ssct::{self, ThesisMethod};
+use ::ssct::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
+use ::ssct::passes::Hits;
+use ::ssct::passes::gbuffer::GBufferImages;
 use glam::Vec3;
 use serde_json::{Value, json};
+use ssct_ground::math::OracleVersion;
+use ssct_scenes::{GBufferData, Scene, View};
+use ssct_truth::metrics::bootstrap::interval_of_median;
+use ssct_truth::metrics::flip::FlipMap;
+use ssct_truth::metrics::image::error_map;
 
 /// A method with its parameters.
 #[derive(Clone)]
@@ -149,7 +149,7 @@ fn measure(
     };
     // Times shots that write no separate image of the reflection, as the time study does.
     let made = spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method));
-    let mut shots = made.collect::<Result<Vec<_>>>()?;
+    let mut shots = made.collect::<::ssct::Result<Vec<_>>>()?;
     let times = totals((gpu, spec), stage, &mut shots, journal, go_on)?;
     let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };

@@ -1,8 +1,8 @@
 //! Results of rows as plain data that a report writes and draws: tables, charts, clips, and files beside the records.
 
 use super::columns::{Column, Columns};
-use crate::metrics::flip::FlipMap;
-use crate::metrics::video::Film;
+use ssct_truth::metrics::flip::FlipMap;
+use ssct_truth::metrics::video::Film;
 
 /// A table.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

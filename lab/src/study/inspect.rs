@@ -6,22 +6,22 @@ mod walk;
 pub use walk::{VisitedCell, Walk, WalkEnd};
 
 use super::twin::hi_z_constants;
-use crate::gpu::Pixels;
-use crate::math::OracleVersion;
-use crate::methods::setup::BeyondScreen;
-use crate::methods::thesis::{self, HiZParams};
-use crate::methods::{MethodInfo, Setup};
-use crate::passes::PathCode;
-use crate::passes::WIDE_ABOVE;
-use crate::passes::tiles::TILE;
-use crate::reference::hi_z::{MinMax, chain};
-use crate::reference::hi_z_ray_trace::{self, HiZConstants, HiZTrace, reflection_ray};
-use crate::reference::ray::{RaySetup, Segment};
-use crate::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};
-use crate::reference::{Level, Oracle, Trace};
-use crate::scene::GBufferData;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use ssct::gpu::Pixels;
+use ssct::methods::setup::BeyondScreen;
+use ssct::methods::thesis::{self, HiZParams};
+use ssct::methods::{MethodInfo, Setup};
+use ssct::passes::PathCode;
+use ssct::passes::WIDE_ABOVE;
+use ssct::passes::tiles::TILE;
+use ssct_ground::math::OracleVersion;
+use ssct_scenes::GBufferData;
+use ssct_truth::reference::hi_z::{MinMax, chain};
+use ssct_truth::reference::hi_z_ray_trace::{self, HiZConstants, HiZTrace, reflection_ray};
+use ssct_truth::reference::ray::{RaySetup, Segment};
+use ssct_truth::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};
+use ssct_truth::reference::{Level, Oracle, Trace};
 
 /// The G-buffer and the hits of a frame, on the host.
 pub struct Inspection {
@@ -144,7 +144,7 @@ impl Inspection {
     ) -> Self {
         let extent = [gbuffer.width, gbuffer.height];
         let hi_z = || {
-            let levels = crate::gpu::image::full_chain(extent);
+            let levels = ssct::gpu::image::full_chain(extent);
             let numbers: HiZParams = setup.parameters();
             let block = numbers.fill(thesis::block(&gbuffer.camera, extent, levels, true));
             let depth = Level {

@@ -5,13 +5,13 @@ use super::journal::Journal;
 use super::sound;
 use super::zones::Zones;
 use crate::error::Result;
-use crate::gpu::FrameReport;
-use crate::gpu::frame::Mode;
-use crate::passes::gbuffer::DrawnCounts;
-use crate::scene::Camera;
 use crate::stage::{Shot, Stage};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use ssct::gpu::FrameReport;
+use ssct::gpu::frame::Mode;
+use ssct::passes::gbuffer::DrawnCounts;
+use ssct_scenes::Camera;
 
 /// A frame as the journal keeps it.
 #[derive(Debug, Clone, Serialize, Deserialize)]

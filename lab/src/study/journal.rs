@@ -3,12 +3,12 @@
 
 use super::record::Provenance;
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::scene::Scene;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
+use ssct::gpu::Gpu;
+use ssct_scenes::Scene;
 use std::collections::HashMap;
 
 /// Writes a line, given without its line ending, to where the caller keeps lines.

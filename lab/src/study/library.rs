@@ -7,7 +7,7 @@ pub mod read;
 pub mod trends;
 
 use super::compare;
-use crate::gpu::DeviceInfo;
+use ssct::gpu::DeviceInfo;
 
 /// A folder with the records of a run.
 #[derive(Debug, Clone)]

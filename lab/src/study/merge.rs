@@ -64,11 +64,11 @@ pub struct ResultKind {
 /// Puts runs together. Where several runs measured a cell on one device, the first of these runs counts.
 ///
 /// # Errors
-/// [`Error::Malformed`] with the first folder that does not fit those before it: it is of another study, or it has other
-/// figures for a cell that one of them measured, too. [`Error::Usage`] without any run.
+/// [`Malformed`](ssct_ground::Error::Malformed) with the first folder that does not fit those before it: it is of another study, or it has other
+/// figures for a cell that one of them measured, too. [`Usage`](ssct_ground::Error::Usage) without any run.
 pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     let Some(first) = inputs.first() else {
-        return Err(Error::Usage("nothing to merge: name the folders of some shards".into()));
+        return Err(Error::usage("nothing to merge: name the folders of some shards".into()));
     };
     for input in &inputs[1..] {
         if let Some(difference) = difference_of_studies(&first.cells, &input.cells) {
@@ -210,8 +210,8 @@ fn difference_of_figures(a: &Value, b: &Value, is_time: fn(&str) -> bool) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::DeviceInfo;
     use serde_json::json;
+    use ssct::gpu::DeviceInfo;
 
     fn list(own: &[&str], device: &str) -> CellList {
         let device = DeviceInfo { name: device.into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };

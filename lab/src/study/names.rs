@@ -1,7 +1,7 @@
 //! Names of cells, roughness values and devices, on pages and in the names of files.
 
-use crate::gpu::DeviceInfo;
 use sha2::{Digest, Sha256};
+use ssct::gpu::DeviceInfo;
 use std::borrow::Cow;
 
 /// The name of a cell, with which the names of its files begin.

@@ -2,8 +2,8 @@
 
 use super::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
 use crate::error::Result;
-use crate::gpu::{DeviceQuery, Gpu, device};
 use crate::stage::Globals;
+use ssct::gpu::{DeviceQuery, Gpu, device};
 
 /// Opens every usable device except `base`.
 ///
@@ -18,7 +18,7 @@ pub fn others(base: &Gpu, validation: bool) -> Result<Vec<Gpu>> {
 /// Opens a device once more, under the validation layers.
 ///
 /// # Errors
-/// Errors of opening a device; [`crate::error::Error::Usage`] where the layers are not installed.
+/// Errors of opening a device; [`Usage`](ssct_ground::Error::Usage) where the layers are not installed.
 pub fn validated(gpu: &Gpu) -> Result<Gpu> {
     open(gpu.index(), true, false)
 }
@@ -26,15 +26,15 @@ pub fn validated(gpu: &Gpu) -> Result<Gpu> {
 /// Opens a device once more, for compiling only.
 ///
 /// # Errors
-/// Errors of opening a device; [`crate::error::Error::NoDevice`] for a device that does not report what its compiler made.
+/// Errors of opening a device; [`NoDevice`](ssct::Error::NoDevice) for a device that does not report what its compiler made.
 pub fn compiler(gpu: &Gpu) -> Result<Gpu> {
     let device = gpu.index().map(|index| index.to_string());
-    Gpu::open(&DeviceQuery { device, compiles_only: true, ..DeviceQuery::default() })
+    Ok(Gpu::open(&DeviceQuery { device, compiles_only: true, ..DeviceQuery::default() })?)
 }
 
 fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> {
     let device = index.map(|index| index.to_string());
-    Gpu::open(&DeviceQuery { device, validation, isotropic, ..DeviceQuery::default() })
+    Ok(Gpu::open(&DeviceQuery { device, validation, isotropic, ..DeviceQuery::default() })?)
 }
 
 /// Compares what devices make of the G-buffer that `base` draws with what `base` makes of it.

@@ -10,13 +10,13 @@ use super::journal::{Journal, scene_digest};
 use super::names::cell_name;
 use super::record::{Head, Provenance, RecordSubject, Stats};
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::gpu::frame::Mode;
-use crate::methods::{MethodInfo, Setup, Wants};
-use crate::scene::{CameraPath, Scene, View};
 use crate::stage::{Globals, Shot, Stage};
 use serde::Deserialize;
 use serde_json::{Value, json};
+use ssct::gpu::Gpu;
+use ssct::gpu::frame::Mode;
+use ssct::methods::{MethodInfo, Setup, Wants};
+use ssct_scenes::{CameraPath, Scene, View};
 
 /// Methods and settings of the study, with the path of the camera.
 pub struct PathStudy {
@@ -209,7 +209,7 @@ impl Study for PathStudy {
         let (setup, first) = (self.setup.with_extent(*extent), start.camera(&self.scene, *extent));
         let made =
             self.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, Wants::IMAGE, first, materials.clone()));
-        let mut shots = made.collect::<Result<Vec<_>>>()?;
+        let mut shots = made.collect::<ssct::Result<Vec<_>>>()?;
         let rounds: Vec<Round> = (0..self.warmup + self.frames)
             .map(|n| {
                 let counts = n.checked_sub(self.warmup);

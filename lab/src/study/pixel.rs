@@ -4,18 +4,20 @@
 mod reasons;
 
 use super::inspect::{Inspection, PickedRay, Walk, WalkEnd};
-use crate::gpu::Pixels;
-use crate::math::display_byte;
-use crate::metrics::verdict::{PixelVerdict, difference};
-use crate::passes::PathCode;
-use crate::reference::Outcome;
-use crate::reference::first_hits::FirstHits;
-use crate::reference::pixel::{EstimatedColor, PixelInWorld, PixelSampling, UnseenReason, all_references, references};
-use crate::reference::surface::World;
-use crate::reference::world_hits::WorldHit;
-use crate::scene::{Camera, GBufferData, Surface};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
+use ssct::gpu::Pixels;
+use ssct::passes::PathCode;
+use ssct_ground::math::display_byte;
+use ssct_scenes::{Camera, GBufferData, Surface};
+use ssct_truth::metrics::verdict::{PixelVerdict, difference};
+use ssct_truth::reference::Outcome;
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::pixel::{
+    EstimatedColor, PixelInWorld, PixelSampling, UnseenReason, all_references, references,
+};
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world_hits::WorldHit;
 
 /// Rays of each reference of a single pixel.
 pub const RAYS: u32 = 256;

@@ -13,23 +13,23 @@ use super::journal::scene_digest;
 use super::names::cell_name;
 use super::record::{Head, RecordSubject};
 use crate::error::Result;
-use crate::gpu::{FrameContext, Gpu};
-use crate::math::OracleVersion;
-use crate::methods::{Effect, Input, MethodInfo, Setup, Wants};
-use crate::metrics::hits::HitAgreement;
-use crate::metrics::image::masked_rmse;
-use crate::passes::gbuffer::GBufferImages;
-use crate::passes::scene_data;
-use crate::reference::first_hits::PrimaryRays;
-use crate::reference::hierarchy::Hierarchy;
-use crate::reference::screen::{Sampling, ScreenReference};
-use crate::reference::surface::{World, sky_color};
-use crate::scene::{Camera, GBufferData, Scene, Surface, View};
 use crate::stage::Globals;
 use crate::stage::gbuffer::{hit_positions, reflect_at_rest, reflection};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde_json::json;
+use ssct::gpu::{FrameContext, Gpu};
+use ssct::methods::{Effect, Input, MethodInfo, Setup, Wants};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::scene_data;
+use ssct_ground::math::OracleVersion;
+use ssct_scenes::{Camera, GBufferData, Scene, Surface, View};
+use ssct_truth::metrics::hits::HitAgreement;
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::reference::first_hits::PrimaryRays;
+use ssct_truth::reference::hierarchy::Hierarchy;
+use ssct_truth::reference::screen::{Sampling, ScreenReference};
+use ssct_truth::reference::surface::{World, sky_color};
 
 /// Name in records of the oracle on the stored G-buffer, which measures the error of storage alone, without the methods'
 /// arithmetic.

@@ -8,10 +8,10 @@ use super::error::{ErrorRecord, ErrorReference, Variant};
 use super::exhibit::Table;
 use super::record::{Head, TimeRecord};
 use crate::error::{Error, Result};
-use crate::methods::setup::{BeyondScreen, Stage};
-use crate::methods::{self, EffectParams, Setup};
-use crate::metrics::bootstrap::median_of;
 use serde::{Deserialize, Serialize};
+use ssct::methods::setup::{BeyondScreen, Stage};
+use ssct::methods::{self, EffectParams, Setup};
+use ssct_truth::metrics::bootstrap::median_of;
 
 /// The file that `make docs` writes.
 const QUOTED: &str = include_str!("readme.csv");
@@ -135,7 +135,7 @@ pub struct MeasuredRecords<'a> {
 /// comparison. On a CPU each runs in its default stage, as it did for the README.
 ///
 /// # Errors
-/// [`Error::Usage`] if there is no such method.
+/// [`Usage`](ssct_ground::Error::Usage) if there is no such method.
 pub fn variants(extent: [u32; 2], is_cpu: bool) -> Result<Vec<Variant>> {
     let plain = Setup::new(extent);
     let stage = if is_cpu { plain.effect().stage } else { Stage::Compute };
@@ -200,10 +200,10 @@ fn is_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
 /// The README's numbers, one for each view.
 ///
 /// # Errors
-/// [`Error::Usage`] if the file cannot be read, which a test excludes.
+/// [`Usage`](ssct_ground::Error::Usage) if the file cannot be read, which a test excludes.
 pub fn quoted_numbers() -> Result<Vec<QuotedNumber>> {
     let read = csv::Reader::from_reader(QUOTED.as_bytes()).into_deserialize().collect::<csv::Result<_>>();
-    read.map_err(|e| Error::Usage(format!("the README's numbers: {e}")))
+    read.map_err(|e| Error::usage(format!("the README's numbers: {e}")))
 }
 
 /// Compares every number of the README with the measurements.

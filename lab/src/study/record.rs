@@ -2,15 +2,15 @@
 
 use super::columns::{Column, ColumnSet, Columns, columns, nested, part, time, times};
 use super::names::roughness;
-use crate::gpu::timing::PassWork;
-use crate::gpu::{DeviceInfo, Gpu, Skipped};
-use crate::methods::{self, EffectParams, MethodInfo, Setup};
-use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
-use crate::passes::gbuffer::DrawnCounts;
-use crate::scene::{FieldOfView, Lens, Scene, View};
 use crate::stage::Globals;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
+use ssct::gpu::timing::PassWork;
+use ssct::gpu::{DeviceInfo, Gpu, Skipped};
+use ssct::methods::{self, EffectParams, MethodInfo, Setup};
+use ssct::passes::gbuffer::DrawnCounts;
+use ssct_ground::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
+use ssct_scenes::{FieldOfView, Lens, Scene, View};
 
 /// The version of docs/definitions.md that figures follow.
 pub const DEFINITIONS: u32 = 3;
@@ -89,7 +89,7 @@ impl Provenance {
 
     /// The commit that the program was built from, with a remark if the program uses other shaders than those of that commit.
     pub fn commit() -> String {
-        let others = crate::gpu::sources::named().map_or("", |_| " with other shaders");
+        let others = ssct::gpu::sources::named().map_or("", |_| " with other shaders");
         format!("{}{others}", Self::COMMIT)
     }
 
@@ -370,11 +370,11 @@ pub fn group_of(label: &str) -> &str {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::methods::METHODS;
+    use ssct::methods::METHODS;
 
     /// A value that the parameter allows, other than the given one.
     pub(crate) fn another(parameter: &Parameter, value: Value) -> Value {
-        use crate::parameter::Domain;
+        use ssct_ground::parameter::Domain;
         let candidates = match parameter.domain {
             Domain::Count(least, most) => vec![Value::Count(least), Value::Count(most)],
             Domain::Number { least, most, .. } => vec![Value::Number(most), Value::Number(0.5 * (least + most))],

@@ -1,6 +1,6 @@
 //! Statistics of a device's compiler about the programs that methods run: registers, instructions, occupancy and whatever else
 //! the driver reports (VK_KHR_pipeline_executable_properties). A device that compiles only
-//! ([`crate::gpu::DeviceQuery::compiles_only`]) is enough, so that the hardware need not be in the machine.
+//! ([`ssct::gpu::DeviceQuery::compiles_only`]) is enough, so that the hardware need not be in the machine.
 
 pub mod compare;
 pub mod kinds;
@@ -13,14 +13,14 @@ use super::journal::scene_digest;
 use super::names::cell_name;
 use super::record::{Head, Provenance, RecordSubject};
 use crate::error::Result;
-use crate::gpu::executables::{CompiledProgram, Executable};
-use crate::gpu::frame::Mode;
-use crate::methods::Wants;
-use crate::scene::{Scene, View};
 use crate::stage::{Globals, Shot, Stage};
 use glam::{Mat4, Vec3};
 use kinds::{Fold, Kind};
 use serde_json::{Value, json};
+use ssct::gpu::executables::{CompiledProgram, Executable};
+use ssct::gpu::frame::Mode;
+use ssct::methods::Wants;
+use ssct_scenes::{Scene, View};
 
 /// Frames that are recorded at rest: one program begins a history, and another continues it.
 const FRAMES_AT_REST: usize = 2;
@@ -222,7 +222,7 @@ impl Study for ShadersStudy {
 /// Compiles the programs that frames of a variant run, on a stage of a scene and a device that compiles only.
 ///
 /// # Errors
-/// [`crate::error::Error::Usage`] on a device that was opened for something else, and errors of the driver.
+/// [`Usage`](ssct_ground::Error::Usage) on a device that was opened for something else, and errors of the driver.
 pub fn compiled(
     stage: &mut Stage,
     (scene, view): (&Scene, &View),
@@ -283,7 +283,7 @@ fn is_listed(program: &CompiledProgram, executable: &Executable) -> bool {
 
 fn record(head: &Head, runs_in: &str, program: &CompiledProgram, executable: &Executable) -> ShaderRecord {
     let constants: Vec<String> = program.constants.iter().map(|(id, bits)| format!("{id}={bits}")).collect();
-    let statistic = |s: &crate::gpu::executables::Statistic| ShaderStatistic {
+    let statistic = |s: &ssct::gpu::executables::Statistic| ShaderStatistic {
         name: s.name.clone(),
         about: s.about.clone(),
         value: s.value,

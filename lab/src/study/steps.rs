@@ -5,15 +5,15 @@ use super::columns::{AsDatum, Datum, columns, figure};
 use super::exhibit::Table;
 use super::record::Provenance;
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::reference::CaptureData;
-use crate::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};
-use crate::scene::placement::{self, WantedCaptures};
-use crate::scene::{Aabb, GBufferData, Scene, View};
 use crate::stage::gbuffer;
 use crate::stage::{Globals, Stage};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use ssct::gpu::Gpu;
+use ssct_scenes::placement::{self, WantedCaptures};
+use ssct_scenes::{Aabb, GBufferData, Scene, View};
+use ssct_truth::reference::CaptureData;
+use ssct_truth::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};
 
 /// Number of lanes of a CPU device that walk together, and wait for the slowest.
 const TOGETHER: usize = 8;

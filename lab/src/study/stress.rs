@@ -16,20 +16,20 @@ use super::columns::{columns, figure, time};
 use super::record::{Provenance, RecordedSetup, recorded};
 use super::ties::is_tie;
 use crate::error::Result;
-use crate::gpu::{Gpu, Pixels};
-use crate::math::random::Stream;
-use crate::methods::{MethodInfo, Setup};
-use crate::metrics::hits::HitVerdict;
-use crate::passes::PathCode;
-use crate::passes::gbuffer::GBufferImages;
-use crate::reference::hierarchy::Hierarchy;
-use crate::scene::{GBufferData, Lens, Scene, View};
 use crate::stage::Globals;
 use crate::stage::gbuffer::hit_positions;
 use cases::Case;
 use glam::Vec3;
 use lineup::{FrameImages, SceneLineup, ScreenLineup};
 use rayon::prelude::*;
+use ssct::gpu::{Gpu, Pixels};
+use ssct::methods::{MethodInfo, Setup};
+use ssct::passes::PathCode;
+use ssct::passes::gbuffer::GBufferImages;
+use ssct_ground::math::random::Stream;
+use ssct_scenes::{GBufferData, Lens, Scene, View};
+use ssct_truth::metrics::hits::HitVerdict;
+use ssct_truth::reference::hierarchy::Hierarchy;
 
 /// The method that must pass every case; published methods must only finish.
 pub const JUDGED: &str = "unified";

@@ -1,8 +1,8 @@
 //! Variants that `ssct error` sweeps: methods with their settings.
 
 use super::error::Variant;
-use crate::methods::setup::{BeyondScreen, CaptureCount, CaptureSide};
-use crate::methods::{EffectParams, Fallback, MethodInfo, Setup};
+use ssct::methods::setup::{BeyondScreen, CaptureCount, CaptureSide};
+use ssct::methods::{EffectParams, Fallback, MethodInfo, Setup};
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
@@ -63,7 +63,7 @@ pub fn bounces(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::{METHODS, unified};
+    use ssct::methods::{METHODS, unified};
     use std::collections::BTreeSet;
 
     #[test]

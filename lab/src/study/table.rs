@@ -3,11 +3,11 @@
 use super::compare::{SEED, shown_drift};
 use super::drift::drift;
 use super::record::TimeRecord;
-use crate::methods::{METHODS, MethodInfo};
-use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, Ratio, median_of_ratios};
 use crate::stage::Globals;
 use crate::study::exhibit::distinct;
 use serde::Serialize;
+use ssct::methods::{METHODS, MethodInfo};
+use ssct_truth::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, Ratio, median_of_ratios};
 
 /// A row of table 5.8 (thesis ch. 5, below figure 5.8; NVIDIA GeForce GTX 670), milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,9 @@
 //! Rays that end in one of two places by the rounding of 32-bit floats alone: through corners of pixels, or grazing a block. A
 //! hit at either place does not contradict the oracle.
 
-use crate::metrics::hits::HitVerdict;
-use crate::reference::hierarchy::Hierarchy;
 use glam::DVec3;
+use ssct_truth::metrics::hits::HitVerdict;
+use ssct_truth::reference::hierarchy::Hierarchy;
 
 /// Whether a method's hit can be explained by rounding, by version 1 of the oracle. The rays tried differ from the mirror ray
 /// of the pixel (x, y) by a few units in the last place of an f32, in direction, start depth or crossings of pixel sides. A tie

@@ -15,14 +15,14 @@ use super::interleave::{Round, Sample, interleave, kept};
 use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, PassRecord, RecordSubject, Stats, TimeRecord};
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::gpu::frame::Mode;
-use crate::gpu::timing::PassTime;
-use crate::methods::Wants;
-use crate::metrics::bootstrap::noise_floor;
-use crate::scene::{Scene, View};
 use crate::stage::{Globals, Shot, Stage};
 use serde_json::{Value, json};
+use ssct::gpu::Gpu;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::timing::PassTime;
+use ssct::methods::Wants;
+use ssct_scenes::{Scene, View};
+use ssct_truth::metrics::bootstrap::noise_floor;
 use std::fmt::Display;
 
 /// Scene, view and settings of the study: every combination of sizes, factors and variants is timed.
@@ -171,7 +171,7 @@ impl Timer {
                 let shot = |Variant { method, setup }: &Variant| {
                     Shot::new(stage, method, &setup.with_extent(group.extent), Wants::IMAGE, camera, materials.clone())
                 };
-                variants.map(shot).collect::<Result<_>>()?
+                variants.map(shot).collect::<ssct::Result<_>>()?
             }
         };
         let (_, shots) = self.shots.insert((shots_key, shots));
@@ -276,10 +276,10 @@ pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::DeviceQuery;
-    use crate::methods::{METHODS, MethodInfo, Setup};
-    use crate::scene::library;
     use crate::study::record::tests::another;
+    use ssct::gpu::DeviceQuery;
+    use ssct::methods::{METHODS, MethodInfo, Setup};
+    use ssct_scenes::library;
 
     /// Tests that samples of different setups have different keys in the journal.
     #[test]

@@ -1,7 +1,7 @@
 //! Numbers that the methods on the device pass to their twins on the CPU.
 
-use crate::gpu::shader::ThesisBlock;
-use crate::reference::hi_z_ray_trace::HiZConstants;
+use ssct::gpu::shader::ThesisBlock;
+use ssct_truth::reference::hi_z_ray_trace::HiZConstants;
 
 /// The numbers that the Hi-Z traversal reads of a method's parameter block.
 pub fn hi_z_constants(block: &ThesisBlock) -> HiZConstants {

@@ -16,23 +16,23 @@ use super::journal::scene_digest;
 use super::names::cell_name;
 use super::record::{Head, RecordSubject, Stats};
 use crate::error::{Error, Result};
-use crate::gpu::frame::Mode;
-use crate::gpu::{Gpu, Pixels};
-use crate::methods::Wants;
-use crate::metrics::flicker::{self, SamePlace};
-use crate::metrics::flip::FlipMap;
-use crate::metrics::image::masked_rmse;
-use crate::metrics::video::{Film, jod};
-use crate::reference::first_hits::FirstHits;
-use crate::reference::surface::World;
-use crate::reference::world::WorldReference;
-use crate::scene::{Camera, GBufferData, Material, Motion, Scene, View};
 use crate::stage::gbuffer;
 use crate::stage::{Globals, Shot, Stage};
 use glam::Vec3;
 use rayon::prelude::*;
 use record::WORLD;
 use serde_json::json;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{Gpu, Pixels};
+use ssct::methods::Wants;
+use ssct_scenes::{Camera, GBufferData, Material, Motion, Scene, View};
+use ssct_truth::metrics::flicker::{self, SamePlace};
+use ssct_truth::metrics::flip::FlipMap;
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::metrics::video::{Film, jod};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
 
 /// Scene, motion and variants of a film.
 pub struct VideoStudy {
@@ -159,10 +159,10 @@ impl Change {
 /// Films every variant, frame by frame in turn. `go_on` is called between two steps, and its error ends the filming.
 ///
 /// # Errors
-/// [`Error::Usage`] if there are too few frames or rays; errors of the device and of `go_on`.
+/// [`Usage`](ssct_ground::Error::Usage) if there are too few frames or rays; errors of the device and of `go_on`.
 fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoRecord>, Films)> {
     if spec.study.frames < 2 || spec.study.rays < 2 {
-        return Err(Error::Usage("a film needs at least two frames, and its reference two rays a pixel".into()));
+        return Err(Error::usage("a film needs at least two frames, and its reference two rays a pixel".into()));
     }
     let start = spec.study.way.start();
     let materials = spec.globals.materials(&spec.study.scene, &start);

@@ -1,7 +1,7 @@
 //! Zones for the profiler Tracy, with the feature `tracy`: each timed frame on the host, and each of its passes on the device.
 //! Without the feature, this module does nothing.
 
-use crate::gpu::FrameReport;
+use ssct::gpu::FrameReport;
 
 /// Draws zones in the profiler; empty without the feature.
 pub struct Zones {

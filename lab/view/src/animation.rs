@@ -1,10 +1,10 @@
 //! Writes frames of the window as an animated GIF for a web page. Pixels that do not change are transparent in
 //! later frames, which keeps the file small.
 
-use crate::error::{Error, Result};
-use crate::gpu::Pixels;
-use crate::report::files;
-use crate::report::images::display;
+use ssct::gpu::Pixels;
+use ssct_lab::error::{Error, Result};
+use ssct_lab::report::files;
+use ssct_lab::report::images::display;
 use std::path::Path;
 
 /// The largest difference between two bytes that is not visible.
@@ -31,20 +31,20 @@ impl Animation {
     /// Adds a frame.
     ///
     /// # Errors
-    /// [`Error::Usage`] if its size differs from that of the first frame.
+    /// [`Usage`](ssct_ground::Error::Usage) if its size differs from that of the first frame.
     pub fn add(&mut self, screen: &Pixels) -> Result<()> {
         let rgb = display(screen);
         let is_first = self.frames.is_empty();
         let size = [rgb.width, rgb.height].map(u16::try_from);
         let [Ok(width), Ok(height)] = size else {
-            return Err(Error::Usage("an animation has at most 65535 pixels a side".into()));
+            return Err(Error::usage("an animation has at most 65535 pixels a side".into()));
         };
         if is_first {
             self.size = [width, height];
             self.seen = vec![0; 4 * rgb.bytes.len() / 3];
         }
         if self.size != [width, height] {
-            return Err(Error::Usage("the window changed its size during the animation".into()));
+            return Err(Error::usage("the window changed its size during the animation".into()));
         }
         let mut rgba = vec![0; self.seen.len()];
         let texels = rgb.bytes.chunks_exact(3).zip(self.seen.chunks_exact_mut(4)).zip(rgba.chunks_exact_mut(4));
@@ -73,7 +73,7 @@ impl Animation {
         }
         // Dropping the encoder writes the end of the file.
         drop(encoder);
-        files::write(path, &bytes)
+        Ok(files::write(path, &bytes)?)
     }
 }
 

@@ -1,10 +1,10 @@
 //! The captures that the user has moved, added or removed, and the file that they are saved in.
 
-use crate::error::{Error, Result};
-use crate::report::files;
-use crate::scene::capture::MAX_CAPTURES;
-use crate::scene::{Capture, scene_file};
 use glam::Vec3;
+use ssct_lab::error::{Error, Result};
+use ssct_lab::report::files;
+use ssct_scenes::capture::MAX_CAPTURES;
+use ssct_scenes::{Capture, scene_file};
 use std::path::Path;
 
 /// The list of captures while it is edited.
@@ -97,7 +97,7 @@ impl CaptureEditor {
             Capture { position, near_m: near_m.x, ..*c }
         };
         let captures: Vec<Capture> = captures.iter().map(unscaled).collect();
-        files::write(path, scene_file::with_captures(&before, &captures, path)?.as_bytes())
+        Ok(files::write(path, scene_file::with_captures(&before, &captures, path)?.as_bytes())?)
     }
 }
 

@@ -1,12 +1,12 @@
 //! Captures laid open as crosses, so that the window can show them as images, and rays can be drawn over them.
 
-use crate::error::Result;
-use crate::gpu::FrameContext;
-use crate::passes::pyramid;
-use crate::passes::{Captures, Content};
-use crate::report::captures::{CROSS, FACES_IN_CROSS};
-use crate::scene::{Capture, sky};
 use glam::{Vec2, Vec3};
+use ssct::gpu::FrameContext;
+use ssct::passes::pyramid;
+use ssct::passes::{Captures, Content};
+use ssct_lab::error::Result;
+use ssct_lab::report::captures::{CROSS, FACES_IN_CROSS};
+use ssct_scenes::{Capture, sky};
 
 /// A kind of image that a capture has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

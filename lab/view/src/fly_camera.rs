@@ -3,8 +3,8 @@
 //! Like a view, the camera is stored as an eye and a point that it looks at, so that a view from which the
 //! camera has not moved is rendered exactly as by `ssct render`.
 
-use crate::scene::{Camera, Lens, View};
 use glam::{Vec2, Vec3};
+use ssct_scenes::{Camera, Lens, View};
 use std::f32::consts::FRAC_PI_2;
 
 /// The angle that one pixel of mouse motion turns.

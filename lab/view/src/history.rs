@@ -1,8 +1,8 @@
 //! Pass times of a method's recent frames, for the stacked bars.
 
-use crate::gpu::FrameReport;
-use crate::gpu::frame::Skipped;
-use crate::study::Stats;
+use ssct::gpu::FrameReport;
+use ssct::gpu::frame::Skipped;
+use ssct_lab::study::Stats;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
@@ -84,7 +84,7 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::PassTime;
+    use ssct::gpu::PassTime;
 
     fn report(passes: &[(&str, f64, bool)]) -> FrameReport {
         let pass = |(name, ms, counted): &(&str, f64, bool)| PassTime {

@@ -26,24 +26,23 @@ mod tests;
 mod viewer;
 mod window;
 
-use ssct::{error, gpu, methods, parameter, passes};
 use ssct_lab::app::{self, resolve};
-use ssct_lab::{custom, metrics, reference, report, scene, stage, study};
+use ssct_lab::{custom, report, stage, study};
 
 use animation::Animation;
 use clap::Args;
-use error::{Error, Result};
-use gpu::{DeviceQuery, Gpu};
-use methods::{METHODS, MethodInfo};
 use options::{TwoMethods, ViewOptions};
-use passes::look::{Compare, Tone};
 use path::PathEditor;
 use presentation::swapchain;
 use report::images;
-use scene::path as path_file;
-use scene::{Scene, View};
 use script::{Script, ScriptPlan};
 use setup::ViewerSetup;
+use ssct::gpu::{self, DeviceQuery, Gpu};
+use ssct::methods::{self, METHODS, MethodInfo};
+use ssct::passes::look::{Compare, Tone};
+use ssct_lab::error::{Error, Result};
+use ssct_scenes::path as path_file;
+use ssct_scenes::{Scene, View};
 use state::{Side, State, given_options};
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -69,7 +68,7 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
         images::check_extension(path)?;
     }
     if let Some(path) = options.animation.as_ref().filter(|p| !ends_with(p, "gif")) {
-        return Err(Error::Usage(format!("{}: an animation is written as .gif", path.display())).into());
+        return Err(Error::usage(format!("{}: an animation is written as .gif", path.display())).into());
     }
     let mut path = PathEditor::default();
     if let Some(file) = &options.path {
@@ -157,7 +156,7 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
     let side = |method: &'static MethodInfo| Side::new(method, given.clone());
     let sides = [side(first), side(second)];
     match &sides[0].fault {
-        Some(fault) => Err(Error::Usage(fault.clone())),
+        Some(fault) => Err(Error::usage(fault.clone())),
         None => Ok(sides),
     }
 }

@@ -15,11 +15,11 @@ use super::captures::CaptureEditor;
 use super::cubes::CubeImage;
 use super::path::PathEditor;
 use super::state::{State, Tab};
-use crate::passes::look::Compare;
 use egui::{Color32, Rect, RichText, Sense, Ui};
 use glam::Vec2;
 use shared::dot;
 pub use shared::{PanelActions, PanelData};
+use ssct::passes::look::Compare;
 
 /// Width of the panel, in points.
 pub const WIDTH: f32 = 340.0;

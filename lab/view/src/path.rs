@@ -1,10 +1,10 @@
 //! Camera key frames: recording, saving, loading and playing. `ssct path` reads the same files.
 
 use super::fly_camera::FlyCamera;
-use crate::error::Result;
-use crate::report::files;
-use crate::scene::path::{self, CameraPath, KeyFrame};
 use glam::Vec3;
+use ssct_lab::error::Result;
+use ssct_lab::report::files;
+use ssct_scenes::path::{self, CameraPath, KeyFrame};
 use std::path::Path;
 
 /// The recorded key frames and the state of their playback.
@@ -40,13 +40,13 @@ impl PathEditor {
     pub fn path(&self) -> Result<CameraPath> {
         let stem = Path::new(&self.file).file_stem().map_or("path".into(), |s| s.to_string_lossy());
         // The name is the stem of "path.toml" or "path.path.toml".
-        CameraPath::new(stem.split('.').next().unwrap_or("path"), self.keys.clone())
+        Ok(CameraPath::new(stem.split('.').next().unwrap_or("path"), self.keys.clone())?)
     }
 
     /// Writes the file.
     pub fn save(&mut self) {
         let path = Path::new(&self.file);
-        let saved = self.path().and_then(|p| files::write(path, path::to_toml(&p).as_bytes()));
+        let saved = self.path().and_then(|p| Ok(files::write(path, path::to_toml(&p).as_bytes())?));
         self.message = match saved {
             Ok(()) => format!("saved as {}", self.file),
             Err(e) => e.to_string(),

@@ -3,19 +3,19 @@
 use super::cubes::CubeImage;
 use super::history::History;
 use super::state::{InnerImage, STEPS, Side, State};
-use crate::error::Result;
-use crate::gpu::frame::Mode;
-use crate::gpu::timing::PassWork;
-use crate::gpu::{FrameReport, Gpu, Image, Pixels};
-use crate::methods::setup::CaptureCount;
-use crate::methods::{Intermediate, Wants};
-use crate::passes::Content;
-use crate::passes::look::KeepPass;
-use crate::scene::capture::face_camera;
-use crate::scene::{Camera, Capture, Lens, Material, Scene};
-use crate::stage::{Shot, Stage, gbuffer, image};
-use crate::study::inspect::Inspection;
 use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::timing::PassWork;
+use ssct::gpu::{FrameReport, Gpu, Image, Pixels};
+use ssct::methods::setup::CaptureCount;
+use ssct::methods::{Intermediate, Wants};
+use ssct::passes::Content;
+use ssct::passes::look::KeepPass;
+use ssct_lab::error::Result;
+use ssct_lab::stage::{Shot, Stage, gbuffer, image};
+use ssct_lab::study::inspect::Inspection;
+use ssct_scenes::capture::face_camera;
+use ssct_scenes::{Camera, Capture, Lens, Material, Scene};
 use std::time::Instant;
 
 /// Everything that a rendered frame depends on.
@@ -245,7 +245,7 @@ impl Pictures {
         let Some((_, shot)) = &mut self.with_hits else { return Ok(None) };
         shot.camera = wanted.camera;
         let (_, _, output) = self.stage.output(shot)?;
-        output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()
+        Ok(output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?)
     }
 
     /// Shows the steps of each pixel's ray instead of the first picture.
@@ -254,12 +254,12 @@ impl Pictures {
         let image = Image::from_texels(&mut self.stage.context, "steps", extent, &texels)?;
         let Some(shown) = &mut self.shown[0] else { return Ok(()) };
         (shown.content, shown.kept_cube) = (Content::Steps, None);
-        self.stage.context.once(|frame| shown.kept.record(frame, image.all()))
+        Ok(self.stage.context.once(|frame| shown.kept.record(frame, image.all()))?)
     }
 
     fn shot(&mut self, side: &Side, wants: Wants, wanted: &FrameRequest) -> Result<Shot> {
         let setup = side.setup.with_extent(wanted.extent);
-        Shot::new(&mut self.stage, side.method, &setup, wants, wanted.camera, wanted.materials.clone())
+        Ok(Shot::new(&mut self.stage, side.method, &setup, wants, wanted.camera, wanted.materials.clone())?)
     }
 }
 
@@ -306,7 +306,8 @@ impl ShownMethod {
             cube.zip(captures).filter(|((cube, _), captures)| cube.capture < captures.places.len())
         else {
             (self.content, self.lens, self.kept_cube) = (content, None, None);
-            return stage.context.once(|frame| self.kept.record(frame, slice)).map(drop);
+            stage.context.once(|frame| self.kept.record(frame, slice))?;
+            return Ok(());
         };
         let effect = self.side.setup.effect();
         let is_renewed = effect.captures == CaptureCount::Camera || effect.captures_per_frame > 0;

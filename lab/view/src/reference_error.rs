@@ -1,16 +1,16 @@
 //! The error of the shown methods against the world reference, if `ssct render --method reference` has cached
 //! one for the same view, size and materials. The reference is looked up and compared on a separate thread.
 
-use crate::methods::EffectParams;
-use crate::metrics::flip::FlipMap;
-use crate::metrics::image::{masked_relative_mse, masked_rmse};
-use crate::reference::first_hits::FirstHits;
-use crate::reference::surface::World;
-use crate::reference::world::WorldReference;
-use crate::scene::{Camera, Material, Scene};
-use crate::study::compare::display;
 use glam::Vec3;
+use ssct::methods::EffectParams;
 use ssct_lab::app::reference::{default_cache, kept_in};
+use ssct_lab::study::compare::display;
+use ssct_scenes::{Camera, Material, Scene};
+use ssct_truth::metrics::flip::FlipMap;
+use ssct_truth::metrics::image::{masked_relative_mse, masked_rmse};
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -131,9 +131,9 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::Setup;
-    use crate::scene::library;
-    use crate::stage::Globals;
+    use ssct::methods::Setup;
+    use ssct_lab::stage::Globals;
+    use ssct_scenes::library;
 
     #[test]
     fn the_cached_reference_is_found_only_for_its_own_inputs() {

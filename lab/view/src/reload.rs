@@ -1,10 +1,10 @@
 //! Reloads shaders that change while the window is open. A shader is compiled when its file or an included file changes, and rejected if it
 //! no longer fits the program. The caller then keeps the last good pipeline.
 
-use crate::error::Result;
-use crate::gpu::programs::ALL;
-use crate::gpu::shader::Shader;
-use crate::gpu::sources::{Sources, code_that_fits};
+use ssct::gpu::programs::ALL;
+use ssct::gpu::shader::Shader;
+use ssct::gpu::sources::{Sources, code_that_fits};
+use ssct_lab::error::Result;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -38,7 +38,7 @@ impl ShaderWatch {
     /// Starts from the current state of a folder; later changes are reported.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the folder contains no shaders.
+    /// [`Usage`](ssct_ground::Error::Usage) if the folder contains no shaders.
     pub fn new(root: &Path) -> Result<Self> {
         let compiled_from = Sources::open(root, "--shaders")?;
         let (sources, last) = (HashMap::new(), HashMap::new());

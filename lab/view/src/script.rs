@@ -3,9 +3,9 @@
 
 use super::animation::Animation;
 use super::viewer::Viewer;
-use crate::error::Result;
-use crate::gpu::{Gpu, Pixels};
-use crate::scene::path::CameraPath;
+use ssct::gpu::{Gpu, Pixels};
+use ssct_lab::error::Result;
+use ssct_scenes::path::CameraPath;
 use std::time::{Duration, Instant};
 
 /// The plan of a scripted run.

@@ -4,11 +4,11 @@ use super::path::PathEditor;
 use super::reload::ShaderWatch;
 use super::state::State;
 use super::viewer::{Shaders, Viewer, Wake};
-use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::scene::Scene;
 use ash::vk;
+use ssct::gpu::Gpu;
 use ssct_lab::app::cli::SceneOptions;
+use ssct_lab::error::Result;
+use ssct_scenes::Scene;
 use std::path::PathBuf;
 
 /// The data from which the viewer is built once there is a window.

@@ -2,12 +2,12 @@
 //! differs from that of the last rendered frame.
 
 use super::fly_camera::FlyCamera;
-use crate::methods::{self, EffectParams, Fallback, MethodInfo, Setup};
-use crate::passes::Content;
-use crate::passes::look::{Compare, Tone};
-use crate::scene::View;
-use crate::stage::Globals;
+use ssct::methods::{self, EffectParams, Fallback, MethodInfo, Setup};
+use ssct::passes::Content;
+use ssct::passes::look::{Compare, Tone};
 use ssct_lab::app::parameters::MethodOptions;
+use ssct_lab::stage::Globals;
+use ssct_scenes::View;
 use std::collections::BTreeMap;
 
 /// A method with its options, as one of the two sides that are shown.
@@ -215,8 +215,8 @@ impl State {
 mod tests {
     use super::super::tests::state;
     use super::*;
-    use crate::methods::METHODS;
     use clap::{Args, FromArgMatches};
+    use ssct::methods::METHODS;
 
     #[test]
     fn options_of_the_command_line_are_those_of_a_side() {

@@ -7,14 +7,14 @@ mod tuning;
 use super::fly_camera::{FlyCamera, FlyMotion};
 use super::state::{Side, State, Tab};
 use super::viewer::{Viewer, ViewerInput};
-use crate::gpu::{DeviceQuery, Gpu, Pixels};
-use crate::methods::METHODS;
-use crate::passes::look::{Compare, Tone};
-use crate::scene::{View, library};
-use crate::stage::Globals;
 use clap::{Args, FromArgMatches};
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, vec2};
+use ssct::gpu::{DeviceQuery, Gpu, Pixels};
+use ssct::methods::METHODS;
+use ssct::passes::look::{Compare, Tone};
 use ssct_lab::app::cli::{CommonOptions, SceneOptions};
+use ssct_lab::stage::Globals;
+use ssct_scenes::{View, library};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -83,7 +83,7 @@ impl Bench {
         let gpu = Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).unwrap();
         let scene = library::scene("rooms").unwrap();
         let view = scene.view("corridor").unwrap().clone();
-        let side = |name: &str| Side::new(crate::methods::find(name).unwrap(), BTreeMap::new());
+        let side = |name: &str| Side::new(ssct::methods::find(name).unwrap(), BTreeMap::new());
         let state = State {
             scene: "rooms".into(),
             camera: Viewer::camera(&scene, &view),
@@ -98,7 +98,7 @@ impl Bench {
 
     /// Shows `unified` with so many captures of 128² texels a face.
     fn with_captures(&mut self, count: &str) {
-        let unified = crate::methods::find("unified").unwrap();
+        let unified = ssct::methods::find("unified").unwrap();
         self.viewer.state.choose(0, unified);
         for (option, value) in [("captures", count), ("capture-side", "128")] {
             self.viewer.state.sides[0].set(option, Some(value.into()));
@@ -120,7 +120,7 @@ impl Bench {
         egui.viewports.entry(egui.viewport_id).or_default().native_pixels_per_point = Some(self.pixels_per_point);
         let input = ViewerInput { egui, motion: FlyMotion::default(), seconds: 0.02, extent: self.extent };
         let again = self.viewer.update(input).unwrap().again;
-        let drawn = self.viewer.draw(|context, _, record| context.once(|frame| record(frame))).unwrap();
+        let drawn = self.viewer.draw(|context, _, record| Ok(context.once(|frame| record(frame))?)).unwrap();
         assert!(drawn.is_some(), "a round must leave something to draw");
         again
     }

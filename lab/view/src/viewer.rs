@@ -11,17 +11,17 @@ use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
 use super::reference_error::ReferenceComparison;
 use super::reload::{ShaderChange, ShaderStatus};
 use super::state::State;
-use crate::error::Result;
-use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, Pixels};
-use crate::passes::look::{Compare, LookPass, PictureDisplay};
 use crate::presentation::Overlay;
-use crate::scene::{Capture, Scene, View, library};
-use crate::study::inspect::PickedRay;
-use crate::study::pixel::PixelReport;
 use ash::vk;
 use egui::{Context, FullOutput, RawInput};
+use ssct::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, Pixels};
+use ssct::passes::look::{Compare, LookPass, PictureDisplay};
 use ssct_lab::app::cli::SceneOptions;
 use ssct_lab::app::resolve;
+use ssct_lab::error::Result;
+use ssct_lab::study::inspect::PickedRay;
+use ssct_lab::study::pixel::PixelReport;
+use ssct_scenes::{Capture, Scene, View, library};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
@@ -220,7 +220,7 @@ impl Viewer {
     /// records its drawing.
     pub fn draw<R>(
         &mut self,
-        present: impl FnOnce(&mut FrameContext, &Image, &mut dyn FnMut(&mut Frame) -> Result<()>) -> Result<R>,
+        present: impl FnOnce(&mut FrameContext, &Image, &mut dyn FnMut(&mut Frame) -> ssct::Result<()>) -> Result<R>,
     ) -> Result<Option<R>> {
         let Self { pictures, look, shown, overlay, screen, triangles, textures, pixels_per_point, .. } = self;
         let (Some(shown), Some((stage, kept, _))) = (shown, pictures.parts()) else { return Ok(None) };
@@ -235,13 +235,13 @@ impl Viewer {
 
     /// The screen as it was last drawn, decoded to linear values.
     pub fn read_screen(&mut self) -> Result<Pixels> {
-        self.pictures.stage.context.read(self.screen.all())
+        Ok(self.pictures.stage.context.read(self.screen.all())?)
     }
 
     /// The first picture alone, linear and without the panel.
     pub fn read_picture(&mut self) -> Result<Option<Pixels>> {
         let Some((stage, [first, _], _)) = self.pictures.parts() else { return Ok(None) };
-        stage.context.read(first.all()).map(Some)
+        Ok(Some(stage.context.read(first.all())?))
     }
 
     /// The window's title, which names what is shown.
@@ -284,7 +284,7 @@ impl Viewer {
 
     /// The frame at rest on the host, if it was analysed.
     #[cfg(test)]
-    pub fn inspection(&self) -> Option<&crate::study::inspect::Inspection> {
+    pub fn inspection(&self) -> Option<&ssct_lab::study::inspect::Inspection> {
         self.analysis.as_ref()?.inspection.as_ref()
     }
 
@@ -314,7 +314,7 @@ impl Viewer {
             let status = made.and_then(|code| {
                 let before = replaced.set(shader, Some(code));
                 let tried = self.pictures.try_pipelines();
-                tried.and_then(|()| LookPass::new(&self.gpu, self.screen.format())).map_err(|e| {
+                tried.and_then(|()| Ok(LookPass::new(&self.gpu, self.screen.format())?)).map_err(|e| {
                     replaced.set(shader, before);
                     e.to_string()
                 })
@@ -385,7 +385,7 @@ pub(super) fn views(scene: &Scene, place: &SceneOptions) -> Result<Vec<View>> {
 
 pub(super) fn screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
-    Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })
+    Ok(Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })?)
 }
 
 /// The command line that makes the reference of the current view. It can name a view, but not a camera that has

@@ -4,8 +4,8 @@ use super::SceneData;
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, RayStructure};
 use crate::passes::triangle_scene::{TriangleGeometry, TriangleImages, TriangleReading};
-use crate::scene::Placement;
-use crate::scene::tree::BuildTrees;
+use ssct_ground::scene::Placement;
+use ssct_ground::scene::tree::BuildTrees;
 use std::time::Instant;
 
 impl SceneData {

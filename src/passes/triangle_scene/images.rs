@@ -4,12 +4,12 @@ use super::{TEXEL_BYTES, TEXELS, texel_buffer, uploaded};
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
-use crate::math::constants::{
+use ash::vk;
+use ssct_ground::math::constants::{
     ALBEDO_SHIFT, MAP_LEVELS, MAP_SRGB, MASK_SHIFT, MATERIAL_SINGLE_SIDED, MATERIAL_SKY, NORMAL_SHIFT,
 };
-use crate::scene::tree::Words;
-use crate::scene::{Encoding, Material, Surface, Texture};
-use ash::vk;
+use ssct_ground::scene::tree::Words;
+use ssct_ground::scene::{Encoding, Material, Surface, Texture};
 
 /// The images of a scene's materials.
 pub struct TriangleImages {

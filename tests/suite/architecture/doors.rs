@@ -1,6 +1,6 @@
 //! What goes through one door: files that are written, files of runs that are read, what is printed, and what knows flags.
 
-use super::{Source, VIEW, sources};
+use super::{SCENES, Source, VIEW, sources};
 
 /// Whether a source is of a program that reads arguments and prints.
 fn is_command(s: &Source) -> bool {
@@ -46,7 +46,7 @@ const WRITING: [&str; 10] = [
 #[test]
 fn one_module_writes_files() {
     let sources = sources();
-    let door = |s: &&Source| s.package == "lab/truth/src" && s.path == "inside.rs";
+    let door = |s: &&Source| s.package == SCENES && s.path == "inside.rs";
     for s in sources.iter().filter(|s| !door(s) && !s.path.starts_with("tests/")) {
         let word = WRITING.iter().find(|word| s.code.contains(**word));
         assert!(word.is_none(), "{} of {} writes by {word:?}; inside.rs is the door", s.path, s.package);

@@ -3,7 +3,7 @@
 
 use super::figures::{Result, greatest, grouped, json, least, median, ratio, table, text};
 use serde_json::Value;
-use ssct_lab::scene::library;
+use ssct_scenes::library;
 use std::collections::BTreeSet;
 use std::path::Path;
 

@@ -2,9 +2,9 @@
 //! source says that the print does not give it.
 
 use ssct::gpu::programs::{ConeMarchMipConstants, LinearConstants};
-use ssct::math::constants;
 use ssct::methods::{METHODS, MethodInfo, thesis};
-use ssct::parameter::Parameter;
+use ssct_ground::math::constants;
+use ssct_ground::parameter::Parameter;
 
 /// Methods of the documents and a parameter of theirs, the published value, the section, and the printed words with the
 /// value in them.

@@ -5,7 +5,7 @@ use super::figures::{Made, of_todays_references};
 use super::{definitions, outside_code, pages, records, root};
 use serde_json::{Map, Value};
 use ssct::methods::{METHODS, MethodInfo};
-use ssct_lab::scene::library;
+use ssct_scenes::library;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -8,7 +8,7 @@ use exr::image::FlatSamples;
 use exr::meta::attribute::IntegerBounds;
 use exr::prelude::WritableImage;
 use glam::DVec3;
-use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_scenes::gbuffer_map::GBufferMap;
 
 const SIZE: [u32; 2] = [96, 54];
 

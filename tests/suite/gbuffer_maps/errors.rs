@@ -5,7 +5,7 @@ use super::named;
 use crate::common::folder::Folder;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::Compression;
-use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_scenes::gbuffer_map::GBufferMap;
 
 /// A map without a mistake, which reads the frame that [`folder`] writes.
 pub const MAP: &str = r#"origin = "top-left"

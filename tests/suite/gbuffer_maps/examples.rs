@@ -7,8 +7,8 @@ use crate::common::folder::Folder;
 use crate::common::repository;
 use exr::image::FlatSamples;
 use glam::{DMat4, DVec3, DVec4, Vec3};
-use ssct_lab::scene::GBufferData;
-use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_scenes::GBufferData;
+use ssct_scenes::gbuffer_map::GBufferMap;
 
 const SIZE: [u32; 2] = [160, 90];
 

@@ -9,8 +9,8 @@ use exr::meta::attribute::IntegerBounds;
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, Vec2, WritableImage};
 use glam::Vec3;
-use ssct_lab::scene::GBufferData;
-use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_scenes::GBufferData;
+use ssct_scenes::gbuffer_map::GBufferMap;
 
 const SIZE: [u32; 2] = [8, 4];
 const NAMES: [&str; 8] = ["Z", "N.X", "N.Y", "N.Z", "rough", "R", "G", "B"];

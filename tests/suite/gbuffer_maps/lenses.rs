@@ -4,8 +4,8 @@ use super::files::{Part, floats, write_exr};
 use super::named;
 use crate::common::folder::Folder;
 use glam::{DMat4, DVec3, DVec4, Mat4};
-use ssct_lab::scene::gbuffer_map::GBufferMap;
-use ssct_lab::scene::{Camera, Lens};
+use ssct_scenes::gbuffer_map::GBufferMap;
+use ssct_scenes::{Camera, Lens};
 
 const SIZE: [u32; 2] = [8, 4];
 const NEAR: f64 = 0.5;
@@ -157,7 +157,7 @@ fn a_camera_can_stand_and_be_upright_in_every_world() {
         read(conventions, &format!("{lens}\n{place}"), "kind = \"view-z\"", view_z()).0.world_to_view
     };
     let (eye, look_at) = (glam::Vec3::new(1.0, 2.0, 3.0), glam::Vec3::new(-2.0, 1.0, 7.0));
-    let expected = Camera::new(eye, look_at, ssct_lab::scene::Lens::default(), ASPECT as f32).world_to_view;
+    let expected = Camera::new(eye, look_at, ssct_scenes::Lens::default(), ASPECT as f32).world_to_view;
     let forward = "forward = [-3, -1, 4]";
     assert_eq!(place("", "eye = [1, 2, 3]\nlook-at = [-2, 1, 7]"), expected);
     let is_it = |got: Mat4| assert!(got.abs_diff_eq(expected, 1e-6), "{got} {expected}");

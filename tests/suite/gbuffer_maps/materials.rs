@@ -5,7 +5,7 @@ use super::files::{Part, floats, write_exr, write_png};
 use super::{SIZE, axis, each, named, numbers, original, read, same_images};
 use crate::common::folder::Folder;
 use exr::prelude::Compression;
-use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_scenes::gbuffer_map::GBufferMap;
 
 /// ϱ of a perceptual roughness by the formula of docs/definitions.md, "glTF", written independently of the program.
 fn lobe_of_perceptual(r: f64) -> f64 {

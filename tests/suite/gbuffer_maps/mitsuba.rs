@@ -5,7 +5,7 @@ use super::named;
 use crate::common::folder::Folder;
 use crate::common::repository;
 use glam::DVec3;
-use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_scenes::gbuffer_map::GBufferMap;
 
 const SIZE: [u32; 2] = [160, 90];
 

@@ -4,8 +4,8 @@ use super::errors::MAP;
 use super::files::{Part, floats, write_exr};
 use super::named;
 use crate::common::folder::Folder;
-use ssct_lab::scene::GBufferData;
-use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_scenes::GBufferData;
+use ssct_scenes::gbuffer_map::GBufferMap;
 
 const SIZE: [u32; 2] = [4, 3];
 const PASSES: [(&str, &[&str]); 4] =

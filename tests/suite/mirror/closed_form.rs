@@ -4,8 +4,8 @@ use super::{CELL, CELLS, Case, EYE, WALL_Z, bytes, cell_color, is_near, mirror_r
 use crate::common::{Builder, Shown, camera, gpu, show, unfaded};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::methods::Setup;
-use ssct::parameter::Preset;
 use ssct::passes::PathCode;
+use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
 /// What a case's pixels were compared with.

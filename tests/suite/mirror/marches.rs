@@ -4,12 +4,12 @@
 use super::{Case, EYE, WALL_Z, mirror_ray, on_screen, path, reflecting};
 use crate::common::{Shown, gpu, show, unfaded};
 use glam::{DVec2, DVec3};
-use ssct::math::projection::project;
 use ssct::methods::linear::LinearParams;
 use ssct::methods::poster::PosterParams;
-use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
 use ssct::passes::linear_trace::LinearMarch;
+use ssct_ground::math::projection::project;
+use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
 /// Where a ray of a case ended, beside where it should: lengths along the ray in screen space, that is in

@@ -11,12 +11,12 @@ use ssct::methods::linear::LinearParams;
 use ssct::methods::poster::PosterParams;
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::{self, Setup, Wants};
-use ssct::parameter::Preset;
 use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::{PathCode, PosterFilter};
-use ssct_lab::metrics::rmse;
-use ssct_lab::scene::Scene;
+use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
+use ssct_scenes::Scene;
+use ssct_truth::metrics::rmse;
 
 /// A mirror floor before a wall of four quarters: bottom left, bottom right, top left, top right.
 fn quarters(colors: [[u8; 3]; 4]) -> Scene {

@@ -6,7 +6,7 @@ use super::*;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
-use ssct_lab::scene::{Light, gltf};
+use ssct_scenes::{Light, gltf};
 
 /// The square is there as it always is: side 2 by 1 in the xy plane.
 fn is_the_square(scene: &Scene) {

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::common::repository;
-use ssct_lab::scene::{AreaShape, Light, scene_file};
+use ssct_scenes::{AreaShape, Light, scene_file};
 
 /// Everything that has a place or a direction.
 const PLACES: &str = "[[mesh]]\nfile = 'a.obj'\n[[light]]\nkind = 'point'\nposition = [1, 2, 3]\nenergy = 1\n[[light]]\n\

@@ -4,8 +4,8 @@
 use super::gltf::square as gltf_square;
 use super::*;
 use serde_json::{Value, json};
-use ssct_lab::scene::material_terms::roughness_of_perceptual;
-use ssct_lab::scene::{Encoding, texture as sampling};
+use ssct_scenes::material_terms::roughness_of_perceptual;
+use ssct_scenes::{Encoding, texture as sampling};
 
 /// The header that Blender gives its MTL files.
 const BLENDER: &str = "# Blender 5.2.3 LTS MTL File: 'None'\n# www.blender.org\n\n";
@@ -136,7 +136,7 @@ fn gltf_scene(material: Value) -> Scene {
         d["textures"] = json!([{"source": 0}, {"source": 1}, {"source": 2}]);
     });
     folder.write("a.gltf", document.to_string().as_bytes());
-    ssct_lab::scene::gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap()
+    ssct_scenes::gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap()
 }
 
 #[test]

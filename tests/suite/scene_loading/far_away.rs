@@ -3,7 +3,7 @@
 use super::gltf::{Square, sentences, square as gltf_square};
 use super::*;
 use serde_json::{Value, json};
-use ssct_lab::scene::{gltf, scene_file};
+use ssct_scenes::{gltf, scene_file};
 
 /// The square as a scene of its own, at places with six decimals.
 fn square_text(x: f64, y: f64, z: f64, size: f64) -> String {

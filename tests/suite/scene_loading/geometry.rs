@@ -1,7 +1,7 @@
 //! Faces, normals, tangents, winding, groups.
 
 use super::*;
-use ssct_lab::scene::Light;
+use ssct_scenes::Light;
 
 #[test]
 fn polygons_are_triangulated() {
@@ -213,12 +213,12 @@ fn several_files_are_one_scene_with_their_own_surfaces() {
     folder.write("b.obj", format!("{SQUARE}usemtl glass\nf 1 3 4\n").as_bytes());
     let files = [
         ObjFile::from(folder.path("a.obj")),
-        ObjFile { path: folder.path("b.obj"), surface: ssct_lab::scene::Surface::Sky },
+        ObjFile { path: folder.path("b.obj"), surface: ssct_scenes::Surface::Sky },
     ];
     let scene = obj::load(&files, &LEFT).unwrap();
     assert_eq!((scene.name.as_str(), scene.triangle_count(), scene.materials.len()), ("a", 2, 2));
     let surfaces: Vec<_> = scene.meshes.iter().map(|m| scene.materials[m.material].surface).collect();
-    assert_eq!(surfaces, [ssct_lab::scene::Surface::Lit, ssct_lab::scene::Surface::Sky]);
+    assert_eq!(surfaces, [ssct_scenes::Surface::Lit, ssct_scenes::Surface::Sky]);
 }
 
 /// An axis-aligned box of half-extents (3, 1, 2), facing outwards.
@@ -304,16 +304,16 @@ fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
 }
 
 fn with_a_path(mut scene: Scene) -> Scene {
-    let path = ssct_lab::scene::CameraPath::through_views(&scene).unwrap();
+    let path = ssct_scenes::CameraPath::through_views(&scene).unwrap();
     scene.paths.push(path);
     scene.lights.push(Light::Point { position: Vec3::ONE, energy: 1.0 });
-    scene.captures.push(ssct_lab::scene::Capture::placed_at(Vec3::new(1.0, 2.0, 3.0)));
+    scene.captures.push(ssct_scenes::Capture::placed_at(Vec3::new(1.0, 2.0, 3.0)));
     scene
 }
 
 /// Every point of a scene, kind by kind; none of the kinds is empty.
 fn places(scene: &Scene) -> Vec<Vec3> {
-    use ssct_lab::scene::AreaShape;
+    use ssct_scenes::AreaShape;
     let vertices = scene.meshes.iter().flat_map(|m| m.vertices.iter().map(|v| Vec3::from(v.position)));
     let bounds = scene.meshes.iter().flat_map(|m| [m.bounds.min, m.bounds.max]);
     let views = scene.views.iter().flat_map(|v| [v.eye, v.look_at]);

@@ -7,9 +7,9 @@ use base64::prelude::BASE64_STANDARD;
 use glam::Quat;
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use ssct::error::Result;
-use ssct_lab::scene::{Lens, Light, Material, Texture};
-use ssct_lab::scene::{gltf, material_terms::roughness_of_perceptual};
+use ssct_ground::error::Result;
+use ssct_scenes::{Lens, Light, Material, Texture};
+use ssct_scenes::{gltf, material_terms::roughness_of_perceptual};
 
 /// A square in the xy plane from (0, 0) to (2, 1), seen from +z, with texture coordinates as images have them: (0, 0) at
 /// the upper left.
@@ -463,7 +463,7 @@ fn a_binary_file_is_the_same_scene_also_in_a_scene_file() {
     assert_eq!(loaded.materials, text.materials);
     let file = "[[mesh]]\nfile = \"b.glb\"\n[[mesh]]\nfile = \"a.obj\"\n[material.plastic]\nroughness = 0.5\n";
     folder.write("c.scene.toml", file.as_bytes());
-    let both = ssct_lab::scene::scene_file::load(&folder.path("c.scene.toml"), &scaled(2.0)).unwrap();
+    let both = ssct_scenes::scene_file::load(&folder.path("c.scene.toml"), &scaled(2.0)).unwrap();
     assert_sound(&both);
     assert_eq!(both.triangle_count(), 3);
     let of_gltf = both.meshes.iter().find(|m| both.materials[m.material].name == "plastic").expect("the square");

@@ -30,7 +30,7 @@ fn byte_order_marks_are_skipped() {
     let scene = "\u{feff}[[mesh]]\nfile = \"a.obj\"\n";
     before_a_vertex.write("a.scene.toml", scene.as_bytes());
     let path = before_a_vertex.path("a.scene.toml");
-    assert_eq!(ssct_lab::scene::scene_file::load(&path, &LoadOptions::default()).unwrap().triangle_count(), 1);
+    assert_eq!(ssct_scenes::scene_file::load(&path, &LoadOptions::default()).unwrap().triangle_count(), 1);
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn wide_texts_are_named() {
     assert_eq!(folder.error(), "a.mtl: is UTF-16 text; save it as UTF-8");
     folder.write("a.scene.toml", &little);
     let path = folder.path("a.scene.toml");
-    let error = ssct_lab::scene::scene_file::load(&path, &LoadOptions::default()).unwrap_err().to_string();
+    let error = ssct_scenes::scene_file::load(&path, &LoadOptions::default()).unwrap_err().to_string();
     assert_eq!(folder.without_folder(&error), "a.scene.toml: is UTF-16 text; save it as UTF-8");
 }
 

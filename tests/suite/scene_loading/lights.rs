@@ -3,7 +3,7 @@
 use super::gltf::{close, scene, square};
 use super::*;
 use serde_json::{Value, json};
-use ssct_lab::scene::Light;
+use ssct_scenes::Light;
 
 /// The notes without the name of the file.
 fn notes(document: &Value) -> Vec<String> {

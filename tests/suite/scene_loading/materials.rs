@@ -1,7 +1,7 @@
 //! MTL files and the images that they name.
 
 use super::*;
-use ssct_lab::scene::{Encoding, Material, Surface, texture};
+use ssct_scenes::{Encoding, Material, Surface, texture};
 
 /// A textured square in the material `m` of `a.mtl`.
 fn with_mtl(mtl: &str) -> Folder {

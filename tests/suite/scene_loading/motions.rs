@@ -4,7 +4,7 @@ use super::gltf::{Square, scene, sentences};
 use super::*;
 use glam::Quat;
 use serde_json::{Value, json};
-use ssct_lab::scene::{Motion, scene_file};
+use ssct_scenes::{Motion, scene_file};
 use std::f32::consts::FRAC_1_SQRT_2;
 
 /// The square as it hangs from an arm: `channels` are node, path, interpolation and the numbers of a key frame at 0 s and at 1 s.
@@ -94,7 +94,7 @@ fn animations_that_cannot_be_played_leave_the_scene_with_a_sentence() {
 
 const MESH: &str = "[[mesh]]\nfile = \"a.obj\"\n";
 
-fn of_file(text: &str) -> ssct::error::Result<Scene> {
+fn of_file(text: &str) -> ssct_ground::error::Result<Scene> {
     let folder = square("o flag\nf 1 2 3\nf 1 3 4\n");
     folder.write("test.scene.toml", format!("{MESH}{text}").as_bytes());
     scene_file::load(&folder.path("test.scene.toml"), &LoadOptions::default())

@@ -2,7 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
-use ssct_lab::scene::scene_file;
+use ssct_scenes::scene_file;
 
 const OBJ: &str = "mtllib a.mtl\ng left\nusemtl m\ns 1\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nv -1 0.5 2\n\
     vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nvn 0.6 0 0.8\nf 1/1/1 2/2/2 3/3/1 4/1/2\nf 1 2 5\nf -1 -2 -3 -4 -5\n\

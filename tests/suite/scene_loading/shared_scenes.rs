@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::common::repository;
-use ssct_lab::scene::{Light, LoadOptions, Surface, gltf, scene_file, texture};
+use ssct_scenes::{Light, LoadOptions, Surface, gltf, scene_file, texture};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -40,7 +40,7 @@ fn sponza_loads_as_its_scene_file_says() {
     assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
     assert!(scene.warnings[0].ends_with("sponza.obj: 1 triangle without area was left out"));
 
-    let reflecting = |materials: &[ssct_lab::scene::Material]| -> Vec<String> {
+    let reflecting = |materials: &[ssct_scenes::Material]| -> Vec<String> {
         materials.iter().filter(|m| m.reflectivity > 1e-4).map(|m| m.name.clone()).collect()
     };
     let views: Vec<_> = scene.views.iter().map(|v| (v.name.as_str(), reflecting(&scene.materials_in(v)))).collect();

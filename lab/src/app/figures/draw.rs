@@ -3,21 +3,21 @@
 use super::plate::FinishedFigure;
 use super::workshop::Workshop;
 use crate::error::Error;
-use crate::gpu::Pixels;
-use crate::methods::Setup;
-use crate::methods::thesis::{self, HiZParams};
-use crate::passes::{Content, PathCode};
-use crate::reference::Level;
-use crate::reference::hi_z::MinMax;
-use crate::reference::hi_z_ray_trace::{End, HiZTrace, reflection_ray, trace};
 use crate::report::diagrams::{self, Fetches};
 use crate::report::gbuffer_pictures;
 use crate::report::images::{Rgb, display};
 use crate::report::sheet::{Part, difference, enlarged, framed, sheet};
-use crate::scene::Camera;
 use crate::stage::{Intermediates, RenderedImage};
 use crate::study::twin::hi_z_constants;
 use glam::{Vec2, Vec3};
+use ssct::gpu::Pixels;
+use ssct::methods::Setup;
+use ssct::methods::thesis::{self, HiZParams};
+use ssct::passes::{Content, PathCode};
+use ssct_scenes::Camera;
+use ssct_truth::reference::Level;
+use ssct_truth::reference::hi_z::MinMax;
+use ssct_truth::reference::hi_z_ray_trace::{End, HiZTrace, reflection_ray, trace};
 
 /// Places the renders side by side, two in a row.
 pub fn place_side_by_side(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
@@ -80,7 +80,7 @@ fn inside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<(Rend
 
 fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
     let found = all.iter().find(|(s, ..)| s == stem).map(|(.., pixels)| pixels);
-    found.ok_or_else(|| Error::Usage(format!("the frame has no {stem}")))
+    found.ok_or_else(|| Error::usage(format!("the frame has no {stem}")))
 }
 
 /// The Hi-Z chain of a frame, read from its intermediate images.

@@ -3,7 +3,7 @@
 
 use super::workshop::Workshop;
 use crate::report::images::Rgb;
-use crate::scene::Scene;
+use ssct_scenes::Scene;
 
 /// The document of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

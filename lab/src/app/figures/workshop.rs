@@ -4,13 +4,13 @@
 use crate::app::cli::RenderOptions;
 use crate::app::{reference, render, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
-use crate::methods::{self, METHODS, Wants};
 use crate::report::figures;
 use crate::report::images::{Rgb, display};
-use crate::scene::{Camera, Scene, library};
 use crate::stage::{RenderedImage, Shot, Stage, image};
 use clap::Parser;
+use ssct::gpu::Gpu;
+use ssct::methods::{self, METHODS, Wants};
+use ssct_scenes::{Camera, Scene, library};
 use std::path::Path;
 
 /// A device, and the scene that was used last.
@@ -39,7 +39,7 @@ pub fn parse(arguments: &str) -> Result<RenderOptions> {
     Render::try_parse_from(words).map(|render| render.options).map_err(|e| {
         let text = e.to_string();
         let line = text.lines().next().unwrap_or_default();
-        Error::Usage(line.trim_start_matches("error: ").to_owned())
+        Error::usage(line.trim_start_matches("error: ").to_owned())
     })
 }
 

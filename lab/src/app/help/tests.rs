@@ -1,6 +1,6 @@
 use super::*;
-use crate::methods;
-use crate::parameter::Parameters;
+use ssct::methods;
+use ssct_ground::parameter::Parameters;
 
 /// A terminal that a reader of the short help has.
 const COLUMNS: usize = 80;

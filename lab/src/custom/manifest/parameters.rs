@@ -2,15 +2,15 @@
 
 use super::sections::ParameterSection;
 use super::{Manifest, is_word};
-use crate::error::Result;
-use crate::parameter::{Choice, Domain, Parameter, Preset, Value};
+use ssct_ground::error::Result;
+use ssct_ground::parameter::{Choice, Domain, Parameter, Preset, Value};
 use toml::Spanned;
 
 impl Manifest {
     /// The method's own parameters. Their texts live as long as the program.
     ///
     /// # Errors
-    /// [`Error::Malformed`] for a default outside its range, and the like.
+    /// [`Malformed`](ssct_ground::Error::Malformed) for a default outside its range, and the like.
     pub fn parameters(&self) -> Result<Vec<Parameter>> {
         self.parameters.iter().map(|(name, section)| self.parameter(name, section)).collect()
     }
@@ -55,7 +55,7 @@ impl Manifest {
         let help = declaration.help.trim();
         let help = if help.ends_with('.') { help.to_owned() } else { format!("{help}.") };
         let name: &'static str = name.replace('-', "_").leak();
-        if crate::methods::parameters().iter().any(|(p, _)| p.name == name && p.domain != domain) {
+        if ssct::methods::parameters().iter().any(|(p, _)| p.name == name && p.domain != domain) {
             return Err(wrong("another method has a parameter of this name that takes other values; rename it"));
         }
         Ok(Parameter {

@@ -1,8 +1,8 @@
 //! The thesis's figures 4.1 to 4.3: a Hi-Z chain as tables of numbers, with the texels from which each cell was made.
 
 use super::{COLORS, Svg, depth_text};
-use crate::reference::{Level, hi_z};
 use glam::Vec2;
+use ssct_truth::reference::{Level, hi_z};
 
 /// Side of a cell in pixels.
 const CELL: f32 = 46.0;

@@ -2,10 +2,10 @@
 //! the circles sample.
 
 use super::{COLORS, Svg};
-use crate::math::cone::{circles, isosceles_triangle_base};
 use crate::report::html::data_uri;
 use crate::report::images::Rgb;
 use glam::Vec2;
+use ssct_ground::math::cone::{circles, isosceles_triangle_base};
 
 /// Draws the cone of `count` circles (as published) from a pixel to its hit, both in texture
 /// coordinates, of half angle `theta` in radians, over a picture of the screen.

@@ -2,10 +2,10 @@
 //! level at each of its iterations.
 
 use super::{COLORS, Svg, depth_text};
-use crate::reference::Level;
-use crate::reference::hi_z::MinMax;
-use crate::reference::hi_z_ray_trace::{HiZTrace, Step};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use ssct_truth::reference::Level;
+use ssct_truth::reference::hi_z::MinMax;
+use ssct_truth::reference::hi_z_ray_trace::{HiZTrace, Step};
 
 const WIDTH: f32 = 900.0;
 const PROFILE: f32 = 330.0;

@@ -1,12 +1,12 @@
 //! Pictures inside the page: a file on disk becomes a data URI.
 
 use crate::error::{Error, Result};
-use crate::inside::PathInFolder;
 use crate::report::images::Rgb;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::codecs::jpeg::JpegEncoder;
 use image::{RgbImage, imageops};
+use ssct_scenes::inside::PathInFolder;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -46,7 +46,7 @@ impl PictureFolder {
     /// A picture of the folder, by its path there; wider than `most` pixels, it is scaled down.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read as a picture.
+    /// [`Io`](ssct_ground::Error::Io) for a file that cannot be read as a picture.
     pub(super) fn embed(&self, file: &str, most: u32) -> Result<Rc<EmbeddedPicture>> {
         if let Some(known) = self.embedded.borrow().get(file) {
             return Ok(Rc::clone(known));
@@ -73,7 +73,7 @@ pub fn embed(place: &PathInFolder, most: u32) -> Result<EmbeddedPicture> {
 
 /// A picture as a JPEG.
 pub fn data_uri(picture: &Rgb) -> Result<EmbeddedPicture> {
-    let wrong = |what: &str| Error::Usage(format!("a picture of {}x{}: {what}", picture.width, picture.height));
+    let wrong = |what: &str| Error::usage(format!("a picture of {}x{}: {what}", picture.width, picture.height));
     let pixels = RgbImage::from_raw(picture.width, picture.height, picture.bytes.clone());
     jpeg(&pixels.ok_or_else(|| wrong("its bytes don't fit"))?).map_err(|e| wrong(&e.to_string()))
 }

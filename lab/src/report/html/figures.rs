@@ -4,11 +4,11 @@
 use super::embed::{embed, svg_uri};
 use super::{frame, heading, page_header};
 use crate::error::Result;
-use crate::gpu::DeviceInfo;
-use crate::inside::PathInFolder;
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
+use ssct::gpu::DeviceInfo;
+use ssct_scenes::inside::PathInFolder;
 
 /// Pixels that an embedded picture is wide at most.
 const WIDEST: u32 = 1600;

@@ -5,8 +5,6 @@ mod data;
 
 use super::sections::{grid, inline_svg};
 use super::{device_text, frame, heading, page_header};
-use crate::gpu::DeviceInfo;
-use crate::metrics::bootstrap::{CONFIDENCE, Verdict};
 use crate::report::library::Library;
 use crate::report::plot;
 use crate::study::compare::{SUBJECT_COLUMNS, TimeComparison, subject_labels};
@@ -17,6 +15,8 @@ use crate::study::names::{counted, name_among};
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, PreEscaped, html};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use ssct::gpu::DeviceInfo;
+use ssct_truth::metrics::bootstrap::{CONFIDENCE, Verdict};
 
 /// The page's title, by which a page of a library is known from others.
 pub const TITLE: &str = "Library of results";

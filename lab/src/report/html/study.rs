@@ -2,11 +2,11 @@
 
 use super::sections::{drawn_chart, explained};
 use super::{frame, heading, missing_cells, page_header};
-use crate::gpu::DeviceInfo;
 use crate::report::devices::device_name;
 use crate::report::plot::DrawnChart;
 use crate::study::exhibit::{ClipGroup, Table};
 use maud::{Markup, PreEscaped, html};
+use ssct::gpu::DeviceInfo;
 
 /// Everything that the page shows.
 pub struct StudyPage<'a> {

@@ -1,10 +1,10 @@
 //! Comparison of two images (docs/definitions.md, "Image error").
 
 use super::CompareHead;
-use crate::math::display_byte;
-use crate::metrics::flip::FlipMap;
-use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 use serde::Serialize;
+use ssct_ground::math::display_byte;
+use ssct_truth::metrics::flip::FlipMap;
+use ssct_truth::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 
 /// A linear image, rows from the top.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,10 +2,10 @@
 
 use super::subject::NOT_SET;
 use super::{Subject, TOTAL, TimeComparison};
-use crate::methods::{self, MethodInfo};
-use crate::metrics::bootstrap::{MIN_SAMPLES, MOST_FORETOLD, Ratio, Verdict};
-use crate::parameter::{Choices, Preset};
 use crate::study::record::differing;
+use ssct::methods::{self, MethodInfo};
+use ssct_ground::parameter::{Choices, Preset};
+use ssct_truth::metrics::bootstrap::{MIN_SAMPLES, MOST_FORETOLD, Ratio, Verdict};
 
 /// The names of the columns of [`subject_labels`].
 pub const SUBJECT_COLUMNS: [&str; 6] = ["scene view", "size", "roughness", "normals", "method", "preset"];

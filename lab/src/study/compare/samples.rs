@@ -2,8 +2,8 @@
 
 use super::TOTAL;
 use super::subject::Subject;
-use crate::gpu::DeviceInfo;
 use crate::study::record::group_of;
+use ssct::gpu::DeviceInfo;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

@@ -3,10 +3,10 @@
 use super::samples::{Group, groups, groups_of_both};
 use super::subject::{NOT_SET, PLACE, Subject};
 use super::{Comparison, Run, SAME_SAMPLES, TimeComparison, TimeSample};
-use crate::methods::{self, MethodInfo};
-use crate::parameter::{Choices, Preset};
 use crate::study::exhibit::distinct;
 use crate::study::record::differing;
+use ssct::methods::{self, MethodInfo};
+use ssct_ground::parameter::{Choices, Preset};
 use std::collections::BTreeSet;
 use std::str::FromStr;
 

@@ -6,11 +6,11 @@ use super::measures::{
     of_pixels, off_change, off_change_at_rest, spread_of_wrong, wrong_at_last,
 };
 use super::scenes;
-use crate::math::random::Stream;
-use crate::methods::EffectParams;
-use crate::methods::setup::HistoryUse;
-use crate::scene::{GBufferData, Scene, View};
 use glam::{DVec3, Vec3};
+use ssct::methods::EffectParams;
+use ssct::methods::setup::HistoryUse;
+use ssct_ground::math::random::Stream;
+use ssct_scenes::{GBufferData, Scene, View};
 
 /// A complaint.
 pub struct Complaint {

@@ -1,21 +1,21 @@
 //! The frames of a case: the camera's G-buffer, the reflection by every method, and the true reflection.
 
 use crate::error::Result;
-use crate::gpu::frame::Mode;
-use crate::gpu::{Gpu, Pixels};
-use crate::methods::{Effect, Input, SceneInput, Setup, Wants};
-use crate::passes::gbuffer::GBufferImages;
-use crate::reference::first_hits::{FirstHits, Receiver};
-use crate::reference::surface::World;
-use crate::reference::world::{RAY_START_M, WorldReference};
-use crate::reference::world_hits::world_hits;
-use crate::scene::bvh::WorldRay;
-use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::stage::gbuffer::{read, reflection};
 use crate::stage::{Shot, Stage};
 use crate::study::error::Variant;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{Gpu, Pixels};
+use ssct::methods::{Effect, Input, SceneInput, Setup, Wants};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct_scenes::bvh::WorldRay;
+use ssct_scenes::{Camera, GBufferData, Scene, View};
+use ssct_truth::reference::first_hits::{FirstHits, Receiver};
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::{RAY_START_M, WorldReference};
+use ssct_truth::reference::world_hits::world_hits;
 
 /// The seed of the true reflections, equal for all frames, so that a change from frame to frame is no noise.
 const SEED: u64 = 5;
@@ -149,7 +149,7 @@ impl Lineup {
 
     /// Draws as many frames at rest as an image at rest takes, so that histories settle.
     fn settle(&self, stage: &mut Stage) -> Result<()> {
-        self.shots.iter().try_for_each(|shot| stage.settle(shot))
+        Ok(self.shots.iter().try_for_each(|shot| stage.settle(shot))?)
     }
 
     /// Sets the camera of every shot, and draws the G-buffer.
@@ -157,7 +157,7 @@ impl Lineup {
         self.shots.iter_mut().for_each(|shot| shot.camera = camera);
         let shot = &self.shots[0];
         stage.draw(shot)?;
-        read(&mut stage.context, shot)
+        Ok(read(&mut stage.context, shot)?)
     }
 
     /// The reflection by each variant, on the G-buffer `on`, if one is given.

@@ -2,8 +2,8 @@
 //! region.
 
 use super::frames::SeenFrame;
-use crate::metrics::flicker::{self, sound};
 use glam::{DVec3, Vec3};
+use ssct_truth::metrics::flicker::{self, sound};
 
 /// Threshold on the difference of two linear colours, root mean square over the channels, above which a pixel is wrong.
 pub const WRONG: f32 = 0.1;
@@ -244,7 +244,7 @@ fn is_dark(truth: Vec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Camera, GBufferData, Lens, Surface};
+    use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 
     /// A frame of 4×2 reflecting pixels, with a true reflection and the reflection by a method.
     fn seen(truth: [f32; 8], made: [f32; 8]) -> SeenFrame {

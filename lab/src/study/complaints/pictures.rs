@@ -2,11 +2,11 @@
 
 use super::cases::Complaint;
 use super::frames::SeenFrame;
-use crate::math::display_byte;
-use crate::metrics::flicker::sound;
-use crate::metrics::video::Film;
 use crate::study::exhibit::{Content, ExtraFile};
 use glam::Vec3;
+use ssct_ground::math::display_byte;
+use ssct_truth::metrics::flicker::sound;
+use ssct_truth::metrics::video::Film;
 
 /// The folder of the pictures.
 pub const FOLDER: &str = "pictures";

@@ -1,9 +1,9 @@
 //! The scenes of the complaints, each of a few quadrilaterals and boxes. Painted surfaces emit their colour, so that it is the
 //! same from everywhere. Reflecting surfaces are black, so that they show nothing but their reflection.
 
-use crate::scene::library::builder::MeshBuilder;
-use crate::scene::{Encoding, Lens, Light, Material, Mesh, Scene, Texture, View};
 use glam::{Vec2, Vec3};
+use ssct_scenes::library::builder::MeshBuilder;
+use ssct_scenes::{Encoding, Lens, Light, Material, Mesh, Scene, Texture, View};
 
 /// Vertical field of view, in degrees.
 const FIELD_OF_VIEW: f32 = 50.0;

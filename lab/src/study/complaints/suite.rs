@@ -5,16 +5,16 @@ use super::frames::{Take, show_frames};
 use super::pictures;
 use super::row::ComplaintRow;
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
-use crate::methods::setup::BeyondScreen;
-use crate::methods::{EffectParams, MethodInfo, Setup};
-use crate::scene::Scene;
 use crate::stage::Globals;
 use crate::study::engine::{Bench, Planned, Study};
 use crate::study::error::Variant;
 use crate::study::journal::scene_digest;
 use crate::study::record::{Provenance, recorded};
 use serde_json::json;
+use ssct::gpu::Gpu;
+use ssct::methods::setup::BeyondScreen;
+use ssct::methods::{EffectParams, MethodInfo, Setup};
+use ssct_scenes::Scene;
 
 /// Sizes of the pictures in pixels: of a whole study, and of a quick one.
 const SIZES: [[u32; 2]; 2] = [[240, 136], [120, 68]];
@@ -30,14 +30,14 @@ impl ComplaintStudy {
     /// given. A method that follows rays among the triangles beyond the screen is also tried on the screen alone.
     ///
     /// # Errors
-    /// [`Error::Usage`] if no complaint has `words` in its name.
+    /// [`Usage`](ssct_ground::Error::Usage) if no complaint has `words` in its name.
     pub fn new(methods: &[&'static MethodInfo], is_quick: bool, words: Option<&str>) -> Result<Self> {
         let size = SIZES[usize::from(is_quick)];
         let chosen = COMPLAINTS.iter().filter(|c| words.is_none_or(|words| c.name.contains(words)));
         let cases: Vec<_> = chosen.map(|complaint| (complaint, (complaint.take)(size))).collect();
         if let (Some(words), true) = (words, cases.is_empty()) {
             let names: Vec<&str> = COMPLAINTS.iter().map(|c| c.name).collect();
-            return Err(Error::Usage(format!(
+            return Err(Error::usage(format!(
                 "no complaint has {words:?} in its name; there are: {}",
                 names.join("; ")
             )));

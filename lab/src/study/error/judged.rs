@@ -2,16 +2,16 @@
 
 use super::truth::{Reference, Truth};
 use super::{ErrorRecord, ErrorReference, ErrorSpec, VariantTime, display};
-use crate::gpu::Gpu;
-use crate::math::OracleVersion;
-use crate::methods::Setup;
-use crate::metrics::flip::FlipMap;
-use crate::metrics::hits::HitAgreement;
-use crate::metrics::image::{masked_relative_mse, masked_rmse};
-use crate::metrics::place::{self, RayEnd};
-use crate::metrics::world;
 use crate::study::columns::{figure, measured_columns};
 use crate::study::record::{Head, RecordSubject};
+use ssct::gpu::Gpu;
+use ssct::methods::Setup;
+use ssct_ground::math::OracleVersion;
+use ssct_truth::metrics::flip::FlipMap;
+use ssct_truth::metrics::hits::HitAgreement;
+use ssct_truth::metrics::image::{masked_relative_mse, masked_rmse};
+use ssct_truth::metrics::place::{self, RayEnd};
+use ssct_truth::metrics::world;
 
 /// An image, with the references that it is compared with.
 struct JudgedImage<'a> {

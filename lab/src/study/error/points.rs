@@ -1,12 +1,12 @@
 //! Summaries of the error study over its cells: a point for each variant, and the parts of the error.
 
 use super::{ErrorRecord, ErrorReference, ImageError};
-use crate::metrics::pareto::{self, MeasuredPoint};
 use crate::study::columns::{Column, Columns};
 use crate::study::compare::THRESHOLD;
 use crate::study::exhibit::pivot;
 use crate::study::names::roughness;
 use crate::study::record::Stats;
+use ssct_truth::metrics::pareto::{self, MeasuredPoint};
 use std::collections::BTreeMap;
 
 /// Name of the floor in tables.

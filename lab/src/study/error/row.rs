@@ -3,8 +3,6 @@
 
 use super::ImageError;
 use super::points::{self, FLOOR, Point};
-use crate::methods::Prepared;
-use crate::metrics::{HitAgreement, pareto};
 use crate::study::columns::{AsDatum, Datum, columns, figure, part, time, times};
 use crate::study::engine::Row;
 use crate::study::exhibit::{Chart, Drawing, NamedPoint, Table};
@@ -12,6 +10,8 @@ use crate::study::names::cell_name;
 use crate::study::record::{Head, Provenance};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use ssct::methods::Prepared;
+use ssct_truth::metrics::{HitAgreement, pareto};
 use std::collections::BTreeSet;
 
 /// Reference that a figure is compared with.

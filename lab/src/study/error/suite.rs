@@ -2,12 +2,12 @@
 
 use super::{ErrorRecord, ErrorSpec, Variant, measure, pictures};
 use crate::error::Result;
-use crate::scene::{Scene, View};
 use crate::stage::{Globals, Stage};
 use crate::study::engine::{Bench, LastMade, Planned, Study};
 use crate::study::journal::scene_digest;
 use crate::study::names::cell_name;
 use serde_json::json;
+use ssct_scenes::{Scene, View};
 
 /// The study: each view, at each size, with each of the global factors.
 pub struct ErrorStudy {

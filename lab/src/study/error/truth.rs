@@ -2,18 +2,18 @@
 
 use super::{ErrorSpec, display};
 use crate::error::Result;
-use crate::math::OracleVersion;
-use crate::metrics::image::masked_rmse;
-use crate::reference::first_hits::FirstHits;
-use crate::reference::floor::ScreenFloor;
-use crate::reference::hierarchy::Hierarchy;
-use crate::reference::screen::{Sampling, ScreenReference};
-use crate::reference::surface::World;
-use crate::reference::world::WorldReference;
-use crate::reference::world_hits::{WorldHit, world_hits};
-use crate::scene::{GBufferData, Material};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_ground::math::OracleVersion;
+use ssct_scenes::{GBufferData, Material};
+use ssct_truth::metrics::image::masked_rmse;
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::floor::ScreenFloor;
+use ssct_truth::reference::hierarchy::Hierarchy;
+use ssct_truth::reference::screen::{Sampling, ScreenReference};
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
+use ssct_truth::reference::world_hits::{WorldHit, world_hits};
 
 /// Rays a pixel of the world reference that are traced between two calls of `go_on`.
 const RAYS_AT_ONCE: u32 = 8;

@@ -1,8 +1,8 @@
 //! The path of a ray through the cells of a Hi-Z chain, as the twin of the traversal walks it.
 
-use crate::reference::hi_z_ray_trace::{self, HiZTrace};
-use crate::reference::unified::{HitCode, Traversal};
 use glam::{Vec2, Vec3Swizzles};
+use ssct_truth::reference::hi_z_ray_trace::{self, HiZTrace};
+use ssct_truth::reference::unified::{HitCode, Traversal};
 
 /// A ray's path through the cells of a Hi-Z chain, for any method.
 #[derive(Debug, Clone, PartialEq)]

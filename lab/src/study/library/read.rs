@@ -2,13 +2,13 @@
 //! field is read from plain JSON if it is present.
 
 use super::{Measurement, Quantity, Setting};
-use crate::gpu::DeviceInfo;
-use crate::methods::{self, EffectParams};
-use crate::parameter::{Choices, Parameters, Preset};
 use crate::study::error::{EXACT_HITS, SCREEN_REFERENCE};
 use crate::study::record::{Head, Provenance, RecordedSetup, cell};
 use serde::Deserialize;
 use serde_json::Value as Json;
+use ssct::gpu::DeviceInfo;
+use ssct::methods::{self, EffectParams};
+use ssct_ground::parameter::{Choices, Parameters, Preset};
 
 /// The kinds of records that the studies write.
 pub const KINDS: [&str; 9] = ["time", "error", "stress", "motion", "precision", "video", "path", "age", "reference"];

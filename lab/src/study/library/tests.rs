@@ -4,9 +4,9 @@ use super::changes::{changes, totals_only};
 use super::read::{are_records, record};
 use super::trends::trends;
 use super::*;
-use crate::metrics::bootstrap::Verdict;
 use crate::study::compare::{Run, Subject, TOTAL, TimeSample, times};
 use serde_json::{Value as Json, json};
+use ssct_truth::metrics::bootstrap::Verdict;
 use std::sync::Arc;
 
 fn device(name: &str) -> Json {

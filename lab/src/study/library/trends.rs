@@ -3,8 +3,8 @@
 //! setting.
 
 use super::{LibraryRun, Quantity, Setting};
-use crate::gpu::DeviceInfo;
 use crate::study::record::Stats;
+use ssct::gpu::DeviceInfo;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One figure over the runs that measured it in the same place on one device.

@@ -1,11 +1,11 @@
 //! Reasons for a pixel's colour, in sentences.
 
 use super::{MethodEnd, OracleEnd, PixelReport, WorldEnd};
-use crate::metrics::hits::HitVerdict;
-use crate::metrics::verdict::{PixelVerdict, WRONG};
-use crate::metrics::world::is_same_place;
-use crate::reference::MissReason;
-use crate::reference::pixel::{EstimatedColor, UnseenReason};
+use ssct_truth::metrics::hits::HitVerdict;
+use ssct_truth::metrics::verdict::{PixelVerdict, WRONG};
+use ssct_truth::metrics::world::is_same_place;
+use ssct_truth::reference::MissReason;
+use ssct_truth::reference::pixel::{EstimatedColor, UnseenReason};
 
 /// The sentences of a pixel. `is_sky_surface` says that the pixel's mesh shows the environment. `traces_lobes` says that the
 /// method's ray of a rough pixel is not the mirror ray.

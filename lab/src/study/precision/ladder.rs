@@ -1,13 +1,13 @@
 //! The ladder of formats over the views: the rungs of each method, a table of all rungs, and charts of bytes against error.
 
 use super::{PrecisionRecord, Storage};
-use crate::metrics::pareto;
 use crate::study::columns::{AsDatum, Datum};
 use crate::study::engine::Row;
 use crate::study::exhibit::{Chart, Drawing, NamedPoint, Table, distinct};
 use crate::study::names::{roughness as roughness_name, safe_word};
 use crate::study::record::Provenance;
 use serde_json::Value;
+use ssct_truth::metrics::pareto;
 
 /// A rung's results for a method over the views.
 #[derive(Debug, Clone, PartialEq)]

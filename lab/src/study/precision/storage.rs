@@ -1,10 +1,10 @@
 //! Rounding of a G-buffer's numbers by storage formats, and the ladder of formats that is measured.
 
 use super::ExactGBuffer;
-use crate::math::{linear_to_srgb, srgb_to_linear};
-use crate::scene::GBufferData;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use ssct_ground::math::{linear_to_srgb, srgb_to_linear};
+use ssct_scenes::GBufferData;
 
 /// Bytes of reflectivity and roughness, two 16-bit floats: the same on every rung.
 const MATERIAL_BYTES: u32 = 4;
@@ -185,7 +185,7 @@ impl Storage {
     pub const FINEST: Self =
         Self { depth: DepthFormat::F32Reversed, normal: NormalFormat::Rgba32f, color: ColorFormat::Rgba32f };
 
-    /// The formats of [`crate::passes::gbuffer`].
+    /// The formats of [`ssct::passes::gbuffer`].
     pub const OWN: Self = Self { normal: NormalFormat::Rgba16f, color: ColorFormat::Rgba16f, ..Self::FINEST };
 
     /// Bytes of a pixel, reflectivity and roughness included.

@@ -4,14 +4,14 @@
 use super::lineup::SceneLineup;
 use super::{JudgedFrame, StressRecord};
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::methods::setup::CaptureCount;
-use crate::methods::{EffectParams, METHODS, MethodInfo, Setup};
-use crate::reference::surface::World;
-use crate::scene::bvh::WorldRay;
-use crate::scene::{Capture, Scene, View};
 use crate::stage::Globals;
 use glam::Vec3;
+use ssct::gpu::Gpu;
+use ssct::methods::setup::CaptureCount;
+use ssct::methods::{EffectParams, METHODS, MethodInfo, Setup};
+use ssct_scenes::bvh::WorldRay;
+use ssct_scenes::{Capture, Scene, View};
+use ssct_truth::reference::surface::World;
 
 /// Roughness values: a mirror, a narrow lobe and a wide one.
 const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];

@@ -1,11 +1,11 @@
 //! Adversarial G-buffers, made from seeds alone, so that they are the same in each run: sizes, depth ranges, depths, ray
 //! directions, normals, colours and roughness that break renderers (docs/numerics.md, "Faults of the engines").
 
-use crate::math::random::Stream;
-use crate::scene::{Camera, GBufferData, Lens, Surface};
 use glam::{DMat4, DVec2, DVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
+use ssct_ground::math::random::Stream;
+use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 
 /// A G-buffer that is hard for methods.
 pub struct Case {

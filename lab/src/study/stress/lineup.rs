@@ -2,15 +2,15 @@
 //! other G-buffers and cameras, like the maps that they capture of a scene.
 
 use crate::error::Result;
-use crate::gpu::frame::Mode;
-use crate::gpu::{FrameContext, FrameReport, Gpu, Pixels};
-use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
-use crate::passes::GBuffer;
-use crate::passes::gbuffer::DrawnCounts;
-use crate::scene::{Camera, GBufferData, Material, ProjectionKind, Scene};
 use crate::stage::gbuffer::{self, reflection};
 use crate::stage::{Shot, Stage};
 use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, FrameReport, Gpu, Pixels};
+use ssct::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
+use ssct::passes::GBuffer;
+use ssct::passes::gbuffer::DrawnCounts;
+use ssct_scenes::{Camera, GBufferData, Material, ProjectionKind, Scene};
 
 /// The images that a frame left.
 pub(super) struct FrameImages {
@@ -118,12 +118,12 @@ impl SceneLineup {
 
     /// Replaces the materials.
     pub(super) fn set_materials(&mut self, materials: &[Material]) -> Result<()> {
-        self.shots.iter_mut().try_for_each(|(_, shot)| shot.set_materials(&mut self.stage, materials.to_vec()))
+        Ok(self.shots.iter_mut().try_for_each(|(_, shot)| shot.set_materials(&mut self.stage, materials.to_vec()))?)
     }
 
     /// Moves every method's captures.
     pub(super) fn move_captures(&mut self, places: &[Vec3]) -> Result<()> {
-        self.shots.iter_mut().try_for_each(|(_, shot)| shot.move_captures(&mut self.stage, places))
+        Ok(self.shots.iter_mut().try_for_each(|(_, shot)| shot.move_captures(&mut self.stage, places))?)
     }
 
     /// Draws the G-buffer of a camera, which the methods then reflect. `None` if there are no methods.
@@ -131,7 +131,7 @@ impl SceneLineup {
         let Some((_, shot)) = self.shots.first_mut() else { return Ok(None) };
         shot.camera = camera;
         self.drawn = self.stage.draw(shot)?;
-        gbuffer::read(&mut self.stage.context, shot).map(Some)
+        Ok(Some(gbuffer::read(&mut self.stage.context, shot)?))
     }
 
     /// Draws as many frames of a camera at rest as a history averages, so that methods with a history begin it before the
@@ -151,7 +151,7 @@ impl SceneLineup {
 
     /// The reflection that each method makes from the last G-buffer drawn.
     pub(super) fn reflections(&mut self) -> Result<Vec<Pixels>> {
-        self.each(Mode::Plain, |context, _, output| reflection(context, output))
+        self.each(Mode::Plain, |context, _, output| Ok(reflection(context, output)?))
     }
 
     fn each<T>(

@@ -2,15 +2,6 @@
 
 use super::lineup::SceneLineup;
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::methods::{EffectParams, MethodInfo, Setup};
-use crate::metrics::flicker::{SamePlace, changes, mean, pairs, sound};
-use crate::metrics::percentile;
-use crate::reference::first_hits::FirstHits;
-use crate::reference::screen::{Sampling, ScreenReference};
-use crate::reference::surface::World;
-use crate::reference::world::WorldReference;
-use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::stage::Globals;
 use crate::study::columns::{AsDatum, Datum, columns, figure};
 use crate::study::engine::{Bench, Planned, Row, Study};
@@ -20,6 +11,15 @@ use crate::study::record::{Provenance, RecordedSetup, cell, recorded};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use ssct::gpu::Gpu;
+use ssct::methods::{EffectParams, MethodInfo, Setup};
+use ssct_scenes::{Camera, GBufferData, Scene, View};
+use ssct_truth::metrics::flicker::{SamePlace, changes, mean, pairs, sound};
+use ssct_truth::metrics::percentile;
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::screen::{Sampling, ScreenReference};
+use ssct_truth::reference::surface::World;
+use ssct_truth::reference::world::WorldReference;
 
 /// How the camera moves from one frame to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -185,7 +185,7 @@ fn summary(r: &StressRecord) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::DeviceInfo;
+    use ssct::gpu::DeviceInfo;
 
     fn case(pass: bool, slow: bool) -> StressRow {
         let device = DeviceInfo { name: "d".into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };

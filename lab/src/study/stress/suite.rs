@@ -8,11 +8,11 @@ use super::row::StressRow;
 use super::trees::{self, TreeCase};
 use super::{Place, StressRecord, moved, places, run, run_place};
 use crate::error::Result;
-use crate::methods::{MethodInfo, Setup};
-use crate::scene::{Scene, library};
 use crate::study::engine::{Bench, LastMade, Planned, Study};
 use crate::study::journal::scene_digest;
 use serde_json::{Value, json};
+use ssct::methods::{MethodInfo, Setup};
+use ssct_scenes::{Scene, library};
 
 /// Size of the images of cases with a scene, in pixels.
 const SCENE_SIZE: [u32; 2] = [321, 181];

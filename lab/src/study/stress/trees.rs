@@ -5,21 +5,21 @@
 use super::lineup::{FrameImages, SceneLineup};
 use super::{ComparedRays, JudgedFrame, StressRecord};
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::math::constants::ROUNDING;
-use crate::math::random::Stream;
-use crate::methods::unified::{FirstTraced, UnifiedParams};
-use crate::methods::{MethodInfo, Setup};
-use crate::metrics::place::RayEnd;
-use crate::reference::first_hits::FirstHits;
-use crate::reference::ray::RaySetup;
-use crate::reference::surface::World;
-use crate::scene::bvh::WorldRay;
-use crate::scene::{Aabb, Encoding, GBufferData, Lens, Light, Material, Mesh, Scene, Texture, Vertex, View};
 use crate::stage::Globals;
 use crate::stage::gbuffer::ray_ends;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct::gpu::Gpu;
+use ssct::methods::unified::{FirstTraced, UnifiedParams};
+use ssct::methods::{MethodInfo, Setup};
+use ssct_ground::math::constants::ROUNDING;
+use ssct_ground::math::random::Stream;
+use ssct_scenes::bvh::WorldRay;
+use ssct_scenes::{Aabb, Encoding, GBufferData, Lens, Light, Material, Mesh, Scene, Texture, Vertex, View};
+use ssct_truth::metrics::place::RayEnd;
+use ssct_truth::reference::first_hits::FirstHits;
+use ssct_truth::reference::ray::RaySetup;
+use ssct_truth::reference::surface::World;
 
 /// Roughness values: a mirror, a narrow lobe and a wide one.
 const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];

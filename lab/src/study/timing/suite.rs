@@ -2,8 +2,6 @@
 
 use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
 use crate::error::Result;
-use crate::gpu::{FrameReport, Gpu};
-use crate::scene::{Scene, View};
 use crate::stage::Globals;
 use crate::study::captions::{self, ReferenceTime};
 use crate::study::cell_list::{CellList, ListedResult};
@@ -20,6 +18,8 @@ use crate::study::record::{Head, Provenance, TimeRecord};
 use crate::study::table as table_5_8;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use ssct::gpu::{FrameReport, Gpu};
+use ssct_scenes::{Scene, View};
 use std::collections::BTreeSet;
 use std::rc::Rc;
 

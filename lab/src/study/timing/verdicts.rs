@@ -1,10 +1,10 @@
 //! Verdicts on settings that were timed in turn: each is compared with the first of its place (docs/definitions.md,
 //! "Verdicts").
 
-use crate::metrics::bootstrap::CONFIDENCE;
 use crate::study::compare::{self, Run, Subject, THRESHOLD, TimeComparison, TimeSample};
 use crate::study::exhibit::Table;
 use crate::study::record::{Head, PassRecord, TimeRecord};
+use ssct_truth::metrics::bootstrap::CONFIDENCE;
 use std::sync::Arc;
 
 /// The samples of a record, rounded as in its file.

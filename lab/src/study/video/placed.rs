@@ -1,7 +1,7 @@
 //! Places of a film's camera, and of the things that move before it.
 
 use super::VideoStudy;
-use crate::scene::{Camera, Placement};
+use ssct_scenes::{Camera, Placement};
 
 /// Number of frames after which the jitter of the image, by parts of a pixel, repeats.
 const JITTERED: u32 = 8;
@@ -56,8 +56,8 @@ fn radical_inverse(mut number: u32, base: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Lens;
     use glam::Vec3;
+    use ssct_scenes::Lens;
 
     #[test]
     fn what_is_held_stays_where_it_is_in_the_picture() {

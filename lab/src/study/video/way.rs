@@ -1,7 +1,7 @@
 //! Ways of the camera through a film.
 
-use crate::scene::{CameraPath, View};
 use glam::{Quat, Vec3};
+use ssct_scenes::{CameraPath, View};
 
 /// How the camera moves through a film.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,8 +3,8 @@
 //! interval. The resampling is seeded, so the same samples give the same interval everywhere.
 
 use super::percentile;
-use crate::math::random::Stream;
 use serde::Serialize;
+use ssct_ground::math::random::Stream;
 
 /// The number of resamples of an interval. Fifty resamples lie beyond each end, so that the number beyond an end varies by
 /// about a seventh.

@@ -1,8 +1,8 @@
 //! Flicker: how much an image changes from frame to frame, at places where the surface only moved on the screen
 //! (docs/definitions.md, "Films").
 
-use crate::scene::GBufferData;
 use glam::{DMat4, DVec3, Vec3};
+use ssct_scenes::GBufferData;
 
 /// Replaces a colour that is not finite by black.
 pub fn sound(color: Vec3) -> Vec3 {

@@ -1,9 +1,9 @@
 //! Place agreement (docs/definitions.md, "Place agreement"): how often a method's rays end where the same rays end among the
 //! scene's triangles; it also judges methods that see more than the screen.
 
-use crate::math::constants::VISIBLE_WITHIN;
 use crate::reference::world_hits::WorldHit;
 use glam::DVec3;
+use ssct_ground::math::constants::VISIBLE_WITHIN;
 
 /// Where a ray ends by a method.
 #[derive(Debug, Clone, Copy, PartialEq)]

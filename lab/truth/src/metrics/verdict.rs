@@ -1,10 +1,10 @@
 //! Verdict on the reflection of a pixel: whether it is right, and if it is wrong, whether the screen reference is right
 //! (docs/dump.md, "Verdict").
 
-use crate::math::linear_to_srgb;
 use crate::reference::pixel::EstimatedColor;
 use glam::Vec3;
 use serde::{Serialize, Serializer};
+use ssct_ground::math::linear_to_srgb;
 
 /// The [`difference`] of two reflections above which they count as different.
 pub const WRONG: f32 = 0.1;

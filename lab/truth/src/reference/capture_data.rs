@@ -1,8 +1,8 @@
 //! A capture on the host (docs/definitions.md, "Images"): images in which the references follow rays.
 
-use crate::scene::capture::face_camera;
-use crate::scene::{Capture, GBufferData, Surface, sky};
 use glam::Vec3;
+use ssct_scenes::capture::face_camera;
+use ssct_scenes::{Capture, GBufferData, Surface, sky};
 
 /// Six images of the scene around a place.
 #[derive(Debug, Clone, PartialEq)]

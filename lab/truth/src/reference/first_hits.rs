@@ -3,10 +3,10 @@
 //! which leaves the reflection as the only difference between a method and the reference.
 
 use super::surface::{SurfacePoint, World, sky_color};
-use crate::scene::bvh::{TriangleHit, WorldRay};
-use crate::scene::{Camera, GBufferData, ProjectionKind};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_scenes::bvh::{TriangleHit, WorldRay};
+use ssct_scenes::{Camera, GBufferData, ProjectionKind};
 
 /// Greatest error of a depth in a G-buffer, as a share of the distance, or of the height of an orthographic image. Most devices
 /// round the position of a vertex to a 256th of a pixel, by at most half of this unit. The bound holds for surfaces whose depth

@@ -7,8 +7,8 @@ use super::partial_sums::PartialSums;
 use super::world::WorldReference;
 use super::world::state::WorldState;
 use super::world_hits::ShownPlaces;
-use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};
+use ssct_scenes::GBufferData;
 
 /// Sums over the rays of a world reference, in which rays that end on the screen have the screen's colour.
 #[derive(Debug, Clone)]
@@ -52,7 +52,7 @@ mod tests {
     use crate::reference::surface::World;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
-    use crate::scene::{Camera, FieldOfView, Lens, Material, Scene, Surface};
+    use ssct_scenes::{Camera, FieldOfView, Lens, Material, Scene, Surface};
 
     const COLOR: Vec3 = Vec3::new(1.0, 0.5, 0.25);
 

@@ -4,8 +4,8 @@
 
 use super::Level;
 use super::hi_z::MinMax;
-use crate::scene::Camera;
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use ssct_scenes::Camera;
 
 /// The parameters that the traversal reads from a preset of `methods::thesis`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -11,9 +11,9 @@
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
 use super::thickness::{self, DepthBlock, JOINED};
-use crate::math::OracleVersion;
-use crate::scene::GBufferData;
 use glam::DVec3;
+use ssct_ground::math::OracleVersion;
+use ssct_scenes::GBufferData;
 
 /// The pyramid of a G-buffer.
 #[derive(Debug, Clone)]

@@ -25,9 +25,9 @@ use super::capture_data::CaptureData;
 use super::oracle::{self, Oracle, PassedPixel};
 use super::ray::{MissReason, Segment};
 use super::thickness::DepthBlock;
-use crate::math::constants::GETS_ON;
-use crate::scene::{Aabb, GBufferData};
 use glam::{DMat3, DVec3};
+use ssct_ground::math::constants::GETS_ON;
+use ssct_scenes::{Aabb, GBufferData};
 
 /// Where a ray ends.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -19,8 +19,8 @@ pub fn lobe_direction(axis: DVec3, exponent: f64, u: [f64; 2]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::phong;
-    use crate::math::random::Stream;
+    use ssct_ground::math::phong;
+    use ssct_ground::math::random::Stream;
 
     #[test]
     fn the_cone_of_a_roughness_holds_its_share_of_the_lobe() {

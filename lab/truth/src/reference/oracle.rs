@@ -18,9 +18,9 @@
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
 use super::thickness::{self, DepthBlock, JOINED};
-use crate::math::OracleVersion;
-use crate::scene::GBufferData;
 use glam::DVec3;
+use ssct_ground::math::OracleVersion;
+use ssct_scenes::GBufferData;
 use std::ops::ControlFlow;
 
 /// The side from which a ray comes to a block that it meets.

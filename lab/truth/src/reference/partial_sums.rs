@@ -162,8 +162,8 @@ pub fn parts(first: u32, end: u32) -> Vec<(u32, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
     use proptest::prelude::*;
+    use ssct_ground::math::random::Stream;
 
     /// Adds numbers of very different sizes, whose sum depends on its grouping; some at a time.
     fn summed(first: u32, end: u32, at_once: u32) -> PartialSums<f64> {

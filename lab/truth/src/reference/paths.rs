@@ -10,11 +10,11 @@ use super::first_hits::PrimaryRays;
 use super::lobe::lobe_direction;
 use super::surface::{SurfacePoint, World};
 use super::world::RAY_START_M;
-use crate::math::random::Stream;
-use crate::scene::bvh::WorldRay;
-use crate::scene::{AreaLight, AreaShape, Camera};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_ground::math::random::Stream;
+use ssct_scenes::bvh::WorldRay;
+use ssct_scenes::{AreaLight, AreaShape, Camera};
 use std::f64::consts::PI;
 
 /// Random numbers of a path: a place in the pixel, and at each surface three for a light and two for a direction.
@@ -128,7 +128,7 @@ impl Panel {
 mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
-    use crate::scene::{FieldOfView, Lens, Material, Mesh, Scene, Vertex};
+    use ssct_scenes::{FieldOfView, Lens, Material, Mesh, Scene, Vertex};
 
     /// A light of 0.2 m × 0.2 m at a place, which shines downwards.
     fn lamp(centre: Vec3) -> AreaLight {

@@ -6,10 +6,10 @@ use super::screen::{Sampling, ScreenReference};
 use super::surface::World;
 use super::world::WorldReference;
 use super::world_hits::{ShownPlaces, WorldHit};
-use crate::math::OracleVersion;
-use crate::scene::GBufferData;
-use crate::scene::bvh::TriangleHit;
 use glam::Vec3;
+use ssct_ground::math::OracleVersion;
+use ssct_scenes::GBufferData;
+use ssct_scenes::bvh::TriangleHit;
 
 /// The seed of a pixel's screen reference, which is that of the study of run time against error.
 const SCREEN_SEED: u64 = 1;
@@ -168,8 +168,8 @@ mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
-    use crate::scene::{Camera, FieldOfView, Lens, Material, Mesh, Scene};
     use glam::DVec2;
+    use ssct_scenes::{Camera, FieldOfView, Lens, Material, Mesh, Scene};
 
     fn named(name: &str, mesh: Mesh) -> Mesh {
         Mesh { name: name.to_owned(), ..mesh }

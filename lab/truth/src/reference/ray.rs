@@ -4,8 +4,8 @@
 //! The oracle and the hierarchical traversal start from the same [`Segment`] and use its expressions to find where a pixel
 //! boundary is crossed. Both therefore see the same depths at the same places and can be compared exactly.
 
-use crate::scene::GBufferData;
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
+use ssct_scenes::GBufferData;
 
 /// Why a ray hit nothing (docs/definitions.md, "Oracle", item 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

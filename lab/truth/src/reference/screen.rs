@@ -16,11 +16,11 @@ use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
 use super::ray::{MissReason, Outcome};
 use super::surface_color::{ReflectedRay, SurfaceColors};
-use crate::math::random::Stream;
-use crate::math::{OracleVersion, phong};
-use crate::scene::GBufferData;
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_ground::math::random::Stream;
+use ssct_ground::math::{OracleVersion, phong};
+use ssct_scenes::GBufferData;
 
 /// Least number of rays for a pixel of a mirror.
 pub const MIRROR_SAMPLES_MIN: u32 = 16;

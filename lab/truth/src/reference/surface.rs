@@ -4,11 +4,11 @@
 //! Images are sampled at their finest level, bilinearly and repeating, because a ray has no footprint. The G-buffer filters
 //! images over the pixel, and stores albedo in 8 bits and normals in 16. There is no other difference.
 
-use crate::scene::bvh::{TriangleHit, WorldRay};
-use crate::scene::texture::bilinear;
-use crate::scene::triangles::{TriangleRef, interpolate_uv};
-use crate::scene::{Light, Material, Scene, Surface, Triangles, Vertex, sky};
 use glam::{DVec2, DVec3, DVec4, Vec3};
+use ssct_scenes::bvh::{TriangleHit, WorldRay};
+use ssct_scenes::texture::bilinear;
+use ssct_scenes::triangles::{TriangleRef, interpolate_uv};
+use ssct_scenes::{Light, Material, Scene, Surface, Triangles, Vertex, sky};
 
 /// A scene with the materials of a view, prepared for ray tracing.
 pub struct World<'a> {
@@ -145,8 +145,8 @@ fn interpolate(vertices: &[&Vertex; 3], hit: &TriangleHit, attribute: impl Fn(&V
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::math::srgb_to_linear;
-    use crate::scene::{Aabb, Encoding, Mesh, Texture};
+    use ssct_ground::math::srgb_to_linear;
+    use ssct_scenes::{Aabb, Encoding, Mesh, Texture};
 
     /// A rectangle spanned by two edges from a corner. Its front is the side of u × v; uv (0, 0) is at the
     /// corner and (1, 1) opposite.

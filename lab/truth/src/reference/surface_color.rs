@@ -2,9 +2,9 @@
 //! pixels around the hit, only those count that the ray can have seen.
 
 use super::surface::sky_color;
-use crate::math::constants::{STANDS_ABOVE, STANDS_BEFORE, STANDS_BESIDE};
-use crate::scene::{GBufferData, Surface};
 use glam::{DVec2, DVec3};
+use ssct_ground::math::constants::{STANDS_ABOVE, STANDS_BEFORE, STANDS_BESIDE};
+use ssct_scenes::{GBufferData, Surface};
 
 /// Computes the colours that a G-buffer's pixels show to rays.
 #[derive(Debug, Clone)]

@@ -3,9 +3,9 @@
 use super::first_hits::{FirstHits, PrimaryRays};
 use super::ray::RaySetup;
 use super::surface::World;
-use crate::math::random::Stream;
-use crate::scene::{Camera, GBufferData, Lens, Surface};
 use glam::{DVec3, Vec3};
+use ssct_ground::math::random::Stream;
+use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 use std::cell::Cell;
 
 fn camera(aspect: f32) -> Camera {

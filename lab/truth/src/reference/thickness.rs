@@ -2,9 +2,9 @@
 //! behind it (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
 
 use super::Level;
-pub use crate::math::constants::{JOINED, SHARE_OF_DEPTH, THIN};
-use crate::scene::GBufferData;
 use glam::DVec3;
+pub use ssct_ground::math::constants::{JOINED, SHARE_OF_DEPTH, THIN};
+use ssct_scenes::GBufferData;
 
 /// A closed interval of reversed depth; empty for sky.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +32,7 @@ impl DepthBlock {
 
 /// T in metres of a pixel at view depth `z`, from the view depths of its left, right, upper and lower neighbour; `None` for a
 /// neighbour that is sky or off screen. `reach` is the camera's reach at z
-/// ([`Camera::reach_m`](crate::scene::Camera::reach_m)).
+/// ([`Camera::reach_m`](ssct_scenes::Camera::reach_m)).
 pub fn thickness(z: f64, reach: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
     let span = |a: Option<f64>, b: Option<f64>| {
         let least = [a, b].into_iter().flatten().map(|n| (z - n).abs()).min_by(f64::total_cmp);

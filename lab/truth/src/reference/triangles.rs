@@ -1,9 +1,9 @@
 //! The CPU twin of `shaders-glsl/triangles/walk.glsl`: the walk of a ray through a tree of triangles, and the test of one
 //! triangle, operation for operation in 32-bit floats.
 
-use crate::math::constants::{ASKS_MATERIAL, NEVER, NO_TRIANGLE, ROUNDING, TREE_DEPTH};
-use crate::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words};
 use glam::Vec3;
+use ssct_ground::math::constants::{ASKS_MATERIAL, NEVER, NO_TRIANGLE, ROUNDING, TREE_DEPTH};
+use ssct_scenes::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words};
 use std::borrow::Cow;
 
 /// The triangle that a ray meets, with the place of the hit.

@@ -21,9 +21,9 @@ pub use gloss_trace::{AimedRay, NeighbourRay, encode_octahedral};
 pub use lobe::Lobe;
 
 use super::Level;
-use crate::math::{OracleVersion, constants};
-use crate::scene::{Camera, GBufferData, ProjectionKind};
 use glam::{IVec2, Vec2, Vec3};
+use ssct_ground::math::{OracleVersion, constants};
+use ssct_scenes::{Camera, GBufferData, ProjectionKind};
 
 /// Twin of the parameter block in `parameters.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,13 +17,13 @@ use super::first_hits::{FirstHits, PrimaryRays, Receiver};
 use super::lobe::lobe_direction;
 use super::screen::MIRROR_SAMPLES_MIN;
 use super::surface::{SurfacePoint, World, sky_color};
-use crate::error::Result;
-use crate::math::phong;
-use crate::math::random::Stream;
-use crate::scene::Camera;
-use crate::scene::bvh::WorldRay;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_ground::error::{Error, Result};
+use ssct_ground::math::phong;
+use ssct_ground::math::random::Stream;
+use ssct_scenes::Camera;
+use ssct_scenes::bvh::WorldRay;
 use state::{Kind, WorldState};
 
 /// The least distance of a hit from the start of a reflected ray that counts, in metres (docs/definitions.md, "World
@@ -186,12 +186,12 @@ impl<'a> WorldReference<'a> {
 
     /// Adds passes until the target is met. `progress` is called after each pass and may save the state; an
     /// error that it returns ends the run.
-    pub fn run(
+    pub fn run<E: From<Error>>(
         &self,
         state: &mut WorldState,
         target: &SamplingTarget,
-        progress: &mut dyn FnMut(&WorldState) -> Result<()>,
-    ) -> Result<()> {
+        progress: &mut dyn FnMut(&WorldState) -> Result<(), E>,
+    ) -> Result<(), E> {
         while state.samples() < target.samples_max
             && (state.samples() < target.samples_min || state.overall_standard_error() > target.standard_error)
         {

@@ -5,11 +5,11 @@ use super::first_hits::{FirstHits, Receiver};
 use super::surface::World;
 use super::surface_color::SurfaceColors;
 use super::world::RAY_START_M;
-pub use crate::math::constants::VISIBLE_WITHIN;
-use crate::scene::GBufferData;
-use crate::scene::bvh::{TriangleHit, WorldRay};
 use glam::{DMat4, DVec2, DVec3};
 use rayon::prelude::*;
+pub use ssct_ground::math::constants::VISIBLE_WITHIN;
+use ssct_scenes::GBufferData;
+use ssct_scenes::bvh::{TriangleHit, WorldRay};
 
 /// The end of a mirror ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,8 +112,8 @@ mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
-    use crate::scene::{Camera, FieldOfView, Lens, Material, Scene};
     use glam::Vec3;
+    use ssct_scenes::{Camera, FieldOfView, Lens, Material, Scene};
 
     /// A camera at the origin, 1 m above a mirror floor, in front of a wall at z = 4 that stands on the floor.
     fn gbuffer(wall_depth_factor: f32) -> (Scene, GBufferData) {

@@ -3,7 +3,7 @@
 
 use super::partial_sums::LEAF;
 use super::world::state::{KeptState, read_state, write_state};
-use crate::error::{Error, Result};
+use ssct_ground::error::{Error, Result};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -122,7 +122,7 @@ mod tests {
     use crate::reference::first_hits::FirstHits;
     use crate::reference::surface::World;
     use crate::reference::world::WorldReference;
-    use crate::scene::library;
+    use ssct_scenes::library;
 
     #[test]
     fn every_sample_is_in_one_shard() {

@@ -2,11 +2,11 @@
 
 use super::shared::{PanelData, heading};
 use crate::history::{History, StageTime};
-use crate::passes::tiles::TILE;
 use crate::reference_error::ComparisonOutcome;
 use crate::state::State;
-use crate::study::inspect::Inspection;
 use egui::{Color32, Grid, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
+use ssct::passes::tiles::TILE;
+use ssct_lab::study::inspect::Inspection;
 
 /// Height of the bars, in points.
 const HEIGHT: f32 = 110.0;

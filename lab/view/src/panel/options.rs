@@ -1,10 +1,10 @@
 //! A method and every parameter that it reads, as rows that are made from the parameters' tables.
 
 use super::shared::{dot, heading};
-use crate::methods::{self, MethodInfo};
-use crate::parameter::{Choices, Domain, Parameter, Preset, Value};
 use crate::state::{Side, State};
 use egui::{Color32, ComboBox, DragValue, Grid, RichText, Ui};
+use ssct::methods::{self, MethodInfo};
+use ssct_ground::parameter::{Choices, Domain, Parameter, Preset, Value};
 
 /// The colour that marks a published value.
 pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);

@@ -3,15 +3,15 @@
 
 use super::shared::{PanelData, heading};
 use crate::cubes::Cross;
-use crate::passes::PathCode;
-use crate::reference::Outcome;
-use crate::report::pixel::lines;
-use crate::scene::Capture;
 use crate::state::State;
-use crate::study::inspect::{PickedRay, RayInWorld, WalkEnd};
-use crate::study::pixel::PixelReport;
 use egui::{Color32, Grid, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui, pos2};
 use glam::Vec2;
+use ssct::passes::PathCode;
+use ssct_lab::report::pixel::lines;
+use ssct_lab::study::inspect::{PickedRay, RayInWorld, WalkEnd};
+use ssct_lab::study::pixel::PixelReport;
+use ssct_scenes::Capture;
+use ssct_truth::reference::Outcome;
 
 const METHOD: Color32 = Color32::from_rgb(255, 140, 0);
 const WALK: Color32 = Color32::from_rgb(255, 230, 60);

@@ -5,10 +5,10 @@ use crate::input::Action;
 use crate::pictures::{FrameAnalysis, ImageInfo};
 use crate::reference_error::ReferenceComparison;
 use crate::reload::ShaderStatus;
-use crate::scene::{Capture, View};
-use crate::study::inspect::PickedRay;
-use crate::study::pixel::PixelReport;
 use egui::{Color32, Rect, RichText, Sense, Ui};
+use ssct_lab::study::inspect::PickedRay;
+use ssct_lab::study::pixel::PixelReport;
+use ssct_scenes::{Capture, View};
 
 /// The data that the panel displays.
 pub struct PanelData<'a> {

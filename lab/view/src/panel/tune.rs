@@ -2,9 +2,9 @@
 
 use super::options::{PUBLISHED, side};
 use super::shared::{PanelData, dot, heading};
-use crate::passes::look::Compare;
 use crate::state::State;
 use egui::{ComboBox, Grid, RichText, Slider, Ui};
+use ssct::passes::look::Compare;
 
 pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
     place(ui, state, data);

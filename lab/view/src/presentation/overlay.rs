@@ -3,14 +3,14 @@
 //! Buffers and textures of the renderer are made here, and each is destroyed before its memory. The allocators that come with the renderer
 //! free the memory first, and the validation layers object.
 
-use crate::error::{Error, Result};
-use crate::gpu::device::{Gpu, vulkan};
-use crate::gpu::frame::Frame;
-use crate::gpu::image::{Image, ImageDesc, ImageSlice};
-use crate::gpu::memory::{Buffer, MemoryPlace};
 use ash::vk;
 use egui_ash_renderer::allocator::Allocator;
 use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, RendererError, RendererResult};
+use ssct::error::{Error, Result};
+use ssct::gpu::device::{Gpu, vulkan};
+use ssct::gpu::frame::Frame;
+use ssct::gpu::image::{Image, ImageDesc, ImageSlice};
+use ssct::gpu::memory::{Buffer, MemoryPlace};
 
 /// Draws what egui tessellated.
 pub struct Overlay {

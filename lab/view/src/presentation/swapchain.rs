@@ -3,14 +3,14 @@
 //! The hardware encodes colours once, when an image is drawn, since the format of the image ([`Swapchain::screen_format`]) is an sRGB
 //! format. The swapchain's own format need not be one.
 
-use crate::error::{Error, Result};
-use crate::gpu::device::{Gpu, vulkan};
-use crate::gpu::frame::{Frame, FrameContext, Mode};
-use crate::gpu::image::Image;
-use crate::gpu::sync::Access;
-use crate::parameter::{Choices, choices};
 use ash::vk;
 use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
+use ssct::gpu::device::{Gpu, vulkan};
+use ssct::gpu::frame::{Frame, FrameContext, Mode};
+use ssct::gpu::image::Image;
+use ssct::gpu::sync::Access;
+use ssct_ground::parameter::{Choices, choices};
+use ssct_lab::error::{Error, Result};
 use std::any::Any;
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ impl PresentMode {
             return Ok(self.vulkan());
         }
         let there: Vec<_> = Self::ALL.iter().filter(|m| offered.contains(&m.vulkan())).map(|m| m.name()).collect();
-        Err(Error::Usage(format!("this window does not present by {}; it does by: {}", self.name(), there.join(", "))))
+        Err(Error::usage(format!("this window does not present by {}; it does by: {}", self.name(), there.join(", "))))
     }
 }
 
@@ -100,7 +100,7 @@ impl Swapchain {
     /// come with the first [`Self::prepare`].
     ///
     /// # Errors
-    /// [`Error::NoWindow`] if the device cannot present to the window, [`Error::Usage`] for a mode that the surface lacks.
+    /// [`Error::NoWindow`] if the device cannot present to the window, [`Usage`](ssct_ground::Error::Usage) for a mode that the surface lacks.
     pub fn new<W>(gpu: &Gpu, window: &Arc<W>, mode: PresentMode) -> Result<Self>
     where
         W: HasWindowHandle + HasDisplayHandle + 'static,
@@ -160,7 +160,7 @@ impl Swapchain {
         &mut self,
         context: &mut FrameContext,
         screen: &Image,
-        record: impl FnOnce(&mut Frame) -> Result<()>,
+        record: impl FnOnce(&mut Frame) -> ssct::Result<()>,
     ) -> Result<bool> {
         let Some(chain) = &self.chain else { return Ok(false) };
         // SAFETY: the semaphore is unsignalled, since the submission that waited for it is done.
@@ -174,7 +174,7 @@ impl Swapchain {
                 self.stale = true;
                 return Ok(false);
             }
-            Err(e) => return Err(vulkan("vkAcquireNextImageKHR")(e)),
+            Err(e) => return Err(vulkan("vkAcquireNextImageKHR")(e).into()),
         };
         let (target, rendered) = (&chain.images[index as usize], chain.rendered[index as usize]);
         let wait_stages = Access::TransferWrite.info().stages;
@@ -199,7 +199,7 @@ impl Swapchain {
                 self.stale = true;
                 Ok(false)
             }
-            Err(e) => Err(vulkan("vkQueuePresentKHR")(e)),
+            Err(e) => Err(vulkan("vkQueuePresentKHR")(e).into()),
         }
     }
 
@@ -234,8 +234,9 @@ impl Swapchain {
 
     fn capabilities(&self) -> Result<vk::SurfaceCapabilitiesKHR> {
         // SAFETY: the physical device and the surface belong to one instance.
-        unsafe { self.surfaces.get_physical_device_surface_capabilities(self.gpu.shared().physical, self.surface) }
-            .map_err(vulkan("vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))
+        let capabilities =
+            unsafe { self.surfaces.get_physical_device_surface_capabilities(self.gpu.shared().physical, self.surface) };
+        Ok(capabilities.map_err(vulkan("vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))?)
     }
 
     /// Replaces the chain.
@@ -283,7 +284,7 @@ impl Swapchain {
             .clipped(true)
             .old_swapchain(old);
         // SAFETY: the create info is complete; the old chain, if any, is this surface's.
-        unsafe { self.swapchains.create_swapchain(&info, None) }.map_err(vulkan("vkCreateSwapchainKHR"))
+        Ok(unsafe { self.swapchains.create_swapchain(&info, None) }.map_err(vulkan("vkCreateSwapchainKHR"))?)
     }
 
     fn destroy_chain(&self, chain: Option<Chain>) {

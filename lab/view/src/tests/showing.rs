@@ -6,10 +6,10 @@ use super::super::input::Action;
 use super::super::state::{InnerImage, STEPS, Tab};
 use super::super::viewer::ViewerInput;
 use super::{Bench, EXTENT};
-use crate::gpu::Pixels;
-use crate::methods::METHODS;
-use crate::passes::look::Compare;
 use egui::RawInput;
+use ssct::gpu::Pixels;
+use ssct::methods::METHODS;
+use ssct::passes::look::Compare;
 use std::collections::HashSet;
 
 /// The number of different colours in a range of columns, with 16 levels per channel.
@@ -127,7 +127,7 @@ fn at_rest_nothing_is_submitted_and_a_change_renders_one_frame() {
     let parts = Tab::SHOWN.map(|(tab, title)| (tab, Compare::One, title));
     for (tab, compare, title) in parts.into_iter().chain([(Tab::Live, Compare::Difference, "Live of two")]) {
         (bench.viewer.state.tab, bench.viewer.state.compare) = (tab, compare);
-        bench.viewer.state.choose(1, crate::methods::find("unified").unwrap());
+        bench.viewer.state.choose(1, ssct::methods::find("unified").unwrap());
         bench.settle();
         let (frames, submissions) = (bench.viewer.counts()[0], bench.gpu.submissions());
         let egui = RawInput { time: Some(bench.time + 1.0), ..RawInput::default() };

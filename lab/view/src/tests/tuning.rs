@@ -6,13 +6,13 @@ use super::super::reload::ShaderWatch;
 use super::super::state::{InnerImage, Side, Tab};
 use super::super::viewer::Shaders;
 use super::{Bench, copied_shaders};
-use crate::methods::{METHODS, MethodInfo, parameters};
-use crate::passes::PathCode;
-use crate::passes::look::Compare;
-use crate::scene::path;
-use crate::study::inspect::WalkEnd;
 use egui::{Event, Modifiers, vec2};
 use glam::Vec2;
+use ssct::methods::{METHODS, MethodInfo, parameters};
+use ssct::passes::PathCode;
+use ssct::passes::look::Compare;
+use ssct_lab::study::inspect::WalkEnd;
+use ssct_scenes::path;
 use std::path::Path;
 
 #[test]
@@ -262,7 +262,7 @@ fn the_drawn_walk_is_the_shaders() {
     for (method, least) in [("ssct", 0.99), ("unified", 1.0)] {
         let options = [("beyond".to_owned(), "none".to_owned())];
         let options = if method == "unified" { options.to_vec() } else { Vec::new() };
-        bench.viewer.state.sides[0] = Side::new(crate::methods::find(method).unwrap(), options.into_iter().collect());
+        bench.viewer.state.sides[0] = Side::new(ssct::methods::find(method).unwrap(), options.into_iter().collect());
         bench.settle();
         let inspection = bench.viewer.inspection().unwrap();
         let hits = inspection.hits.as_ref().unwrap();
@@ -397,7 +397,7 @@ fn captures_are_put_where_the_eye_is_moved_and_removed() {
     // The scene's file is right-handed.
     let mut in_file = bench.viewer.captures_shown();
     in_file.iter_mut().for_each(|c| c.position.z = -c.position.z);
-    let saved = crate::scene::capture_file::encode_tables(&in_file);
+    let saved = ssct_scenes::capture_file::encode_tables(&in_file);
     assert_eq!(std::fs::read_to_string(folder.path().join("c.toml")).unwrap(), saved);
     bench.is_valid("captures");
 }
@@ -436,7 +436,7 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
     // Where the end lies in the capture's picture, its depth is that of the end.
     let picture = bench.viewer.read_picture().unwrap().unwrap();
     let cross = Cross::new([picture.width, picture.height]);
-    let clip = crate::scene::capture::face_camera(place.position, 4, place.near_m).view_to_clip_reversed();
+    let clip = ssct_scenes::capture::face_camera(place.position, 4, place.near_m).view_to_clip_reversed();
     let mut right = 0;
     for (_, beyond) in &hits {
         let from = beyond.end - place.position;

@@ -2,9 +2,9 @@
 
 use super::Viewer;
 use crate::input::Action;
-use crate::methods::setup::CaptureCount;
-use crate::parameter::Field;
 use crate::state::{State, Tab};
+use ssct::methods::setup::CaptureCount;
+use ssct_ground::parameter::Field;
 
 impl Viewer {
     /// Performs an action, except for quitting.

@@ -2,12 +2,12 @@
 //! once, in a list, and is given by its index elsewhere.
 
 use super::LibraryPage;
-use crate::gpu::DeviceInfo;
-use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES};
 use crate::study::compare::{Run, SEED, SUBJECT_COLUMNS, Subject, TimeSample, subject_labels};
 use crate::study::library::Measurement;
 use crate::study::library::trends::devices;
 use serde_json::{Value as Json, json};
+use ssct::gpu::DeviceInfo;
+use ssct_truth::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES};
 use std::collections::HashMap;
 use std::sync::Arc;
 

@@ -4,7 +4,7 @@
 const library = JSON.parse(document.getElementById("library-data").textContent);
 const name = (n) => library.names[n];
 
-// SplitMix64's finaliser and the streams of src/math/random.rs.
+// SplitMix64's finaliser and the streams of ground/src/math/random.rs.
 const MASK = (1n << 64n) - 1n, GOLDEN_GAMMA = 0x9e3779b97f4a7c15n;
 const mix = (z) => {
   z = ((z ^ (z >> 30n)) * 0xbf58476d1ce4e5b9n) & MASK;

@@ -4,9 +4,9 @@
 use super::*;
 use crate::reference::testing::{Random, gbuffer};
 use crate::reference::unified::{CaptureRayEnd, CaptureTraversal, LostRay, RayEndKind};
-use crate::scene::Capture;
 use glam::Vec3;
 use rayon::prelude::*;
+use ssct_scenes::Capture;
 
 /// Number of units in the last place of an f32 by which a ray may be off.
 const ULPS: f64 = 8.0;

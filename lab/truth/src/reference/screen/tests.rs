@@ -5,7 +5,7 @@ use crate::reference::Oracle;
 use crate::reference::ray::RaySetup;
 use crate::reference::surface::sky_color;
 use crate::reference::testing::{flat, floor_and_wall};
-use crate::scene::{Camera, Surface};
+use ssct_scenes::{Camera, Surface};
 
 const SAMPLING: Sampling = Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, bounces: 1 };
 

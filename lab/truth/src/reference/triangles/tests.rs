@@ -2,12 +2,12 @@
 //! hold more than a shader has room for, and no ray may make a NaN.
 
 use super::*;
-use crate::math::random::Stream;
-use crate::scene::bvh::{Intersector, TriangleBvh, WorldRay};
-use crate::scene::tree::{BuildTrees, Trees};
-use crate::scene::{Aabb, Material, Mesh, Placement, Scene, Vertex};
 use bytemuck::Zeroable;
 use glam::{DVec3, Quat};
+use ssct_ground::math::random::Stream;
+use ssct_scenes::bvh::{Intersector, TriangleBvh, WorldRay};
+use ssct_scenes::tree::{BuildTrees, Trees};
+use ssct_scenes::{Aabb, Material, Mesh, Placement, Scene, Vertex};
 
 type Corners = [Vec3; 3];
 

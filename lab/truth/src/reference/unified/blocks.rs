@@ -1,9 +1,9 @@
 //! Twin of `pyramid.comp` for one pixel.
 
 use super::{Block, NEVER, Parameters};
-use crate::math::constants;
-use crate::scene::GBufferData;
 use glam::IVec2;
+use ssct_ground::math::constants;
+use ssct_scenes::GBufferData;
 
 /// A pixel's block; `DepthBlock` of `pyramid.comp`.
 pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {

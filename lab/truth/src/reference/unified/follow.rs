@@ -3,10 +3,10 @@
 //! does not compute the colour that a ray sees.
 
 use super::{Hit, HitCode, NEVER, Ray, Traversal, Walk, WalkMode, dot, front_crossing};
-use crate::math::constants;
 use crate::reference::CaptureData;
-use crate::scene::{Aabb, Camera, ProjectionKind};
 use glam::{IVec2, Mat3, Vec2, Vec3};
+use ssct_ground::math::constants;
+use ssct_scenes::{Aabb, Camera, ProjectionKind};
 
 /// Distance at which the sky is put, in metres.
 const SKY_DISTANCE: f32 = constants::SKY_DISTANCE as f32;

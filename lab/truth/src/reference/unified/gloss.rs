@@ -3,10 +3,10 @@
 
 use super::gloss_trace::cell_pixel;
 use super::{Hit, Traversal};
-use crate::math::constants;
 use crate::reference::Level;
-use crate::scene::GBufferData;
 use glam::{IVec2, Vec2, Vec3};
+use ssct_ground::math::constants;
+use ssct_scenes::GBufferData;
 
 const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 /// Cells of 2 × 2 pixels along a side of a tile.

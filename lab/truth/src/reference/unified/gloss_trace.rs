@@ -3,8 +3,8 @@
 
 use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, lobe_overlap, log_density};
 use super::{Gloss, Hit, HitCode};
-use crate::math::constants;
 use glam::{IVec2, Vec2, Vec3, Vec4};
+use ssct_ground::math::constants;
 
 const NARROW_PART: f32 = constants::NARROW_PART as f32;
 const NARROW_FOOTPRINTS: f32 = constants::NARROW_FOOTPRINTS as f32;

@@ -2,9 +2,9 @@
 //! `shaders-glsl/unified/gloss.glsl`, whose names are kept.
 
 use super::Parameters;
-use crate::math::constants;
-use crate::scene::ProjectionKind;
 use glam::{IVec2, Vec2, Vec3};
+use ssct_ground::math::constants;
+use ssct_scenes::ProjectionKind;
 
 /// `LOG2_E`.
 pub(super) const LOG2_E: f32 = std::f32::consts::LOG2_E;

@@ -4,10 +4,10 @@ use super::Gloss;
 use super::gather::{ResolvedCell, direction_out_of_block};
 use super::gloss_trace::cell_pixel;
 use super::lobe::{LEAST_WEIGHT, lobe_overlap, lobe_power};
-use crate::math::constants;
 use crate::reference::Level;
-use crate::scene::ProjectionKind;
 use glam::{IVec2, Vec2, Vec3, Vec4};
+use ssct_ground::math::constants;
+use ssct_scenes::ProjectionKind;
 
 /// `PLANE_TOLERANCE`: a cell that lies off the pixel's plane by this share of its depth has lost most of its weight.
 const PLANE_TOLERANCE: f32 = constants::VISIBLE_WITHIN as f32;

@@ -2,8 +2,8 @@
 //! shows to a ray.
 
 use super::{Block, Hit, HitCode, Ray, Traversal, dot};
-use crate::math::constants::{STANDS_ABOVE, STANDS_BEFORE, STANDS_BESIDE};
 use glam::{IVec2, Vec3, Vec3Swizzles};
+use ssct_ground::math::constants::{STANDS_ABOVE, STANDS_BEFORE, STANDS_BESIDE};
 
 /// `VisibilityTest`: the surface that reflects, its ray, and the pixel that the ray hit.
 #[derive(Debug, Clone, Copy)]

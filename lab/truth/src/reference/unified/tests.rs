@@ -7,9 +7,9 @@ use crate::reference::Oracle;
 use crate::reference::ray::{RaySetup, Trace};
 use crate::reference::testing::{DIRECTIONS, KINDS, Random, SIZES, awkward, direction};
 use crate::reference::thickness;
-use crate::scene::Lens;
 use glam::DVec3;
 use rayon::prelude::*;
+use ssct_scenes::Lens;
 
 /// Number of units in the last place of an f32 by which a step may be rounded.
 const ULPS: f64 = 8.0;

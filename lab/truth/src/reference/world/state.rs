@@ -2,12 +2,12 @@
 //! identical to the bit. A file contains a fingerprint of its inputs and is rejected for any other inputs.
 
 use super::{EscapeRadiance, WorldReference};
-use crate::error::{Error, Result};
-use crate::inside::PathInFolder;
 use crate::reference::partial_sums::{LEAF, PartialSums, parts};
-use crate::scene::{Encoding, Light, Surface};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
+use ssct_ground::error::{Error, Result};
+use ssct_scenes::inside::PathInFolder;
+use ssct_scenes::{Encoding, Light, Surface};
 use std::io::Read;
 use std::ops::AddAssign;
 use std::path::Path;

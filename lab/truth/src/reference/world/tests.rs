@@ -1,10 +1,10 @@
 //! Tests of the world reference against closed forms.
 
 use super::*;
-use crate::error::Error;
 use crate::reference::surface::tests::rectangle;
 use crate::reference::testing;
-use crate::scene::{Camera, Lens, Material, Mesh, Scene, Surface, Vertex, library};
+use ssct_ground::error::Error;
+use ssct_scenes::{Camera, Lens, Material, Mesh, Scene, Surface, Vertex, library};
 
 /// A sphere of radius 8 around the origin, seen from inside. The triangles are so fine that their closest point is 7.9 m away.
 fn sphere(material: usize) -> Mesh {
@@ -176,7 +176,9 @@ fn a_mirror_floor_shows_the_wall_upside_down() {
     let first_hits = FirstHits::trace(&world, &camera, [size, size]);
     let reference = reference(&world, &first_hits);
     let mut state = reference.start();
-    reference.run(&mut state, &SamplingTarget::default(), &mut |_| Ok(())).expect("running writes no file");
+    reference
+        .run(&mut state, &SamplingTarget::default(), &mut |_| Ok::<_, ssct_ground::error::Error>(()))
+        .expect("running writes no file");
     assert_eq!(state.overall_standard_error(), 0.0, "mirrors have no error");
     assert_eq!(state.samples(), 16, "one pass is enough for mirrors");
     let image = reference.image(&state);
@@ -434,7 +436,7 @@ fn whoever_escapes_sees_the_environment() {
     // The pixel is so small that all its rays have one direction.
     let incoming = DVec3::new(0.3, -1.0, 0.2);
     let first_hits = one_row(vec![Some(receiver(incoming, 0.0))]);
-    let lens = Lens { opening: crate::scene::FieldOfView::Angle(1e-6), ..Lens::default() };
+    let lens = Lens { opening: ssct_scenes::FieldOfView::Angle(1e-6), ..Lens::default() };
     let camera = Camera::new(Vec3::ZERO, incoming.as_vec3(), lens, 1.0);
     let bring = |reference: WorldReference| {
         let mut state = reference.start();

@@ -1,0 +1,56 @@
+//! Declares in Rust the constants of `constants.glsl`, which shaders and host share, so that no number is declared twice. The file is
+//! a link to `shaders-glsl/common/constants.glsl`, which a package holds as a file.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+const CONSTANTS: &str = "constants.glsl";
+
+fn main() {
+    println!("cargo:rerun-if-changed={CONSTANTS}");
+    println!("cargo:rerun-if-changed=build.rs");
+    if let Err(message) = run() {
+        eprintln!("{message}");
+        std::process::exit(1);
+    }
+}
+
+fn run() -> Result<(), String> {
+    let out = PathBuf::from(std::env::var("OUT_DIR").map_err(|e| e.to_string())?);
+    let source = std::fs::read_to_string(CONSTANTS).map_err(|e| format!("{CONSTANTS}: {e}"))?;
+    std::fs::write(out.join("constants.rs"), declared(&source)?).map_err(|e| format!("constants.rs: {e}"))
+}
+
+/// Declares in Rust the constants that GLSL and Rust share. A number with a point becomes an f64, which keeps the decimal as it is
+/// written; code that computes in f32 rounds it once, as GLSL does.
+fn declared(source: &str) -> Result<String, String> {
+    let (mut text, mut comment) = (String::new(), String::new());
+    for (index, line) in source.lines().enumerate() {
+        if let Some(said) = line.strip_prefix("// ") {
+            let _ = writeln!(comment, "/// {said}");
+            continue;
+        }
+        if let Some(declared) = line.strip_prefix("const ") {
+            let (ty, declared) = declared.split_once(' ').unwrap_or_default();
+            let (name, value) = declared.split_once(" = ").unwrap_or_default();
+            let (value, beside) = value.split_once(';').unwrap_or_default();
+            let (ty, value) = match ty {
+                "int" => ("i32", value),
+                "uint" => ("u32", value.trim_end_matches('u')),
+                "float" => ("f64", value),
+                _ => ("", ""),
+            };
+            let beside = beside.trim().trim_start_matches("// ");
+            if value.is_empty() || (comment.is_empty() && beside.is_empty()) {
+                let wanted = "`const int|uint|float NAME = VALUE;` with a comment above or beside it";
+                return Err(format!("{CONSTANTS}:{}: {line:?} should be {wanted}", index + 1));
+            }
+            if !beside.is_empty() {
+                comment = format!("/// {beside}\n");
+            }
+            let _ = writeln!(text, "{comment}pub const {name}: {ty} = {value};");
+        }
+        comment.clear();
+    }
+    Ok(text)
+}

@@ -1,0 +1,1 @@
+../shaders-glsl/common/constants.glsl

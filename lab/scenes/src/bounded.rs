@@ -1,0 +1,64 @@
+//! Limits on the cost of a file: the number of bytes that are read, and the size that it may claim to unpack to.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use ssct_ground::error::{Error, Result};
+use std::io::Read;
+use std::path::Path;
+
+/// Greatest number of bytes that one byte of a compressed image may unpack to. Deflate compresses by at most 1032 to 1, and a
+/// PNG with one bit per texel unpacks to eight times as much. A file that claims more is a decompression bomb.
+pub(super) const MOST_UNPACKED_PER_BYTE: u64 = 8 * 1040;
+
+/// Reads a file of at most `most` bytes. `what` names the expected content in errors, as in "a scene file".
+pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
+    let unreadable = |e| Error::io("read", path, e);
+    // Reading a device may never end, and opening a named pipe waits for a writer.
+    let metadata = std::fs::metadata(path).map_err(unreadable)?;
+    if !metadata.is_file() {
+        return Err(Error::malformed(path, None, format!("is no file; {what} is read from a regular file alone")));
+    }
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let length = metadata.len();
+    let mut bytes = Vec::new();
+    if length <= most {
+        // A file may grow while it is read.
+        file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    let length = length.max(bytes.len() as u64);
+    if length > most {
+        let message = format!("{what} of {length} bytes is too large; at most {most} bytes are read");
+        return Err(Error::malformed(path, None, message));
+    }
+    Ok(bytes)
+}
+
+/// A name from a file in the form for messages: short, and without control characters, which a terminal might obey.
+pub fn printable_name(name: &str) -> String {
+    const MOST: usize = 80;
+    let safe = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let mut shown: String = name.chars().take(MOST).map(safe).collect();
+    if name.chars().nth(MOST).is_some() {
+        shown.push('…');
+    }
+    shown
+}
+
+/// Whether a file of `length` bytes may hold an image that unpacks to `unpacked` bytes. Any file, however
+/// short, may take `free` bytes.
+pub(super) fn may_unpack(length: usize, unpacked: u64, free: u64) -> bool {
+    unpacked <= free.saturating_add(MOST_UNPACKED_PER_BYTE.saturating_mul(length as u64))
+}
+
+/// A progress bar over the images of a scene with many images; hidden if standard error is no terminal.
+pub(super) fn image_bar(images: usize) -> ProgressBar {
+    /// Fewer images are decoded before a user wonders what takes so long.
+    const FEW: usize = 16;
+    if images < FEW {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(images as u64).with_message("images");
+    match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

@@ -1,0 +1,410 @@
+//! Captures as a folder of files, so that any renderer can provide its own probes with depth beside a G-buffer
+//! ([`gbuffer_file`](super::gbuffer_file)).
+//!
+//! ```text
+//! captures.toml                 where they stand: the [[capture]] tables of a scene file, and perhaps bounds
+//! 1/px.exr 1/nx.exr …           the six faces of the first capture
+//! 2/px.exr …                    of the second, and so on, at most eight
+//! sky/px.exr …                  what is seen at infinity; the folder may be absent
+//! ```
+//!
+//! `captures.toml` has a table for each capture, in the order of the folders: `place`, the centre of the cube in world space,
+//! in metres; `resolution`, the texels along a side of its faces, 1…4096; `near`, the distance of the near plane in metres. All
+//! captures of a folder have one resolution and one near plane. Before the tables there may be `bounds = [[x, y, z], [x, y,
+//! z]]`: the least and the greatest corner of a box in world space, in metres. There is no surface outside of the box, so that
+//! rays that are lost there end in the sky.
+//!
+//! The faces `px nx py ny pz nz` look along +x −x +y −y +z −z. The texels are ordered as in a cube map of Vulkan: in world
+//! axes, which are left-handed with y up, the texel at (u, v) from the top left looks along
+//! [`sky::face_direction`](super::sky::face_direction). Each face is a square OpenEXR image, compressed without loss, with
+//! these channels of 32-bit or 16-bit floats:
+//!
+//! - `R`, `G`, `B`: the lit colour, linear;
+//! - `depth`: the depth after projection, reversed, 0…1, for the near plane and a far plane at
+//!   [`FAR_M`](super::capture::FAR_M): near (far − z) / (z (far − near)), 0 where there is no surface. A file may have `Z`
+//!   instead, the view-space z in metres, 0 or infinite where there is no surface;
+//! - `N.X`, `N.Y`, `N.Z`: the normal in the view space of the face (x right, y up, z into the image), 0 where there is no
+//!   surface;
+//! - `sky`, which may be missing: 1 where a surface shows the sky, else 0.
+//!
+//! The colour is not read where there is no surface, or where a surface shows the sky. The sky's colour comes from the cube
+//! `sky`, whose faces have any one size, and `R`, `G`, `B` alone; without this cube it is black.
+
+use super::capture::face_camera;
+use super::exr_channels::{self, ExrChannels, axis, check};
+use super::gbuffer_file::{MAX_BYTES, reversed_depth};
+use super::{Aabb, Capture, GBufferData, Surface, bounded, scene_file};
+use exr::meta::header::LayerAttributes;
+use glam::Vec3;
+use ssct_ground::error::{Error, Result};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+pub use super::sky::SkyCube;
+
+/// The file that lists the captures and their places.
+pub const LIST: &str = "captures.toml";
+
+/// The names of the faces, in Vulkan's order.
+pub const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
+
+/// The folder of the sky.
+const SKY: &str = "sky";
+
+/// A folder of captures whose list was read.
+#[derive(Debug, Clone)]
+pub struct CaptureFolder {
+    path: PathBuf,
+    captures: Vec<Capture>,
+    bounds: Aabb,
+}
+
+impl CaptureFolder {
+    /// Reads the list of a folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the list cannot be read; [`Error::Malformed`], with the line if known, for a list without captures, an
+    /// unknown key, a number out of range, or captures of several resolutions or near planes.
+    pub fn open(path: &Path) -> Result<Self> {
+        let (captures, bounds) = scene_file::captures::load_list(&path.join(LIST))?;
+        Ok(Self { path: path.to_owned(), captures, bounds })
+    }
+
+    /// A box in the world, in metres, outside of which there is no surface; [`Aabb::ALL`] if the list gives none.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// The captures with their places; at least one, at most [`MAX_CAPTURES`](super::capture::MAX_CAPTURES).
+    pub fn captures(&self) -> &[Capture] {
+        &self.captures
+    }
+
+    /// Reads a face (0…5) of a capture, both counted from 0. Reflectivity and roughness are 0; a texel of sky has depth 0 or
+    /// [`Surface::Sky`], and the colour black.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is missing, is no readable OpenEXR image, is not
+    /// square, or has another size than the list says. [`Error::Malformed`] also if a channel is missing, a value is not
+    /// finite, or a depth lies outside 0 to 1.
+    pub fn face(&self, capture: usize, face: usize) -> Result<GBufferData> {
+        let path = face_path(&self.path, capture, face);
+        let whose = format!("capture {}", capture + 1);
+        let bytes = read(&path, &whose)?;
+        let mut file = ExrChannels::decode(&bytes, &path, "the face")?;
+        let wrong = |message: String| Error::malformed(&path, None, message);
+        let (width, height) = square(&file, &path)?;
+        let Capture { position, near_m, resolution } = self.captures[capture];
+        if width != resolution {
+            let message = format!("the face has {width}x{height} texels, where {LIST} says {resolution}x{resolution}");
+            return Err(wrong(message));
+        }
+        let camera = face_camera(position, face, near_m);
+        let depth = match (file.take("depth"), file.take("Z")) {
+            (Some(depth), _) => {
+                check(&path, (width, "texel"), "depth", "a number from 0 to 1", &depth, |d| (0.0..=1.0).contains(&d))?;
+                depth
+            }
+            (None, Some(z)) => {
+                check(&path, (width, "texel"), "Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
+                z.iter().map(|z| reversed_depth(*z, &camera.lens)).collect()
+            }
+            (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
+        };
+        let mut color = finite(&mut file, &path, ["R", "G", "B"])?;
+        let normal = finite(&mut file, &path, ["N.X", "N.Y", "N.Z"])?;
+        let shows = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
+        let surface: Vec<Surface> =
+            file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(shows).collect());
+        for ((color, surface), depth) in color.iter_mut().zip(&surface).zip(&depth) {
+            if *surface == Surface::Sky || *depth == 0.0 {
+                *color = Vec3::ZERO;
+            }
+        }
+        let nothing = vec![0.0; depth.len()];
+        Ok(GBufferData {
+            width,
+            height,
+            camera,
+            depth,
+            normal,
+            reflectivity: nothing.clone(),
+            roughness: nothing,
+            color,
+            surface,
+        })
+    }
+
+    /// Reads the sky; `None` if the folder has none.
+    ///
+    /// # Errors
+    /// The errors of [`Self::face`], and [`Error::Malformed`] for faces of several sizes.
+    pub fn sky(&self) -> Result<Option<SkyCube>> {
+        if !self.path.join(SKY).is_dir() {
+            return Ok(None);
+        }
+        let mut cube = SkyCube { side: 0, texels: Vec::new() };
+        for face in 0..FACES.len() {
+            let path = sky_path(&self.path, face);
+            let bytes = read(&path, "the sky")?;
+            let mut file = ExrChannels::decode(&bytes, &path, "the face")?;
+            let (side, _) = square(&file, &path)?;
+            if face > 0 && side != cube.side {
+                let (first, expected) = (FACES[0], cube.side);
+                let message = format!("the face has {side}x{side} texels, where {first}.exr has {expected}x{expected}");
+                return Err(Error::malformed(&path, None, message));
+            }
+            cube.side = side;
+            cube.texels.append(&mut finite(&mut file, &path, ["R", "G", "B"])?);
+        }
+        Ok(Some(cube))
+    }
+}
+
+/// The file of a face (0…5) of a capture, counted from 0, in a folder of captures.
+pub fn face_path(folder: &Path, capture: usize, face: usize) -> PathBuf {
+    folder.join((capture + 1).to_string()).join(FACES[face]).with_extension("exr")
+}
+
+/// The file of a face (0…5) of the sky in a folder of captures.
+pub fn sky_path(folder: &Path, face: usize) -> PathBuf {
+    folder.join(SKY).join(FACES[face]).with_extension("exr")
+}
+
+/// The text of [`LIST`].
+pub fn encode_list(captures: &[Capture], bounds: Aabb) -> String {
+    let [[a, b, c], [d, e, f]] = [bounds.min, bounds.max].map(|corner| corner.to_array());
+    format!("bounds = [[{a:?}, {b:?}, {c:?}], [{d:?}, {e:?}, {f:?}]]\n\n{}", encode_tables(captures))
+}
+
+/// The `[[capture]]` tables of a scene file.
+pub fn encode_tables(captures: &[Capture]) -> String {
+    captures.iter().map(|c| c.to_toml()).collect::<Vec<_>>().join("\n")
+}
+
+/// Encodes depth, normal, colour and surface of a face as the bytes of a file.
+///
+/// # Errors
+/// [`Error::Malformed`] if the format cannot hold the face. `path` is only used to name the file in the error.
+pub fn encode_face(face: &GBufferData, path: &Path) -> Result<Vec<u8>> {
+    let sky: Vec<f32> = face.surface.iter().map(|s| f32::from(u8::from(*s == Surface::Sky))).collect();
+    let mut channels = vec![
+        ("R", axis(&face.color, 0)),
+        ("G", axis(&face.color, 1)),
+        ("B", axis(&face.color, 2)),
+        ("depth", face.depth.clone()),
+        ("N.X", axis(&face.normal, 0)),
+        ("N.Y", axis(&face.normal, 1)),
+        ("N.Z", axis(&face.normal, 2)),
+    ];
+    if sky.contains(&1.0) {
+        channels.push(("sky", sky));
+    }
+    exr_channels::encode([face.width, face.height], LayerAttributes::default(), channels, path)
+}
+
+/// Encodes the colours of a face of the sky, with `side` texels along a side, as the bytes of a file.
+///
+/// # Errors
+/// The errors of [`encode_face`].
+pub fn encode_sky(side: u32, colors: &[Vec3], path: &Path) -> Result<Vec<u8>> {
+    let channels = vec![("R", axis(colors, 0)), ("G", axis(colors, 1)), ("B", axis(colors, 2))];
+    exr_channels::encode([side; 2], LayerAttributes::default(), channels, path)
+}
+
+/// Reads the bytes of a file of a cube, which must have six files.
+fn read(path: &Path, whose: &str) -> Result<Vec<u8>> {
+    bounded::read(path, "a face of a cube", MAX_BYTES).map_err(|e| match e {
+        Error::Io { source, .. } if source.kind() == ErrorKind::NotFound => {
+            Error::malformed(path, None, format!("there is no such file, and {whose} needs all of its six faces"))
+        }
+        other => other,
+    })
+}
+
+/// Checks that a face is square, and returns its width and height.
+fn square(file: &ExrChannels, path: &Path) -> Result<(u32, u32)> {
+    let (width, height) = (file.width, file.height);
+    if width != height {
+        let message = format!("the face has {width}x{height} texels, and the faces of a cube are square");
+        return Err(Error::malformed(path, None, message));
+    }
+    Ok((width, height))
+}
+
+/// Takes three channels, whose values must be finite.
+fn finite(file: &mut ExrChannels, path: &Path, names: [&str; 3]) -> Result<Vec<Vec3>> {
+    let vectors = file.vectors(names)?;
+    for (component, name) in names.into_iter().enumerate() {
+        check(path, (file.width, "texel"), name, "a finite number", &axis(&vectors, component), f32::is_finite)?;
+    }
+    Ok(vectors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A capture of 2 × 2 texels a face, with a surface that shows the sky and a texel without a surface.
+    fn face(capture: &Capture, face: usize) -> GBufferData {
+        GBufferData {
+            width: 2,
+            height: 2,
+            camera: face_camera(capture.position, face, capture.near_m),
+            depth: vec![0.25, 0.5, 1.0, 0.0],
+            normal: (0..4).map(|i| Vec3::new(0.0, 0.6, -0.8) * (3 - i) as f32).collect(),
+            reflectivity: vec![0.0; 4],
+            roughness: vec![0.0; 4],
+            color: vec![Vec3::splat(face as f32 / 7.0), Vec3::ZERO, Vec3::new(0.1, 0.2, 0.3), Vec3::ZERO],
+            surface: vec![Surface::Lit, Surface::Sky, Surface::Lit, Surface::Lit],
+        }
+    }
+
+    const BOUNDS: Aabb = Aabb { min: Vec3::new(-8.5, -0.1, -3.0), max: Vec3::new(1.0, 2.7, 1e-3) };
+
+    /// A folder with two captures and a sky.
+    fn written() -> (tempfile::TempDir, Vec<Capture>) {
+        let folder = tempfile::tempdir().unwrap();
+        let capture_at = |x: f32| Capture { resolution: 2, ..Capture::placed_at(Vec3::new(x, 1.5, -0.1)) };
+        let captures = vec![capture_at(0.1), capture_at(-7.25)];
+        std::fs::write(folder.path().join(LIST), encode_list(&captures, BOUNDS)).unwrap();
+        for (k, capture) in captures.iter().enumerate() {
+            std::fs::create_dir(folder.path().join((k + 1).to_string())).unwrap();
+            for f in 0..6 {
+                let path = face_path(folder.path(), k, f);
+                std::fs::write(&path, encode_face(&face(capture, f), &path).unwrap()).unwrap();
+            }
+        }
+        std::fs::create_dir(folder.path().join(SKY)).unwrap();
+        for f in 0..6 {
+            let path = sky_path(folder.path(), f);
+            std::fs::write(&path, encode_sky(1, &[Vec3::splat(f as f32)], &path).unwrap()).unwrap();
+        }
+        (folder, captures)
+    }
+
+    /// Reads all faces and the sky of a folder.
+    fn all(folder: &Path) -> Result<(Vec<GBufferData>, Option<SkyCube>)> {
+        let read = CaptureFolder::open(folder)?;
+        let faces = (0..read.captures().len()).flat_map(|k| (0..6).map(move |f| (k, f)));
+        let faces = faces.map(|(k, f)| read.face(k, f)).collect::<Result<_>>()?;
+        Ok((faces, read.sky()?))
+    }
+
+    #[test]
+    fn a_folder_round_trips_every_bit() {
+        let (folder, captures) = written();
+        let read = CaptureFolder::open(folder.path()).unwrap();
+        assert_eq!((read.captures(), read.bounds()), (&captures[..], BOUNDS));
+        std::fs::write(folder.path().join(LIST), encode_tables(&captures)).unwrap();
+        assert_eq!(CaptureFolder::open(folder.path()).unwrap().bounds(), Aabb::ALL);
+        let (faces, sky) = all(folder.path()).unwrap();
+        for (i, read) in faces.iter().enumerate() {
+            assert!(*read == face(&captures[i / 6], i % 6), "face {i}");
+        }
+        let texels = (0..6).map(|f| Vec3::splat(f as f32)).collect();
+        assert_eq!(sky, Some(SkyCube { side: 1, texels }));
+        std::fs::remove_dir_all(folder.path().join(SKY)).unwrap();
+        assert_eq!(all(folder.path()).unwrap().1, None);
+    }
+
+    #[test]
+    fn view_z_is_as_good_as_depth_and_colours_of_the_sky_are_not_read() {
+        let (folder, captures) = written();
+        let path = face_path(folder.path(), 0, 3);
+        let z = vec![0.05, 4.0, 0.0, f32::INFINITY];
+        let ones = || vec![1.0; 4];
+        let mut channels = ["R", "G", "B", "N.X", "N.Y", "N.Z"].map(|name| (name, ones())).to_vec();
+        channels.push(("Z", z));
+        let bytes = exr_channels::encode([2; 2], LayerAttributes::default(), channels, &path).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        let read = CaptureFolder::open(folder.path()).unwrap().face(0, 3).unwrap();
+        let clip = face_camera(captures[0].position, 3, captures[0].near_m).view_to_clip_reversed();
+        let expected = clip.project_point3(Vec3::new(0.0, 0.0, 4.0)).z;
+        assert!(read.depth[0] == 1.0 && (read.depth[1] / expected - 1.0).abs() < 1e-5, "{:?}", read.depth);
+        assert_eq!(read.depth[2..], [0.0, 0.0]);
+        assert_eq!(read.color, [Vec3::ONE, Vec3::ONE, Vec3::ZERO, Vec3::ZERO]);
+    }
+
+    /// The error message for a folder after a change.
+    fn said(change: impl FnOnce(&Path, &[Capture])) -> String {
+        let (folder, captures) = written();
+        change(folder.path(), &captures);
+        all(folder.path()).unwrap_err().to_string().replace(&folder.path().display().to_string(), "DIR")
+    }
+
+    /// The error message for a folder after a change of a face.
+    fn said_of_face(change: impl FnOnce(&mut GBufferData)) -> String {
+        said(|folder, captures| {
+            let mut changed = face(&captures[1], 5);
+            change(&mut changed);
+            let path = face_path(folder, 1, 5);
+            std::fs::write(&path, encode_face(&changed, &path).unwrap()).unwrap();
+        })
+    }
+
+    #[test]
+    fn what_is_wrong_gets_one_sentence_that_says_where() {
+        let list = |text: &str| said(|folder, _| std::fs::write(folder.join(LIST), text).unwrap());
+        assert_eq!(list(""), "DIR/captures.toml: it lists no captures");
+        let unknown = list("[[capture]]\nplace = [0, 0, 0]\nside = 2\n");
+        assert!(unknown.starts_with("DIR/captures.toml:3: unknown field `side`"), "{unknown}");
+        let unknown = list("scale = 2\n");
+        assert!(unknown.starts_with("DIR/captures.toml:1: unknown field `scale`"), "{unknown}");
+        let table = |near: &str, resolution: &str| {
+            format!("[[capture]]\nplace = [0, 0, 0]\nnear = {near}\nresolution = {resolution}\n")
+        };
+        assert_eq!(
+            list(&(table("0.1", "2") + &table("0.2", "2"))),
+            "DIR/captures.toml:5: all captures of a folder have one near plane: this one has 0.2 m, the first has 0.1 m"
+        );
+        assert_eq!(
+            list(&(table("0.1", "2") + &table("0.1", "4"))),
+            "DIR/captures.toml:8: all captures of a scene have one resolution: this one has 4, the first has 2"
+        );
+        for (bounds, given) in [("turned", "[[0, 0, 0], [1, -1, 1]]"), ("endless", "[[0, 0, 0], [1, inf, 1]]")] {
+            let said = list(&format!("# {bounds}\nbounds = {given}\n{}", table("0.1", "2")));
+            let words = "bounds must be the least and the greatest corner of a box, of finite numbers";
+            assert_eq!(said, format!("DIR/captures.toml:2: {words}"));
+        }
+        assert_eq!(list(&table("0.1", "4")), "DIR/1/px.exr: the face has 2x2 texels, where captures.toml says 4x4");
+        assert_eq!(
+            said(|folder, _| std::fs::remove_file(face_path(folder, 1, 3)).unwrap()),
+            "DIR/2/ny.exr: there is no such file, and capture 2 needs all of its six faces"
+        );
+        assert_eq!(
+            said(|folder, _| std::fs::remove_file(sky_path(folder, 4)).unwrap()),
+            "DIR/sky/pz.exr: there is no such file, and the sky needs all of its six faces"
+        );
+        let text = said(|folder, _| std::fs::write(face_path(folder, 0, 0), "hello").unwrap());
+        assert!(text.starts_with("DIR/1/px.exr: cannot be read as an OpenEXR image: "), "{text}");
+        assert_eq!(
+            said_of_face(|f| (f.width, f.height) = (4, 1)),
+            "DIR/2/nz.exr: the face has 4x1 texels, and the faces of a cube are square"
+        );
+        assert_eq!(
+            said_of_face(|f| f.depth[3] = f32::NAN),
+            "DIR/2/nz.exr: channel depth is NaN at texel 1, 1; it must be a number from 0 to 1"
+        );
+        assert_eq!(
+            said_of_face(|f| f.depth[2] = 1.5),
+            "DIR/2/nz.exr: channel depth is 1.5 at texel 0, 1; it must be a number from 0 to 1"
+        );
+        assert_eq!(
+            said_of_face(|f| f.color[1].y = f32::INFINITY),
+            "DIR/2/nz.exr: channel G is inf at texel 1, 0; it must be a finite number"
+        );
+        let sky_of_two = said(|folder, _| {
+            let path = sky_path(folder, 2);
+            std::fs::write(&path, encode_sky(2, &[Vec3::ZERO; 4], &path).unwrap()).unwrap();
+        });
+        assert_eq!(sky_of_two, "DIR/sky/py.exr: the face has 2x2 texels, where px.exr has 1x1");
+        let without_normals = said(|folder, _| {
+            let path = face_path(folder, 0, 1);
+            let channels = ["R", "G", "B", "depth"].map(|name| (name, vec![0.5; 4])).to_vec();
+            let bytes = exr_channels::encode([2; 2], LayerAttributes::default(), channels, &path).unwrap();
+            std::fs::write(&path, bytes).unwrap();
+        });
+        assert_eq!(without_normals, "DIR/1/nx.exr: channel N.X is missing");
+    }
+}

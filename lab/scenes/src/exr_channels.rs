@@ -1,0 +1,224 @@
+//! Channels of 32-bit floats in OpenEXR files that round nothing, which are used for G-buffers and for captures.
+
+use super::bounded;
+use super::exr_window::ImageWindow;
+use exr::compression::Compression;
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use exr::meta::MetaData;
+use exr::meta::attribute::{ChannelDescription, SampleType};
+use exr::meta::header::{Header, LayerAttributes};
+use exr::prelude::{ReadChannels, ReadLayers, WritableImage, read};
+use glam::Vec3;
+use ssct_ground::error::{Error, Result};
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::path::Path;
+
+/// The largest side, in pixels, of a G-buffer that can be read.
+pub const MAX_SIDE: usize = 16384;
+
+/// The largest G-buffer that can be read, in bytes of its unpacked channels; also the largest file.
+pub const MAX_BYTES: u64 = 1 << 32;
+
+/// The channels of any file may unpack to this many bytes; for more, the file must be long enough.
+const FREE_BYTES: u64 = 1 << 24;
+
+/// The names of the compressions that keep every value, for messages about refused ones. All other compressions round some
+/// channels, and a depth rounded to 24 bits is a wrong depth.
+const EXACT: &str = "ZIP, ZIPS, PIZ, RLE or none";
+
+/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. B44 and B44A round 16-bit floats. DWAA and
+/// DWAB round floats of colours, which are the channels with these names after the last point. All other channels are kept to
+/// the bit.
+pub(super) fn rounds(compression: Compression, channel: &str, kind: SampleType) -> bool {
+    const COLOURS: [&str; 11] = ["r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"];
+    match compression {
+        Compression::PXR24 => kind == SampleType::F32,
+        Compression::B44 | Compression::B44A => kind == SampleType::F16,
+        Compression::DWAA(_) | Compression::DWAB(_) => {
+            let last = channel.rsplit('.').next().unwrap_or(channel).to_ascii_lowercase();
+            COLOURS.contains(&last.as_str()) && kind != SampleType::U32
+        }
+        _ => false,
+    }
+}
+
+/// Checks the claims of the headers of a file of `length` bytes, before any memory for pixels is allocated. Errors call the
+/// file `path` and its content `what`, as in "the G-buffer". Returns whether the images are so small that threads cost more
+/// time than they save.
+///
+/// # Errors
+/// [`Error::Malformed`] if an image is larger than [`MAX_SIDE`] on a side, or if the channels would unpack to more than
+/// [`MAX_BYTES`] or to more than `length` bytes can hold.
+pub fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> Result<bool> {
+    let wrong = |message: String| Error::malformed(path, None, message);
+    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
+        return Err(wrong(format!(
+            "{what} has {}x{} pixels; at most {MAX_SIDE} on each side are supported",
+            size.0, size.1
+        )));
+    }
+    let header_bytes = |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
+    let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
+    if unpacked > MAX_BYTES || !bounded::may_unpack(length, unpacked, FREE_BYTES) {
+        return Err(wrong(format!("the channels would take {unpacked} bytes, too many for a file of {length} bytes")));
+    }
+    Ok(unpacked < FREE_BYTES)
+}
+
+/// Why bytes cannot be read as an OpenEXR image. The crate does not know compressions that are newer than itself, and does not
+/// name them in its error.
+pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -> Error {
+    let message = match compression_number(bytes) {
+        Some(number @ (10 | 11)) => not_supported(if number == 10 { "HTJ2K256" } else { "HTJ2K32" }),
+        Some(12) => not_supported("LJ2K"),
+        Some(13) => not_supported("ZSTD"),
+        Some(other) => not_supported(&format!("of number {other}")),
+        None => format!("cannot be read as an OpenEXR image: {error}"),
+    };
+    Error::malformed(path, None, message)
+}
+
+/// The message about a compression that cannot be decoded. Blender lets its users choose one.
+fn not_supported(compression: &str) -> String {
+    format!("its compression {compression} is not supported; save it with {EXACT} (in Blender, Output, Codec: ZIP)")
+}
+
+/// The number of a file's compression, if the crate does not know it.
+fn compression_number(bytes: &[u8]) -> Option<u8> {
+    const KNOWN: u8 = 9;
+    // An attribute consists of its name, its type, the length of its value, and the value.
+    const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
+    let header = &bytes[..bytes.len().min(1 << 16)];
+    let offset = header.windows(ATTRIBUTE.len()).position(|window| window == ATTRIBUTE)?;
+    header.get(offset + ATTRIBUTE.len()).copied().filter(|number| *number > KNOWN)
+}
+
+/// # Errors
+/// A message about a part whose compression the crate can name and cannot read.
+pub(super) fn check_compression(header: &Header) -> std::result::Result<(), String> {
+    match header.compression {
+        Compression::HTJ2K32 => Err(not_supported("HTJ2K32")),
+        Compression::HTJ2K256 => Err(not_supported("HTJ2K256")),
+        _ => Ok(()),
+    }
+}
+
+/// # Errors
+/// A message about a part that has a rounded channel.
+fn check_exact(header: &Header) -> std::result::Result<(), String> {
+    let is_rounded = |c: &&ChannelDescription| rounds(header.compression, &c.name.to_string(), c.sample_type);
+    match header.channels.list.iter().find(is_rounded) {
+        Some(channel) => Err(format!(
+            "the compression {} loses precision in channel {}; save it with {EXACT}",
+            header.compression, channel.name
+        )),
+        None => Ok(()),
+    }
+}
+
+/// # Errors
+/// [`Error::Malformed`] with the first pixel of a channel that is wrong. `pixel` is the word for a pixel in the message.
+pub(super) fn check(
+    path: &Path,
+    (width, pixel): (u32, &str),
+    channel: &str,
+    allowed: &str,
+    values: &[f32],
+    is_right: impl Fn(f32) -> bool,
+) -> Result<()> {
+    let Some(index) = values.iter().position(|v| !is_right(*v)) else { return Ok(()) };
+    let (x, y, value) = (index % width as usize, index / width as usize, values[index]);
+    Err(Error::malformed(path, None, format!("channel {channel} is {value} at {pixel} {x}, {y}; it must be {allowed}")))
+}
+
+/// The channels of a file.
+pub(super) struct ExrChannels<'a> {
+    path: &'a Path,
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Attributes of the file, beside its channels.
+    pub attributes: LayerAttributes,
+    channels: HashMap<String, Vec<f32>>,
+}
+
+impl<'a> ExrChannels<'a> {
+    /// Decodes the bytes of a file. Errors call the file `path` and its expected content `what`, as in "the G-buffer".
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or
+    /// [`MAX_BYTES`]. [`Error::Malformed`] also if it claims more pixels than its bytes can hold, is only a piece of an image,
+    /// or uses a lossy compression.
+    pub fn decode(bytes: &[u8], path: &'a Path, what: &str) -> Result<Self> {
+        let wrong = |message: String| Error::malformed(path, None, message);
+        let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
+        // The header is checked before any memory for pixels is allocated.
+        let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
+        meta.headers.iter().try_for_each(check_compression).map_err(wrong)?;
+        meta.headers.iter().try_for_each(check_exact).map_err(wrong)?;
+        meta.headers.iter().try_for_each(|header| ImageWindow::of_header(header).map(drop)).map_err(wrong)?;
+        let is_small = check_claims(&meta, bytes.len(), path, what)?;
+        let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+        let read = if is_small { read.non_parallel() } else { read };
+        let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
+        let layer = image.layer_data;
+        let shown = ImageWindow::new(layer.attributes.layer_position, layer.size, image.attributes.display_window);
+        let shown = shown.map_err(wrong)?;
+        let samples =
+            |c: AnyChannel<FlatSamples>| (c.name.to_string(), shown.crop(c.sample_data.values_as_f32().collect()));
+        Ok(Self {
+            path,
+            width: shown.size[0] as u32,
+            height: shown.size[1] as u32,
+            attributes: layer.attributes,
+            channels: layer.channel_data.list.into_iter().map(samples).collect(),
+        })
+    }
+
+    /// Takes a channel, rows from the top; `None` if the file has no channel of this name with the image's size.
+    pub fn take(&mut self, name: &str) -> Option<Vec<f32>> {
+        let count = self.width as usize * self.height as usize;
+        self.channels.remove(name).filter(|v| v.len() == count)
+    }
+
+    /// Takes a channel that must be present.
+    pub fn required(&mut self, name: &str) -> Result<Vec<f32>> {
+        self.take(name).ok_or_else(|| Error::malformed(self.path, None, format!("channel {name} is missing")))
+    }
+
+    /// Takes three channels that must be present.
+    pub fn vectors(&mut self, names: [&str; 3]) -> Result<Vec<Vec3>> {
+        let [x, y, z] = names.map(|n| self.required(n));
+        Ok(x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| Vec3::new(x, y, z)).collect())
+    }
+}
+
+/// Encodes channels of one size as the bytes of a file. Equal channels give equal files.
+///
+/// # Errors
+/// [`Error::Malformed`] if the format cannot hold them. `path` is only used to name the file in the error.
+pub(super) fn encode(
+    [width, height]: [u32; 2],
+    attributes: LayerAttributes,
+    channels: Vec<(&str, Vec<f32>)>,
+    path: &Path,
+) -> Result<Vec<u8>> {
+    let channel = |(name, samples)| AnyChannel::new(name, FlatSamples::F32(samples));
+    let channels = AnyChannels::sort(channels.into_iter().map(channel).collect());
+    let layer = Layer::new((width as usize, height as usize), attributes, Encoding::SMALL_LOSSLESS, channels);
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        // Blocks are written in order, so that equal images give equal files.
+        .non_parallel()
+        .to_buffered(&mut bytes)
+        .map_err(|e| Error::malformed(path, None, format!("cannot be encoded as OpenEXR: {e}")))?;
+    Ok(bytes.into_inner())
+}
+
+/// One component of vectors, as a channel.
+pub(super) fn axis(vectors: &[Vec3], component: usize) -> Vec<f32> {
+    vectors.iter().map(|v| v[component]).collect()
+}

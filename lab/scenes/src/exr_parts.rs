@@ -1,0 +1,112 @@
+//! Whole OpenEXR files of other renderers: every part, with its channels and its attributes. Parts have scan lines or tiles of
+//! 16-bit or 32-bit floats or of unsigned integers; of a part with several resolutions the largest is read.
+
+use super::exr_channels::{check_claims, check_compression, rounds, unreadable};
+use super::exr_window::ImageWindow;
+use exr::compression::Compression;
+use exr::image::{FlatSamples, Layer};
+use exr::meta::MetaData;
+use exr::meta::attribute::{AttributeValue, SampleType};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use exr::prelude::{ReadChannels, ReadLayers, read};
+use ssct_ground::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::Path;
+
+/// A part of a file.
+pub(super) struct ExrPart {
+    /// Name of the part; a file of one part may have none.
+    pub name: Option<String>,
+    /// View that the part shows, such as the left eye's; files without views have none.
+    pub view: Option<String>,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Channels by name.
+    pub channels: BTreeMap<String, ExrChannel>,
+    /// Attributes of the part, by their names in the file.
+    pub attributes: BTreeMap<String, AttributeValue>,
+}
+
+/// A channel of a part.
+pub(super) struct ExrChannel {
+    /// Rows from the top of the file.
+    pub values: Vec<f32>,
+    /// The compression of the part, if it rounded the values.
+    pub rounded_by: Option<Compression>,
+}
+
+/// Decodes the bytes of a file. Errors call the file `path`.
+///
+/// # Errors
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image claims more than [`check_claims`] allows.
+/// [`Error::Malformed`] also if a part has a compression that is not supported, deep data, or only a piece of the image.
+pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
+    let wrong = |message: String| Error::malformed(path, None, message);
+    let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
+    let is_small = check_claims(&meta, bytes.len(), path, "the image")?;
+    for header in &meta.headers {
+        check_part(header).map_err(wrong)?;
+    }
+    let read = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let read = if is_small { read.non_parallel() } else { read };
+    let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
+    image.layer_data.into_iter().map(|layer| part(layer, &image.attributes).map_err(wrong)).collect()
+}
+
+/// # Errors
+/// A message about a part that cannot be used.
+fn check_part(header: &Header) -> std::result::Result<(), String> {
+    check_compression(header)?;
+    ImageWindow::of_header(header).map(drop)
+}
+
+fn part(
+    layer: Layer<exr::image::AnyChannels<FlatSamples>>,
+    image: &ImageAttributes,
+) -> std::result::Result<ExrPart, String> {
+    let compression = layer.encoding.compression;
+    let shown = ImageWindow::new(layer.attributes.layer_position, layer.size, image.display_window)?;
+    let channel = |channel: exr::image::AnyChannel<FlatSamples>| {
+        let name = channel.name.to_string();
+        let kind = match channel.sample_data {
+            FlatSamples::F16(_) => SampleType::F16,
+            FlatSamples::F32(_) => SampleType::F32,
+            FlatSamples::U32(_) => SampleType::U32,
+        };
+        let rounded = rounds(compression, &name, kind);
+        let values = match channel.sample_data {
+            FlatSamples::F32(values) => values,
+            other => other.values_as_f32().collect(),
+        };
+        (name, ExrChannel { values: shown.crop(values), rounded_by: rounded.then_some(compression) })
+    };
+    Ok(ExrPart {
+        view: layer.attributes.view_name.as_ref().map(ToString::to_string),
+        name: layer.attributes.layer_name.as_ref().map(ToString::to_string),
+        size: shown.size.map(|side| side as u32),
+        channels: layer.channel_data.list.into_iter().map(channel).collect(),
+        attributes: attributes(layer.attributes, image),
+    })
+}
+
+/// The attributes by their names. Attributes that the file format defines are fields of the crate's types; of these, only those
+/// about a camera are included.
+fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<String, AttributeValue> {
+    use AttributeValue::{F32, Matrix4x4};
+    let known = [
+        ("worldToCamera", layer.world_to_camera.map(Matrix4x4)),
+        ("worldToNDC", layer.world_to_normalized_device.map(Matrix4x4)),
+        ("near", layer.near_clip_plane.map(F32)),
+        ("far", layer.far_clip_plane.map(F32)),
+        ("fieldOfViewHorizontal", layer.horizontal_field_of_view.map(F32)),
+        ("fieldOfViewVertical", layer.vertical_field_of_view.map(F32)),
+        ("focus", layer.focus.map(F32)),
+        ("pixelAspectRatio", Some(F32(image.pixel_aspect))),
+        ("screenWindowWidth", Some(F32(layer.screen_window_width))),
+    ];
+    let known = known.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
+    let others = layer.other.into_iter().chain(image.other.clone());
+    known.chain(others.map(|(name, value)| (name.to_string(), value))).collect()
+}

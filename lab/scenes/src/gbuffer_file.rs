@@ -1,0 +1,293 @@
+//! G-buffers as multi-channel OpenEXR files, so that any renderer can provide one.
+//!
+//! Channels, as 32-bit floats: `R`, `G`, `B` for the linear lit colour; `depth` for the reversed depth after projection; `Z`
+//! for the view-space z in metres (0 for sky); `N.X`, `N.Y`, `N.Z` for the view-space normal; `roughness`; `reflectivity`; and
+//! `sky`: 1 where a surface shows the environment of [`sky`](super::sky), and 0 elsewhere. A file without the channel `sky` has
+//! no such surface; other renderers need not write it. Attributes: `viewToClip`, the projection with reversed depth, and
+//! OpenEXR's own `worldToCamera`, both as 4×4 matrices in Imath's row-vector order, left-handed, y up, z forward. `fovYRadians`
+//! or, for an orthographic projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat
+//! the projection exactly; if a file lacks them, the projection is taken from its matrix.
+
+use super::exr_channels::{self, ExrChannels, axis, check};
+pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
+use super::projection::ReadProjection;
+use super::{Camera, FieldOfView, GBufferData, Lens, Projection, ProjectionKind, Surface, bounded};
+use exr::meta::attribute::AttributeValue;
+use exr::meta::header::LayerAttributes;
+use exr::prelude::Text;
+use glam::{Mat4, Vec3};
+use ssct_ground::error::{Error, Result};
+use std::path::Path;
+
+/// Encodes a G-buffer as the bytes of a file.
+///
+/// # Errors
+/// [`Error::Malformed`] if the format cannot hold the G-buffer. `path` is only used to name the file in the error.
+pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
+    let mut channels = vec![
+        ("R", axis(&gbuffer.color, 0)),
+        ("G", axis(&gbuffer.color, 1)),
+        ("B", axis(&gbuffer.color, 2)),
+        ("depth", gbuffer.depth.clone()),
+        ("Z", gbuffer.depth.iter().map(|d| view_z(*d, &gbuffer.camera.lens)).collect()),
+        ("N.X", axis(&gbuffer.normal, 0)),
+        ("N.Y", axis(&gbuffer.normal, 1)),
+        ("N.Z", axis(&gbuffer.normal, 2)),
+        ("roughness", gbuffer.roughness.clone()),
+        ("reflectivity", gbuffer.reflectivity.clone()),
+    ];
+    let sky: Vec<f32> = gbuffer.surface.iter().map(|s| f32::from(u8::from(*s == Surface::Sky))).collect();
+    if sky.contains(&1.0) {
+        channels.push(("sky", sky));
+    }
+    let camera = &gbuffer.camera;
+    let mut attributes =
+        LayerAttributes { world_to_camera: Some(camera.world_to_view.to_cols_array()), ..LayerAttributes::default() };
+    let opening = match camera.lens.opening {
+        FieldOfView::Angle(fov) => ("fovYRadians", AttributeValue::F32(fov)),
+        FieldOfView::Height(height) => ("orthographicHeight", AttributeValue::F32(height)),
+    };
+    let numbers = [
+        ("viewToClip", AttributeValue::Matrix4x4(camera.view_to_clip_reversed().to_cols_array())),
+        opening,
+        ("aspectRatio", AttributeValue::F32(camera.aspect)),
+        ("nearPlane", AttributeValue::F32(camera.lens.near_m)),
+        ("farPlane", AttributeValue::F32(camera.lens.far_m)),
+    ];
+    // A projection that is known by its matrix alone is written as the matrix, so that it is read back unchanged.
+    let kept = if camera.projection.is_some() { 1 } else { numbers.len() };
+    attributes.other.extend(numbers.into_iter().take(kept).map(|(name, value)| (name.into(), value)));
+    exr_channels::encode([gbuffer.width, gbuffer.height], attributes, channels, path)
+}
+
+/// Reads a G-buffer file.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be opened; [`Error::Malformed`] if it is larger than [`MAX_BYTES`] or for
+/// the reasons that [`decode`] lists.
+pub fn load(path: &Path) -> Result<GBufferData> {
+    decode(&bounded::read(path, "a G-buffer", MAX_BYTES)?, path)
+}
+
+/// Decodes the bytes of a G-buffer file. Errors call the file `path`.
+///
+/// # Errors
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or [`MAX_BYTES`].
+/// [`Error::Malformed`] also if it claims more pixels than its bytes can hold, is only a piece of an image, uses a lossy
+/// compression, or lacks a channel or the projection. For a value that is not finite or out of range, the error names the first
+/// such pixel of a channel.
+pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
+    let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
+    let wrong = |message: String| Error::malformed(path, None, message);
+    let (width, height) = (file.width, file.height);
+    let camera = camera(&file.attributes, width as f32 / height.max(1) as f32).map_err(wrong)?;
+    let check = |channel: &str, allowed: &str, values: &[f32], is_right: fn(f32) -> bool| {
+        check(path, (width, "pixel"), channel, allowed, values, is_right)
+    };
+    let (depth, z) = (file.take("depth"), file.take("Z"));
+    let depth = match (depth, z) {
+        (Some(depth), _) => {
+            check("depth", "a number from 0 to 1", &depth, is_unit)?;
+            depth
+        }
+        (None, Some(z)) => {
+            check("Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
+            let reversed = |z: &f32| match reversed_depth(*z, &camera.lens) {
+                // The depth may be NaN for planes at the limits of floats.
+                depth if depth > 0.0 => depth.min(1.0),
+                _ => 0.0,
+            };
+            z.iter().map(reversed).collect()
+        }
+        (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
+    };
+    let shows = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
+    let surface = file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(shows).collect());
+    let color = file.vectors(["R", "G", "B"])?;
+    let normal = file.vectors(["N.X", "N.Y", "N.Z"])?;
+    let roughness = file.required("roughness")?;
+    let reflectivity = file.required("reflectivity")?;
+    for (k, [colour, direction]) in [["R", "N.X"], ["G", "N.Y"], ["B", "N.Z"]].into_iter().enumerate() {
+        check(colour, "a finite number from 0 on", &axis(&color, k), |v| v.is_finite() && v >= 0.0)?;
+        check(direction, "a finite number", &axis(&normal, k), f32::is_finite)?;
+    }
+    check("roughness", "a number from 0 to 1", &roughness, is_unit)?;
+    check("reflectivity", "a number from 0 to 1", &reflectivity, is_unit)?;
+    Ok(GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface })
+}
+
+fn is_unit(value: f32) -> bool {
+    (0.0..=1.0).contains(&value)
+}
+
+/// The view-space z of a reversed depth; 0 for sky.
+fn view_z(depth: f32, lens: &Lens) -> f32 {
+    let Lens { near_m: near, far_m: far, .. } = *lens;
+    match lens.kind() {
+        _ if depth <= 0.0 => 0.0,
+        ProjectionKind::Perspective => near * far / (near + depth * (far - near)),
+        ProjectionKind::Orthographic => far - depth * (far - near),
+    }
+}
+
+/// The reversed depth of a view-space z; sky if z is outside the near and far planes.
+pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
+    let Lens { near_m: near, far_m: far, .. } = *lens;
+    match lens.kind() {
+        _ if !(z >= near && z <= far) => 0.0,
+        ProjectionKind::Perspective => near * (far - z) / (z * (far - near)),
+        ProjectionKind::Orthographic => (far - z) / (far - near),
+    }
+}
+
+/// Reads the camera from a layer's attributes.
+fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Camera, String> {
+    let number = |name: &str| match attributes.other.get(&Text::from(name)) {
+        Some(AttributeValue::F32(v)) => Some(*v),
+        _ => None,
+    };
+    let world_to_view = attributes.world_to_camera.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
+    let height = number("orthographicHeight").map(FieldOfView::Height);
+    let opening = number("fovYRadians").map(FieldOfView::Angle).or(height);
+    let exact = (opening, number("nearPlane"), number("farPlane"));
+    let (lens, aspect, projection) = match (exact, attributes.other.get(&Text::from("viewToClip"))) {
+        ((Some(opening), Some(near_m), Some(far_m)), _) => {
+            (Lens { opening, near_m, far_m }, number("aspectRatio").unwrap_or(aspect), None)
+        }
+        (_, Some(AttributeValue::Matrix4x4(m))) => from_matrix(&Mat4::from_cols_array(m))?,
+        _ => {
+            return Err(
+                "the projection is missing: neither viewToClip nor fovYRadians (or orthographicHeight), nearPlane and \
+                 farPlane are given"
+                    .into(),
+            );
+        }
+    };
+    let made = Camera { world_to_view, lens, aspect, near_plane: None, projection };
+    if !made.is_sound() {
+        let Lens { opening, near_m: near, far_m: far } = lens;
+        let seen = match opening {
+            FieldOfView::Angle(fov) => format!("fov {fov}"),
+            FieldOfView::Height(height) => format!("a height of {height} m"),
+        };
+        return Err(format!("a projection with {seen}, near {near}, far {far} and aspect {aspect} cannot be used"));
+    }
+    Ok(made)
+}
+
+/// The lens, the aspect ratio and the numbers of a projection matrix with reversed depth.
+fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
+    let read = ReadProjection::new(m, true).map_err(|why| format!("viewToClip {why}"))?;
+    if read.turn != Vec3::ONE || !read.is_reversed {
+        return Err("viewToClip is not a left-handed projection with reversed depth".into());
+    }
+    let [x, y] = read.projection.scale;
+    let is_endless = read.far.is_infinite();
+    let far_m = if is_endless { INFINITE_FAR * read.near } else { read.far };
+    let lens = Lens { opening: read.projection.opening(), near_m: read.near, far_m };
+    Ok((lens, y / x, Some(read.projection)))
+}
+
+/// Far plane that replaces infinity in formulas, divided by the near plane; it is the one of the door for other renderers
+/// (`CameraInput`).
+const INFINITE_FAR: f32 = 1e7;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::meta::MetaData;
+
+    fn sample() -> GBufferData {
+        let lens = Lens::perspective(1.2, 0.25, 50.0);
+        let camera = Camera::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 9.0), lens, 1.5);
+        let n = 6;
+        GBufferData {
+            width: 3,
+            height: 2,
+            camera,
+            depth: (0..n).map(|i| i as f32 * 0.15).collect(),
+            normal: (0..n).map(|i| Vec3::new(0.0, 0.6, -0.8) * i as f32).collect(),
+            reflectivity: vec![0.25; n],
+            roughness: vec![0.1; n],
+            color: (0..n).map(|i| Vec3::splat(i as f32 / 7.0)).collect(),
+            surface: vec![Surface::Lit; n],
+        }
+    }
+
+    fn written(gbuffer: &GBufferData) -> (tempfile::TempDir, std::path::PathBuf) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("g.exr");
+        std::fs::write(&path, encode(gbuffer, &path).expect("encodes")).expect("writes");
+        (folder, path)
+    }
+
+    #[test]
+    fn a_file_round_trips_every_bit() {
+        let perspective = sample();
+        let mut parallel = sample();
+        parallel.camera.lens = Lens::orthographic(7.3, 0.0, 50.0);
+        let mut by_numbers = parallel.clone();
+        let numbers = crate::Projection {
+            kind: ProjectionKind::Orthographic,
+            scale: [0.3, 0.5],
+            shift: [0.25, -0.125],
+            depth: [1.25, -0.0625],
+        };
+        by_numbers.camera = Camera::of_projection(parallel.camera.world_to_view, numbers);
+        for gbuffer in [perspective, parallel, by_numbers] {
+            let (_folder, path) = written(&gbuffer);
+            assert!(load(&path).expect("loads") == gbuffer);
+        }
+    }
+
+    #[test]
+    fn surfaces_that_show_the_sky_are_a_channel_only_where_there_are_any() {
+        let lit = sample();
+        let mut window = sample();
+        window.surface[4] = Surface::Sky;
+        let has_channel = |gbuffer: &GBufferData| {
+            let (_folder, path) = written(gbuffer);
+            assert!(load(&path).expect("loads") == *gbuffer);
+            let meta = MetaData::read_from_file(&path, false).expect("a header");
+            meta.headers[0].channels.list.iter().any(|c| c.name == *"sky")
+        };
+        assert!(!has_channel(&lit) && has_channel(&window));
+    }
+
+    #[test]
+    fn the_matrix_alone_and_view_z_alone_are_enough() {
+        let gbuffer = sample();
+        let (lens, aspect, _) = from_matrix(&gbuffer.camera.view_to_clip_reversed()).expect("a perspective");
+        let expected = gbuffer.camera.lens;
+        let parallel = Lens::orthographic(7.0, 0.5, 50.0);
+        assert!((lens.near_m - expected.near_m).abs() < 1e-6 && (lens.far_m - expected.far_m).abs() < 1e-3);
+        let [fov, wanted] = [lens, expected].map(|lens| lens.fov_y_radians().expect("a perspective"));
+        assert!((fov - wanted).abs() < 1e-6 && (aspect - 1.5).abs() < 1e-6);
+        for depth in [0.02_f32, 0.3, 0.99] {
+            for lens in [expected, parallel] {
+                let back = reversed_depth(view_z(depth, &lens), &lens);
+                assert!((back - depth).abs() < 1e-6, "{depth} {back}");
+            }
+        }
+        assert_eq!(reversed_depth(0.0, &expected), 0.0, "sky");
+        assert!(from_matrix(&gbuffer.camera.view_to_clip().transpose()).is_err());
+    }
+
+    #[test]
+    fn broken_files_give_errors() {
+        let (folder, path) = written(&sample());
+        let bytes = std::fs::read(&path).expect("reads");
+        for (name, content) in [
+            ("empty", &bytes[..0]),
+            ("text", b"hello".as_slice()),
+            ("half", &bytes[..bytes.len() / 2]),
+            ("head", &bytes[..40]),
+        ] {
+            let broken = folder.path().join(name);
+            std::fs::write(&broken, content).expect("writes");
+            let error = load(&broken).expect_err(name);
+            assert!(matches!(error, Error::Malformed { .. }), "{name}: {error}");
+        }
+        assert!(matches!(load(Path::new("/nonexistent.exr")), Err(Error::Io { .. })));
+    }
+}

@@ -1,0 +1,53 @@
+//! The conventions of other renderers: the axes of world and view space, the order of matrices, and the unit of length.
+
+use super::keys::MapKeys;
+use glam::{DMat3, DMat4, DVec3};
+use ssct_ground::conventions::{Axes, ClipY, MatrixOrder};
+use ssct_ground::error::{Error, Result};
+
+/// The conventions of a map. The default is this program's conventions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MapConventions {
+    /// Matrix from the renderer's world space to this program's; lengths stay in the renderer's unit.
+    pub world: DMat3,
+    /// Matrix from the renderer's view space to this program's.
+    pub view: DMat3,
+    /// Order of the numbers of a matrix.
+    pub matrices: MatrixOrder,
+    /// Direction of the image's top in clip space.
+    pub clip_y: ClipY,
+    /// Metres in the renderer's unit of length.
+    pub metres: f64,
+}
+
+impl MapConventions {
+    pub fn take(mut keys: MapKeys) -> Result<Self> {
+        let mut axes = |name| Ok::<_, Error>(keys.word(name, &Axes::NAMES)?.unwrap_or_default().to_ours());
+        let (world, view) = (axes("world")?, axes("view")?);
+        let orders = [("columns", MatrixOrder::Columns), ("rows", MatrixOrder::Rows)];
+        let matrices = keys.word("matrices", &orders)?.unwrap_or_default();
+        let clip_y = keys.word("clip-y", &[("up", ClipY::Up), ("down", ClipY::Down)])?.unwrap_or(ClipY::Up);
+        let metres = keys.number("metres-per-unit", false)?.unwrap_or(1.0);
+        if metres <= 0.0 {
+            return Err(keys.error(keys.line, format!("metres-per-unit must be above 0, not {metres}")));
+        }
+        keys.finish()?;
+        Ok(Self { world, view, matrices, clip_y, metres })
+    }
+
+    /// The matrix, for column vectors, from the 16 numbers that the renderer lists.
+    pub fn matrix(&self, numbers: &[f64]) -> DMat4 {
+        let listed = DMat4::from_cols_slice(numbers);
+        if self.matrices == MatrixOrder::Rows { listed.transpose() } else { listed }
+    }
+
+    /// Converts a place of the renderer's world to this program's, in metres.
+    pub fn place(&self, place: [f64; 3]) -> DVec3 {
+        self.direction(place) * self.metres
+    }
+
+    /// Converts a direction of the renderer's world to this program's.
+    pub fn direction(&self, direction: [f64; 3]) -> DVec3 {
+        self.world * DVec3::from(direction)
+    }
+}

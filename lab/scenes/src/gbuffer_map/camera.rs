@@ -1,0 +1,414 @@
+//! The camera of a map: its lens comes from an angle, a focal length or a matrix, its place from points or a matrix.
+
+use super::axes::MapConventions;
+use super::depth::{DepthCoding, MapDepth};
+use super::files::MapFiles;
+use super::keys::MapKeys;
+use super::numbers::MapNumbers;
+use crate::camera::is_rotation;
+use crate::projection::ReadProjection;
+use crate::{Camera, FieldOfView, Lens, Projection, ProjectionKind};
+use glam::camera::lh::view::look_to_mat4;
+use glam::{DMat3, DMat4, DVec4, Mat4};
+use ssct_ground::conventions::ClipY;
+use ssct_ground::error::Result;
+
+/// The camera section of a map.
+#[derive(Debug, Clone)]
+pub(super) struct MapCamera {
+    /// The line in which the section begins.
+    pub line: usize,
+    lens: MapLens,
+    aspect: Option<MapNumbers>,
+    near: Option<MapNumbers>,
+    far: Option<MapNumbers>,
+    shift_px: Option<MapNumbers>,
+    place: MapPlace,
+}
+
+#[derive(Debug, Clone)]
+enum MapLens {
+    /// An angle of view along an axis of the image (0 is x, 1 is y); `to_radians` is the factor to radians.
+    Angle {
+        axis: usize,
+        angle: MapNumbers,
+        to_radians: f64,
+    },
+    /// A focal length and the extent of the sensor along an axis, both in millimetres.
+    Focal {
+        axis: usize,
+        length: MapNumbers,
+        sensor: MapNumbers,
+    },
+    /// The extent of an orthographic image along an axis, in the renderer's unit of length.
+    Extent {
+        axis: usize,
+        extent: MapNumbers,
+    },
+    Matrix(MapNumbers),
+}
+
+/// The opening of a lens along an axis of the image: an angle in radians, or metres for an orthographic projection.
+#[derive(Debug, Clone, Copy)]
+enum MapOpening {
+    Angle(f64),
+    Extent(f64),
+}
+
+#[derive(Debug, Clone)]
+enum MapPlace {
+    /// The map gives no place, so that world space is view space.
+    Origin,
+    Points(Box<MapPoints>),
+    WorldToView(MapNumbers),
+    ViewToWorld(MapNumbers),
+}
+
+/// The eye of the camera, and the point or direction that it looks at.
+#[derive(Debug, Clone)]
+struct MapPoints {
+    eye: MapNumbers,
+    towards: MapNumbers,
+    /// Whether `towards` is a point, not a direction.
+    is_point: bool,
+    /// The direction that is up in the image; without it, the image is upright.
+    up: Option<MapNumbers>,
+}
+
+/// The ways to give a lens, for errors.
+const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, orthographic-height, orthographic-width, projection, or \
+                      focal-length-mm with sensor-width-mm or sensor-height-mm";
+
+impl MapCamera {
+    pub fn take(mut keys: MapKeys) -> Result<Self> {
+        let lens = lens(&mut keys)?;
+        let place = place(&mut keys)?;
+        let one = |keys: &mut MapKeys, key| keys.numbers(key, 1);
+        let [aspect, near, far] = [one(&mut keys, "aspect")?, one(&mut keys, "near")?, one(&mut keys, "far")?];
+        let shift_px = keys.numbers("shift-px", 2)?;
+        let line = keys.line;
+        if !matches!(lens, MapLens::Matrix(_)) {
+            for (plane, name) in [(&near, "near"), (&far, "far")] {
+                if plane.is_none() {
+                    return Err(keys.error(line, format!("{name} is missing: the distance of the {name} plane")));
+                }
+            }
+        } else if let Some(extra) = shift_px.as_ref().or(aspect.as_ref()) {
+            return Err(keys.error(extra.line, "a projection says the aspect and the shift itself; leave them out"));
+        }
+        keys.finish()?;
+        Ok(Self { line, lens, aspect, near, far, shift_px, place })
+    }
+
+    /// Whether the map gives the camera's place.
+    pub fn has_place(&self) -> bool {
+        !matches!(self.place, MapPlace::Origin)
+    }
+
+    /// Other readings of the camera, each in words: the lens along the other axis, or the matrix as its inverse.
+    pub fn other_ways(&self) -> Vec<(&'static str, Self)> {
+        let lens = |lens: MapLens| Self { lens, ..self.clone() };
+        let place = |place: MapPlace| Self { place, ..self.clone() };
+        let other_lens = match self.lens.clone() {
+            MapLens::Angle { axis, angle, to_radians } => {
+                let words = ["an angle from top to bottom (fov-y)", "an angle from left to right (fov-x)"][axis];
+                Some((words, lens(MapLens::Angle { axis: 1 - axis, angle, to_radians })))
+            }
+            MapLens::Focal { axis, length, sensor } => {
+                let words = [
+                    "sensor-height-mm in the place of sensor-width-mm",
+                    "sensor-width-mm in the place of sensor-height-mm",
+                ][axis];
+                Some((words, lens(MapLens::Focal { axis: 1 - axis, length, sensor })))
+            }
+            MapLens::Extent { axis, extent } => {
+                let words = [
+                    "orthographic-height in the place of orthographic-width",
+                    "orthographic-width in the place of orthographic-height",
+                ][axis];
+                Some((words, lens(MapLens::Extent { axis: 1 - axis, extent })))
+            }
+            MapLens::Matrix(_) => None,
+        };
+        let other_place = match self.place.clone() {
+            MapPlace::WorldToView(matrix) => {
+                Some(("view-to-world in the place of world-to-view", place(MapPlace::ViewToWorld(matrix))))
+            }
+            MapPlace::ViewToWorld(matrix) => {
+                Some(("world-to-view in the place of view-to-world", place(MapPlace::WorldToView(matrix))))
+            }
+            MapPlace::Origin | MapPlace::Points(_) => None,
+        };
+        other_lens.into_iter().chain(other_place).collect()
+    }
+
+    /// The camera, with the coding of depth in the files.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) with the line of numbers that give no camera; the errors of
+    /// [`MapNumbers::get`].
+    pub fn get(
+        &self,
+        conventions: &MapConventions,
+        depth: &MapDepth,
+        files: &mut MapFiles,
+    ) -> Result<(Camera, DepthCoding)> {
+        let plane = |plane: &Option<MapNumbers>, files: &mut MapFiles| -> Result<Option<f32>> {
+            let distance = plane.as_ref().map(|p| p.one(files)).transpose()?;
+            Ok(distance.map(|v| (v * conventions.metres) as f32))
+        };
+        let [near, far] = [plane(&self.near, files)?, plane(&self.far, files)?];
+        let (camera, coding) = match &self.lens {
+            MapLens::Matrix(matrix) => by_matrix(matrix, [near, far], conventions, depth, files)?,
+            MapLens::Angle { axis, angle, to_radians } => {
+                let angle = angle.one(files)? * to_radians;
+                self.by_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
+            }
+            MapLens::Focal { axis, length, sensor } => {
+                let angle = 2.0 * (0.5 * sensor.one(files)? / length.one(files)?).atan();
+                self.by_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
+            }
+            MapLens::Extent { axis, extent } => {
+                let extent = extent.one(files)? * conventions.metres;
+                self.by_opening(*axis, MapOpening::Extent(extent), [near, far], files)?
+            }
+        };
+        let coding = depth.coding(coding, conventions.metres);
+        let camera = Camera { world_to_view: self.world_to_view(conventions, files)?, ..camera };
+        if !camera.is_sound() {
+            let (Lens { opening, near_m: near, far_m: far }, aspect) = (camera.lens, camera.aspect);
+            let opening = match opening {
+                FieldOfView::Angle(fov) => {
+                    format!("a field of view of {}°", (fov.to_degrees() * 100.0).round() / 100.0)
+                }
+                FieldOfView::Height(height) => format!("{height} m"),
+            };
+            let message = format!(
+                "[camera]: {opening} from top to bottom, planes at {near} m and {far} m and an aspect of {aspect} cannot \
+                 be used"
+            );
+            return Err(files.error(self.line, message));
+        }
+        Ok((camera, coding))
+    }
+
+    /// The camera of a lens that is given by its opening along an axis of the image.
+    fn by_opening(
+        &self,
+        axis: usize,
+        seen: MapOpening,
+        planes: [Option<f32>; 2],
+        files: &mut MapFiles,
+    ) -> Result<(Camera, DepthCoding)> {
+        let [width, height] = files.size().map(f64::from);
+        let aspect = self.aspect.as_ref().map(|a| a.one(files)).transpose()?;
+        let aspect = aspect.unwrap_or(width * files.pixel_aspect() / height);
+        let opening = match seen {
+            MapOpening::Angle(angle) if axis == 1 => FieldOfView::Angle(angle as f32),
+            MapOpening::Angle(angle) => FieldOfView::Angle((2.0 * ((0.5 * angle).tan() / aspect).atan()) as f32),
+            MapOpening::Extent(extent) => {
+                FieldOfView::Height((if axis == 1 { extent } else { extent / aspect }) as f32)
+            }
+        };
+        // `take` has made sure that both planes are given.
+        let [near_m, far_m] = planes.map(Option::unwrap_or_default);
+        let lens = Lens { opening, near_m, far_m };
+        let coding = DepthCoding::of_planes(lens.kind(), f64::from(near_m), f64::from(far_m));
+        let aspect = aspect as f32;
+        let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: None };
+        let Some(shift) = &self.shift_px else { return Ok((camera, coding)) };
+        let shift = shift.get(files)?;
+        let up = match opening {
+            FieldOfView::Angle(fov) => 1.0 / f64::from(0.5 * fov).tan(),
+            FieldOfView::Height(height) => 2.0 / f64::from(height),
+        };
+        let projection = Projection {
+            kind: lens.kind(),
+            scale: [up / f64::from(aspect), up].map(|v| v as f32),
+            shift: [2.0 * shift[0] / width, -2.0 * shift[1] / height].map(|v| v as f32),
+            depth: coding.as_f32(),
+        };
+        Ok((Camera { projection: Some(projection), ..camera }, coding))
+    }
+
+    fn world_to_view(&self, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
+        let (numbers, is_inverse) = match &self.place {
+            MapPlace::Origin => return Ok(Mat4::IDENTITY),
+            MapPlace::Points(points) => return by_points(points, conventions, files),
+            MapPlace::WorldToView(numbers) => (numbers, false),
+            MapPlace::ViewToWorld(numbers) => (numbers, true),
+        };
+        let matrix = conventions.matrix(&numbers.get(files)?);
+        rigid(&matrix).map_err(|why| files.error(numbers.line, format!("{} {why}", numbers.key)))?;
+        let matrix = if is_inverse { matrix.inverse() } else { matrix };
+        let (view, world) = (DMat4::from_mat3(conventions.view), DMat4::from_mat3(conventions.world));
+        let mut ours = view * matrix * world.transpose();
+        ours.w_axis = (ours.w_axis.truncate() * conventions.metres).extend(1.0);
+        if ours.determinant() < 0.0 {
+            let message =
+                format!("{} mirrors the world: world or view of [conventions] must be another one", numbers.key);
+            return Err(files.error(numbers.line, message));
+        }
+        Ok(ours.as_mat4())
+    }
+}
+
+/// The camera of a matrix from view to clip space, with other planes if some are given.
+fn by_matrix(
+    matrix: &MapNumbers,
+    [near, far]: [Option<f32>; 2],
+    conventions: &MapConventions,
+    depth: &MapDepth,
+    files: &mut MapFiles,
+) -> Result<(Camera, DepthCoding)> {
+    let wrong = |why: &str| format!("[camera]: projection {why}");
+    let numbers = matrix.get(files)?;
+    let mut clip = conventions.matrix(&numbers) * DMat4::from_mat3(conventions.view.transpose());
+    if depth.is_minus_one_to_one() {
+        // z is replaced by (z + w) / 2.
+        clip = DMat4::from_cols(DVec4::X, DVec4::Y, 0.5 * DVec4::Z, DVec4::new(0.0, 0.0, 0.5, 1.0)) * clip;
+    }
+    let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y == ClipY::Up)
+        .map_err(|why| files.error(matrix.line, wrong(why)))?;
+    let refused = |message: &str| Err(files.error(matrix.line, wrong(message)));
+    if read.turn.z < 0.0 {
+        return refused(
+            "looks backwards: view of [conventions] must be another one, or matrices are in the other order",
+        );
+    }
+    if read.turn.x < 0.0 {
+        return refused("mirrors the image from left to right: view of [conventions] must be another one");
+    }
+    if read.turn.y < 0.0 {
+        return refused("has the image upside down: clip-y or view of [conventions] must be another one");
+    }
+    if depth.is_reversed().is_some_and(|is| is != read.is_reversed) {
+        let given = if read.is_reversed { "reversed" } else { "standard" };
+        return refused(&format!("gives {given} depth, and kind of [depth] says otherwise"));
+    }
+    let metres = conventions.metres;
+    let own_near = (f64::from(read.near) * metres) as f32;
+    let own_far = (f64::from(read.far) * metres) as f32;
+    let (kind, [a, b]) = (read.projection.kind, read.projection.depth.map(f64::from));
+    // The numbers are converted to metres, which the planes are in.
+    let (scale, b) = match kind {
+        ProjectionKind::Perspective => (read.projection.scale, b * metres),
+        ProjectionKind::Orthographic => (read.projection.scale.map(|v| (f64::from(v) / metres) as f32), b / metres),
+    };
+    let read_in_metres = Projection { scale, ..read.projection };
+    let lens =
+        Lens { opening: read_in_metres.opening(), near_m: near.unwrap_or(own_near), far_m: far.unwrap_or(own_far) };
+    if !lens.far_m.is_finite() {
+        return refused("has its far plane at infinity: say far, beyond which everything counts as sky");
+    }
+    let coding = DepthCoding { kind, numbers: [a, b] };
+    let ours = if near.or(far).is_some() {
+        DepthCoding::of_planes(kind, f64::from(lens.near_m), f64::from(lens.far_m))
+    } else {
+        coding
+    };
+    let projection = Projection { depth: ours.as_f32(), ..read_in_metres };
+    let aspect = projection.scale[1] / projection.scale[0];
+    let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: Some(projection) };
+    Ok((camera, coding))
+}
+
+/// World to view space of a camera that looks from a point to another or in a direction.
+fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
+    let three = |numbers: &MapNumbers, files: &mut MapFiles| -> Result<[f64; 3]> {
+        let n = numbers.get(files)?;
+        Ok([n[0], n[1], n[2]])
+    };
+    let MapPoints { eye, towards, is_point, up } = points;
+    let position = conventions.place(three(eye, files)?);
+    let given = three(towards, files)?;
+    let direction = if *is_point { conventions.place(given) - position } else { conventions.direction(given) };
+    let up = up.as_ref().map(|up| three(up, files)).transpose()?.map(|up| conventions.direction(up));
+    let forward = direction.normalize_or_zero();
+    let is_along_up = up.is_some_and(|up| forward.cross(up.normalize_or_zero()).length() < 1e-6);
+    if direction.length() < 1e-6 || is_along_up {
+        let message = format!("{} gives no direction of view, or one along up", towards.key);
+        return Err(files.error(towards.line, message));
+    }
+    Ok(match up {
+        None => Camera::new(position.as_vec3(), (position + direction).as_vec3(), Lens::default(), 1.0).world_to_view,
+        Some(up) => look_to_mat4(position.as_vec3(), forward.as_vec3(), up.normalize().as_vec3()),
+    })
+}
+
+/// # Errors
+/// Why a matrix is not a rotation, with or without a mirroring, and a translation.
+fn rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
+    if matrix.row(3) != DVec4::W {
+        return Err("is no rotation and translation: is it in the other order (matrices of [conventions])?");
+    }
+    if !is_rotation(&DMat3::from_mat4(*matrix)) {
+        return Err("has a scale or a skew: a camera has neither");
+    }
+    Ok(())
+}
+
+/// Takes the keys of the lens.
+fn lens(keys: &mut MapKeys) -> Result<MapLens> {
+    const WAYS: [&str; 8] = [
+        "fov-y-deg",
+        "fov-x-deg",
+        "fov-y-rad",
+        "fov-x-rad",
+        "orthographic-height",
+        "orthographic-width",
+        "focal-length-mm",
+        "projection",
+    ];
+    let given = WAYS.iter().filter(|way| keys.has(way)).count();
+    if given != 1 {
+        let how_many = if given == 0 { "no lens is given" } else { "more than one lens is given" };
+        return Err(keys.error(keys.line, format!("{how_many}: say one of {LENSES}")));
+    }
+    let degrees = 1_f64.to_radians();
+    let angles = [("fov-y-deg", 1, degrees), ("fov-x-deg", 0, degrees), ("fov-y-rad", 1, 1.0), ("fov-x-rad", 0, 1.0)];
+    let mut found = None;
+    // The keys of all lenses are taken, so that an error about an unknown key names them all.
+    for (key, axis, to_radians) in angles {
+        if let Some(angle) = keys.numbers(key, 1)? {
+            found = Some(MapLens::Angle { axis, angle, to_radians });
+        }
+    }
+    for (key, axis) in [("orthographic-height", 1), ("orthographic-width", 0)] {
+        if let Some(extent) = keys.numbers(key, 1)? {
+            found = Some(MapLens::Extent { axis, extent });
+        }
+    }
+    if let Some(matrix) = keys.numbers("projection", 16)? {
+        found = Some(MapLens::Matrix(matrix));
+    }
+    let length = keys.numbers("focal-length-mm", 1)?;
+    let [width, height] = ["sensor-width-mm", "sensor-height-mm"].map(|key| keys.numbers(key, 1));
+    match (found, length, width?, height?) {
+        (Some(found), None, None, None) => Ok(found),
+        (None, Some(length), Some(sensor), None) => Ok(MapLens::Focal { axis: 0, length, sensor }),
+        (None, Some(length), None, Some(sensor)) => Ok(MapLens::Focal { axis: 1, length, sensor }),
+        _ => Err(keys.error(keys.line, "focal-length-mm goes with one of sensor-width-mm and sensor-height-mm")),
+    }
+}
+
+/// Takes the keys of the camera's place.
+fn place(keys: &mut MapKeys) -> Result<MapPlace> {
+    let world_to_view = keys.numbers("world-to-view", 16)?;
+    let view_to_world = keys.numbers("view-to-world", 16)?;
+    let [eye, look_at, forward, up] = ["eye", "look-at", "forward", "up"].map(|key| keys.numbers(key, 3));
+    let [eye, look_at, forward, up] = [eye?, look_at?, forward?, up?];
+    let points = |eye, towards, is_point, up| MapPlace::Points(Box::new(MapPoints { eye, towards, is_point, up }));
+    match (world_to_view, view_to_world, eye, look_at, forward) {
+        (Some(matrix), None, None, None, None) if up.is_none() => Ok(MapPlace::WorldToView(matrix)),
+        (None, Some(matrix), None, None, None) if up.is_none() => Ok(MapPlace::ViewToWorld(matrix)),
+        (None, None, Some(eye), Some(towards), None) => Ok(points(eye, towards, true, up)),
+        (None, None, Some(eye), None, Some(towards)) => Ok(points(eye, towards, false, up)),
+        (None, None, None, None, None) if up.is_none() => Ok(MapPlace::Origin),
+        _ => {
+            let message =
+                "the camera's place is world-to-view, or view-to-world, or eye with look-at or forward (and up)";
+            Err(keys.error(keys.line, message))
+        }
+    }
+}

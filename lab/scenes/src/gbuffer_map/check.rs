@@ -1,0 +1,218 @@
+//! Checks a frame for consistency: normals against the slopes of the depth, and against the positions of surfaces if the map
+//! has them. The check also finds the reading of the map with which they agree best.
+
+use super::GBufferMap;
+use super::agreement::{LensMapping, Slopes, view_z};
+use super::axes::MapConventions;
+use super::files::{MapFiles, OpenFiles};
+use super::keys::MapKeys;
+use super::readings::readings;
+use super::source::{MapSource, SourceRules};
+use crate::{Camera, GBufferData};
+use glam::{DVec3, Vec3};
+use ssct_ground::error::Result;
+use std::path::Path;
+
+/// Share of pixels that may disagree without a message, as at edges and with normal maps.
+const LITTLE: f64 = 0.05;
+
+/// Greatest remaining share of the disagreement with which another reading is believed.
+const MUCH_BETTER: f64 = 0.5;
+
+/// Share of unrelated normals or wrong positions from which a message is given even if no other reading is better.
+const MOST: f64 = 0.4;
+
+/// Greatest distance of a position from its pixel's, as a share of the pixel's distance; it exceeds the rounding of 16-bit
+/// floats.
+const MOST_OFF: f64 = 0.01;
+
+/// The channels of a map with the positions of surfaces.
+#[derive(Debug, Clone)]
+pub(super) struct MapPosition {
+    source: MapSource,
+    is_world: bool,
+}
+
+impl MapPosition {
+    pub fn take(mut keys: MapKeys) -> Result<Self> {
+        let is_world = keys.required_word("space", &[("view", false), ("world", true)])?;
+        let source = MapSource::take(&mut keys, SourceRules { counts: &[3], ..SourceRules::EXACT })?;
+        keys.finish()?;
+        Ok(Self { source, is_world })
+    }
+
+    /// Whether the positions are in world space, so that they can only be compared if the camera's place is known.
+    pub fn need_world(&self) -> bool {
+        self.is_world
+    }
+
+    /// The share of the surfaces whose position disagrees with depth and camera.
+    fn off<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
+        let planes = self.source.read(files)?;
+        let opened = LensMapping::new(&frame.camera);
+        let to_view = frame.camera.world_to_view.as_dmat4();
+        let (mut off, mut all) = (0_usize, 0_usize);
+        for (i, depth) in frame.depth.iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
+            let ndc = super::pixel_ndc(frame.size, i);
+            let own = opened.point((ndc, view_z(&frame.camera, f64::from(*depth))));
+            let stated = planes.three(i);
+            let stated = match self.is_world {
+                true => to_view.transform_point3(conventions.place(stated)),
+                false => conventions.view * DVec3::from(stated) * conventions.metres,
+            };
+            all += 1;
+            // A position that is NaN counts as off.
+            let near = own.distance(stated) <= MOST_OFF * own.length();
+            off += usize::from(!near);
+        }
+        Ok(if all == 0 { 0.0 } else { off as f64 / all as f64 })
+    }
+}
+
+/// A frame as one reading of a map decodes it.
+struct Frame {
+    size: [u32; 2],
+    camera: Camera,
+    depth: Vec<f32>,
+    normal: Vec<Vec3>,
+}
+
+/// Shares of a frame that disagree: normals with slopes, and positions with pixels.
+#[derive(Debug, Clone, Copy)]
+struct Disagreement {
+    slopes: f64,
+    /// Share of the normals that are unrelated to the slopes.
+    unrelated: f64,
+    /// The mean angle between normals and slopes in degrees.
+    degrees: f64,
+    places: f64,
+}
+
+impl Disagreement {
+    /// The disagreement from a comparison of normals with slopes. The disagreement is total if too few pixels can be compared,
+    /// since such a reading explains nothing.
+    fn new(slopes: &Slopes, places: f64) -> Self {
+        match slopes.disagreeing().zip(slopes.unrelated()) {
+            Some((share, unrelated)) => Self { slopes: share, unrelated, degrees: slopes.mean_degrees(), places },
+            None => Self { slopes: 1.0, unrelated: 1.0, degrees: f64::INFINITY, places },
+        }
+    }
+
+    /// Whether this reading is to be preferred.
+    fn is_before(self, other: Self) -> bool {
+        // Two readings that mirror the same axes differ by rounding alone; the first of them is kept.
+        self.places < other.places || self.places == other.places && self.degrees < 0.99 * other.degrees
+    }
+
+    fn sum(self) -> f64 {
+        self.slopes + self.places
+    }
+
+    fn worst(self) -> f64 {
+        self.slopes.max(self.places)
+    }
+
+    /// The shares in words; the share of positions only if the map has them.
+    fn words(self, has_places: bool) -> String {
+        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        let slopes = format!("normals disagree with the slopes of the depth in {} of the pixels", percent(self.slopes));
+        if !has_places {
+            return slopes;
+        }
+        format!("{slopes} and places of [position] with depth and camera in {}", percent(self.places))
+    }
+}
+
+/// The message about a G-buffer without a map whose normals and depth disagree; `None` if they agree.
+pub fn disagreement(data: &GBufferData) -> Option<String> {
+    let slopes = Slopes::of_data(data);
+    let share = slopes.disagreeing()?;
+    if share <= LITTLE {
+        return None;
+    }
+    let own = Disagreement::new(&slopes, 0.0);
+    let lens = slopes.best_lens(&data.camera).map(|(words, fitted)| (words, Disagreement::new(&fitted, 0.0)));
+    describe_disagreement(own, lens, false)
+}
+
+/// The message about a disagreement, if another reading is much better or almost everything is wrong.
+fn describe_disagreement(own: Disagreement, best: Option<(String, Disagreement)>, has_places: bool) -> Option<String> {
+    let is_better = |other: &Disagreement| other.sum() <= MUCH_BETTER * own.sum();
+    let what = own.words(has_places);
+    match best.filter(|(_, other)| is_better(other)) {
+        Some((words, other)) if own.worst() > LITTLE => {
+            Some(format!("{what}; with {words} it would be {:.0} %", 100.0 * other.worst()))
+        }
+        _ if own.unrelated.max(own.places) > MOST => {
+            let asked = "is the picture a panorama or a cropped one, or is the lens, the camera's place or the kind of depth wrong?";
+            Some(format!("{what}, and no other reading of lens, axes or depth that was tried is much better; {asked}"))
+        }
+        _ => None,
+    }
+}
+
+impl GBufferMap {
+    /// Checks a frame that was read for consistency. Returns a message if more than a few normals disagree with the slopes of
+    /// the depth, or more than a few positions with depth and camera. The message has their share, and the change of the map by
+    /// which most would agree.
+    ///
+    /// # Errors
+    /// The errors of [`Self::read`].
+    pub fn check(&self, main: &Path, data: &GBufferData) -> Result<Option<String>> {
+        let slopes = Slopes::of_data(data);
+        let share = slopes.disagreeing();
+        if share.is_none_or(|share| share <= LITTLE) && self.position.is_none() {
+            return Ok(None);
+        }
+        let (own, mut open) = self.disagreement(main, OpenFiles::default());
+        let own = own?;
+        if own.worst() <= LITTLE {
+            return Ok(None);
+        }
+        let mut best: Option<(String, Disagreement)> = None;
+        for reading in readings(self) {
+            let (other, again) = reading.map.disagreement(main, open);
+            open = again;
+            // A reading that gives no camera or no depth is skipped.
+            let Ok(other) = other else { continue };
+            if best.as_ref().is_none_or(|(_, least)| other.is_before(*least)) {
+                best = Some((reading.words, other));
+            }
+        }
+        // A lens is fitted, and must be clearly better than mere changes of conventions. The fit is only tried without
+        // positions, which would reveal a wrong lens by themselves.
+        if self.position.is_none() {
+            let lens = slopes.best_lens(&data.camera);
+            let lens = lens.map(|(words, fitted)| (words, Disagreement::new(&fitted, own.places)));
+            let is_clearly_better = |other: &Disagreement| {
+                best.as_ref().is_none_or(|(_, least)| other.degrees < MUCH_BETTER * least.degrees)
+            };
+            if let Some(lens) = lens.filter(|(_, other)| is_clearly_better(other)) {
+                best = Some(lens);
+            }
+        }
+        Ok(describe_disagreement(own, best, self.position.is_some()))
+    }
+
+    /// The disagreement of a frame, and the files that were opened.
+    fn disagreement(&self, main: &Path, open: OpenFiles) -> (Result<Disagreement>, OpenFiles) {
+        let mut files = MapFiles::with(&self.path, main, self.arrangement(), open);
+        let measured = self.measure(&mut files);
+        (measured, files.into_open())
+    }
+
+    fn measure<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Disagreement> {
+        let planes = self.depth.read(files)?;
+        let size = files.size();
+        let (camera, coding) = self.camera.get(&self.conventions, &self.depth, files)?;
+        let depth = self.depth.reversed(&planes, &camera, coding, self.conventions.metres, size)?;
+        let normal = self.normals.read(files, &self.conventions, &camera, &depth)?;
+        let frame = Frame { size, camera, depth, normal };
+        let slopes = Slopes::new(&frame.camera, size, &frame.depth, &frame.normal);
+        let places = match &self.position {
+            Some(position) => position.off(files, &self.conventions, &frame)?,
+            None => 0.0,
+        };
+        Ok(Disagreement::new(&slopes, places))
+    }
+}

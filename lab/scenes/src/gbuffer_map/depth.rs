@@ -1,0 +1,228 @@
+//! The depth of a map: converts the depth buffers of engines, and distances in metres, to reversed depth between the camera's
+//! planes.
+
+use super::files::MapFiles;
+use super::keys::MapKeys;
+use super::source::{MapPlanes, MapSource, SourceRules};
+use crate::{Camera, ProjectionKind};
+use glam::DVec3;
+use ssct_ground::conventions::ClipDepth;
+use ssct_ground::error::Result;
+
+/// Reversed depth as a function of view-space z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct DepthCoding {
+    pub kind: ProjectionKind,
+    /// The two numbers of [`ProjectionKind::reversed_depth`].
+    pub numbers: [f64; 2],
+}
+
+impl DepthCoding {
+    /// The coding between a near plane and a far plane; the far plane of a perspective may be infinite.
+    pub fn of_planes(kind: ProjectionKind, near: f64, far: f64) -> Self {
+        Self { kind, numbers: kind.reversed_depth(near, far) }
+    }
+
+    /// The numbers in the form of a [`Projection`](crate::Projection).
+    pub fn as_f32(self) -> [f32; 2] {
+        self.numbers.map(|v| v as f32)
+    }
+
+    fn view_z(self, reversed: f64) -> f64 {
+        self.kind.z_at(self.numbers, reversed)
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum DepthKind {
+    /// The depth of clip space.
+    Clip(ClipDepth),
+    ViewZ,
+    Distance,
+    /// Distance along the ray of sight, from where it leaves the near plane.
+    DistanceFromNear,
+}
+
+/// Every kind, with its word in maps.
+const KINDS: [(&str, DepthKind); 6] = [
+    ("reversed", DepthKind::Clip(ClipDepth::Reversed)),
+    ("standard", DepthKind::Clip(ClipDepth::Standard)),
+    ("minus-one-to-one", DepthKind::Clip(ClipDepth::MinusOneToOne)),
+    ("view-z", DepthKind::ViewZ),
+    ("distance", DepthKind::Distance),
+    ("distance-from-near", DepthKind::DistanceFromNear),
+];
+
+impl DepthKind {
+    fn is_linear(self) -> bool {
+        matches!(self, Self::ViewZ | Self::Distance | Self::DistanceFromNear)
+    }
+}
+
+/// The depth section of a map.
+#[derive(Debug, Clone)]
+pub(super) struct MapDepth {
+    source: MapSource,
+    kind: DepthKind,
+    /// Distances of the near and the far plane of the depth buffer, if they differ from the camera's, in the renderer's unit of
+    /// length.
+    near: Option<f64>,
+    far: Option<f64>,
+    sky_beyond: Option<f64>,
+    sky_value: Option<f64>,
+}
+
+/// Surfaces nearer than the near plane by at most this share of its distance count as on the plane. The share is twice the
+/// rounding of a 16-bit float.
+const ROUNDED: f64 = 1.0 / 1024.0;
+
+impl MapDepth {
+    pub fn take(mut keys: MapKeys) -> Result<Self> {
+        let kind = keys.required_word("kind", &KINDS)?;
+        let source = MapSource::take(&mut keys, SourceRules::EXACT)?;
+        let near = keys.number("near", false)?;
+        let far = keys.number("far", true)?;
+        let sky_beyond = keys.number("sky-beyond", false)?;
+        let sky_value = keys.number("sky-value", true)?;
+        if kind.is_linear() && near.or(far).is_some() {
+            return Err(keys.error(keys.line, "view-z and distances have no near and far; those are the camera's"));
+        }
+        if let Some((near, far)) = near.zip(far) {
+            if !(near > 0.0 && far > near) {
+                let message = format!("near must be above 0 and far above near, not {near} and {far}");
+                return Err(keys.error(keys.line, message));
+            }
+        } else if near.or(far).is_some() {
+            return Err(keys.error(keys.line, "near and far go together; far = inf is one at infinity"));
+        }
+        keys.finish()?;
+        Ok(Self { source, kind, near, far, sky_beyond, sky_value })
+    }
+
+    /// The other kinds that are distances, or depth buffers, as this kind is, with their words.
+    pub fn other_kinds(&self) -> impl Iterator<Item = (&'static str, DepthKind)> + use<> {
+        let own = self.kind;
+        KINDS.into_iter().filter(move |(_, kind)| *kind != own && kind.is_linear() == own.is_linear())
+    }
+
+    /// Reads the same channel as another kind of depth.
+    pub fn with_kind(&self, kind: DepthKind) -> Self {
+        Self { kind, ..self.clone() }
+    }
+
+    pub fn is_minus_one_to_one(&self) -> bool {
+        self.kind == DepthKind::Clip(ClipDepth::MinusOneToOne)
+    }
+
+    /// Whether the depth buffer is reversed; `None` for distances.
+    pub fn is_reversed(&self) -> Option<bool> {
+        match self.kind {
+            DepthKind::Clip(ClipDepth::Reversed) => Some(true),
+            DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne) => Some(false),
+            DepthKind::ViewZ | DepthKind::Distance | DepthKind::DistanceFromNear => None,
+        }
+    }
+
+    /// The coding of depth in the files: between the planes of the section if it has some, else as for the camera.
+    pub fn coding(&self, camera: DepthCoding, metres: f64) -> DepthCoding {
+        match self.near.zip(self.far) {
+            Some((near, far)) => DepthCoding::of_planes(camera.kind, near * metres, far * metres),
+            None => camera,
+        }
+    }
+
+    /// Reads the channel.
+    ///
+    /// # Errors
+    /// The errors of [`MapSource::read`].
+    pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
+        self.source.read(files)
+    }
+
+    /// Reversed depth of every pixel, 0 for sky, from the channel with a coding.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) for the first pixel whose depth is out of range or nearer
+    /// than the near plane.
+    pub fn reversed(
+        &self,
+        planes: &MapPlanes,
+        camera: &Camera,
+        coding: DepthCoding,
+        metres: f64,
+        size: [u32; 2],
+    ) -> Result<Vec<f32>> {
+        let (near, far) = (f64::from(camera.lens.near_m), f64::from(camera.lens.far_m));
+        let is_ours = match camera.projection {
+            Some(projection) => coding.as_f32() == projection.depth,
+            None => coding == DepthCoding::of_planes(camera.kind(), near, far),
+        };
+        let of_z = |z: f64| match camera.projection {
+            _ if z >= far => 0.0,
+            Some(projection) => projection.kind.depth_at(projection.depth.map(f64::from), z),
+            None if camera.kind().is_orthographic() => (far - z) / (far - near),
+            None => near * (far - z) / (z * (far - near)),
+        };
+        let ray = rays(camera, size);
+        let is_too_near = |z: f64| z.is_nan() || z < near * (1.0 - ROUNDED);
+        let pixel = |i: usize| -> Result<f32> {
+            let raw = planes.raw(0, i);
+            let value = planes.value(0, i);
+            if self.is_sky(raw) {
+                return Ok(0.0);
+            }
+            let wrong = |must: &str| Err(planes.error(i, value, must));
+            let reversed = match self.kind {
+                DepthKind::Clip(ClipDepth::Reversed) => value,
+                DepthKind::Clip(ClipDepth::Standard) => 1.0 - value,
+                DepthKind::Clip(ClipDepth::MinusOneToOne) => 0.5 - 0.5 * value,
+                DepthKind::ViewZ | DepthKind::Distance | DepthKind::DistanceFromNear => {
+                    let along = if self.kind == DepthKind::ViewZ { 1.0 } else { ray(i).length() };
+                    let before = if self.kind == DepthKind::DistanceFromNear { near } else { 0.0 };
+                    let z = before + value * metres / along;
+                    if is_too_near(z) {
+                        return wrong("not be nearer than the near plane, unless sky-value says that it is sky");
+                    }
+                    return Ok(of_z(z).clamp(0.0, 1.0) as f32);
+                }
+            };
+            if !(0.0..=1.0).contains(&reversed) {
+                let range = if self.is_minus_one_to_one() { "lie in -1 to 1" } else { "lie in 0 to 1" };
+                return wrong(range);
+            }
+            if is_ours {
+                return Ok(reversed as f32);
+            }
+            let z = coding.view_z(reversed);
+            if is_too_near(z) {
+                return wrong("not be nearer than the near plane of [camera]");
+            }
+            Ok(of_z(z).clamp(0.0, 1.0) as f32)
+        };
+        (0..size[0] as usize * size[1] as usize).map(pixel).collect()
+    }
+
+    /// Whether a value of the file stands for sky.
+    fn is_sky(&self, raw: f64) -> bool {
+        let beyond = match (self.kind, self.sky_beyond) {
+            (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
+            (DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne), limit) => raw >= limit.unwrap_or(1.0),
+            (_, Some(limit)) => raw.abs() >= limit.abs(),
+            // Infinite distances of either sign are sky; finite distances beyond the far plane become sky in `reversed`.
+            (_, None) => raw.is_infinite(),
+        };
+        beyond || self.sky_value.is_some_and(|sky| raw == sky)
+    }
+}
+
+/// The view-space ray of sight through the centre of each pixel, with z = 1.
+fn rays(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(usize) -> DVec3 {
+    let (kind, clip) = (camera.kind(), camera.view_to_clip_reversed().as_dmat4());
+    move |pixel| {
+        if kind.is_orthographic() {
+            return DVec3::Z;
+        }
+        let ndc = super::pixel_ndc([width, height], pixel);
+        DVec3::new((ndc.x - clip.z_axis.x) / clip.x_axis.x, (ndc.y - clip.z_axis.y) / clip.y_axis.y, 1.0)
+    }
+}

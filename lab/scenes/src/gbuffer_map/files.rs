@@ -1,0 +1,340 @@
+//! The files that a map names, each read once: OpenEXR with all its parts, and PNG. The command names the main file; the other
+//! files lie in its folder.
+
+use crate::exr_parts::{self, ExrChannel, ExrPart};
+use crate::gbuffer_file::MAX_BYTES;
+use crate::{bounded, texture};
+use exr::meta::attribute::AttributeValue;
+use exr::meta::magic_number;
+use ssct_ground::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// Greatest number of names that an error lists.
+const MOST_NAMES: usize = 80;
+
+/// The name of an attribute, and where to look for it.
+#[derive(Debug, Clone)]
+pub(super) struct AttributeName {
+    pub name: String,
+    /// File with the attribute; `None` for the main file.
+    pub file: Option<String>,
+    /// Part with the attribute; `None` for all parts of the file.
+    pub part: Option<String>,
+}
+
+/// Channels of one part of a file.
+#[derive(Debug, Clone)]
+pub(super) struct ChannelSource {
+    pub file: Option<String>,
+    pub part: Option<String>,
+    pub names: Vec<String>,
+    pub line: usize,
+}
+
+/// Files that were read, by their path.
+pub(super) type OpenFiles = BTreeMap<PathBuf, Vec<ExrPart>>;
+
+/// Arrangement of the image in the files of a frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arrangement<'a> {
+    /// Whether the first row of the files is the lowest.
+    pub bottom_up: bool,
+    /// The view to read from files with several views, such as one of two eyes.
+    pub view: Option<&'a str>,
+}
+
+/// The files of one frame.
+pub(super) struct MapFiles<'a> {
+    /// The path of the map, for errors.
+    pub map: &'a Path,
+    main: &'a Path,
+    arranged: Arrangement<'a>,
+    open: OpenFiles,
+    /// The size of the first channel that was read, and the path of its file.
+    size: Option<([u32; 2], String)>,
+    /// The width of a pixel over its height, by the header of the same file.
+    pixel_aspect: f64,
+    main_is_used: bool,
+}
+
+impl<'a> MapFiles<'a> {
+    /// The files beside `main`, before any of them is read. `map` is the path of the map, for errors.
+    pub fn new(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>) -> Self {
+        Self::with(map, main, arranged, OpenFiles::new())
+    }
+
+    /// Makes the files as [`Self::new`] does, with some that were read before.
+    pub fn with(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>, open: OpenFiles) -> Self {
+        Self { map, main, arranged, open, size: None, pixel_aspect: 1.0, main_is_used: false }
+    }
+
+    /// The files that were read.
+    pub fn into_open(self) -> OpenFiles {
+        self.open
+    }
+
+    /// An error at a line of the map.
+    pub fn error(&self, line: usize, message: impl Into<String>) -> Error {
+        Error::malformed(self.map, Some(line), message)
+    }
+
+    /// The path of a file that the map names.
+    pub fn path(&self, file: Option<&str>) -> PathBuf {
+        match file {
+            Some(name) => self.main.parent().unwrap_or(Path::new("")).join(name),
+            None => self.main.to_owned(),
+        }
+    }
+
+    /// Width and height of the image; 0 until a channel was read.
+    pub fn size(&self) -> [u32; 2] {
+        self.size.as_ref().map_or([0; 2], |(size, _)| *size)
+    }
+
+    /// The width of a pixel over its height; 1 until a channel was read.
+    pub fn pixel_aspect(&self) -> f64 {
+        self.pixel_aspect
+    }
+
+    /// Number of pixels of the image; 0 until a channel was read.
+    pub fn pixels(&self) -> usize {
+        let [width, height] = self.size();
+        width as usize * height as usize
+    }
+
+    /// The values of a channel, rows from the top. `exact` refuses values that a compression rounded.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with the line of the map for a missing file, and for a missing part or channel, with the names of
+    /// the existing ones. [`Error::Malformed`] also for a channel that several parts have, for a rounded channel that must be
+    /// exact, and for another size than before. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
+    pub fn channel(&mut self, source: &ChannelSource, name: &str, exact: bool) -> Result<Vec<f32>> {
+        self.open(source.file.as_deref(), source.line)?;
+        let path = self.path(source.file.as_deref());
+        let shown = path.display().to_string();
+        let wrong = |message: String| Error::malformed(self.map, Some(source.line), message);
+        let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
+        let (part, channel) = find(parts, source.part.as_deref(), self.arranged.view, name, &shown).map_err(wrong)?;
+        if let Some(compression) = channel.rounded_by.filter(|_| exact) {
+            return Err(wrong(format!(
+                "channel {name} of {shown} was rounded by {compression}; depth, normals and sky must be compressed \
+                 without loss (in Blender, Output, Codec: ZIP)"
+            )));
+        }
+        let [width, height] = part.size;
+        if channel.values.len() != width as usize * height as usize {
+            return Err(wrong(format!("channel {name} of {shown} has fewer values than pixels")));
+        }
+        if let Some(([w, h], first)) = self.size.as_ref().filter(|(size, _)| *size != part.size) {
+            return Err(wrong(format!("{shown} has {width}x{height} pixels, and {first} has {w}x{h}")));
+        }
+        let values = if self.arranged.bottom_up {
+            channel.values.chunks_exact(width as usize).rev().flatten().copied().collect()
+        } else {
+            channel.values.clone()
+        };
+        if self.size.is_none() {
+            self.pixel_aspect = pixel_aspect(part);
+            self.size = Some(([width, height], shown));
+        }
+        Ok(values)
+    }
+
+    /// An attribute; if no part is named, the first part that has the attribute gives it. `key` is the key of the map that
+    /// needs the attribute.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with the line of the map for a missing file, and for a missing attribute, with the names of the
+    /// existing ones. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
+    pub fn attribute(&mut self, wanted: &AttributeName, line: usize, key: &str) -> Result<AttributeValue> {
+        self.open(wanted.file.as_deref(), line)?;
+        let path = self.path(wanted.file.as_deref());
+        let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
+        let of_part = |part: &&ExrPart| wanted.part.is_none() || part.name == wanted.part;
+        let searched: Vec<&ExrPart> = parts.iter().filter(of_part).collect();
+        if let Some(value) = searched.iter().find_map(|part| part.attributes.get(&wanted.name)) {
+            return Ok(value.clone());
+        }
+        let shown = path.display();
+        let message = if searched.is_empty() {
+            no_part(parts, wanted.part.as_deref().unwrap_or_default(), &shown.to_string())
+        } else {
+            let mut names: Vec<&str> =
+                searched.iter().flat_map(|part| part.attributes.keys()).map(String::as_str).collect();
+            names.sort_unstable();
+            names.dedup();
+            format!("there is no attribute {:?} in {shown}, which has {}", wanted.name, list(&names))
+        };
+        Err(self.error(line, format!("{key}: {message}")))
+    }
+
+    /// Ends the reading of a frame.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] if nothing was taken from the main file.
+    pub fn finish(&self) -> Result<()> {
+        if self.main_is_used {
+            return Ok(());
+        }
+        let message = format!(
+            "the map takes nothing from {}, the file of the command: its channels are named without `file`",
+            self.main.display()
+        );
+        Err(Error::malformed(self.map, None, message))
+    }
+
+    /// Reads a file if it was not read before.
+    fn open(&mut self, file: Option<&str>, line: usize) -> Result<()> {
+        let path = self.path(file);
+        self.main_is_used |= path == self.main;
+        if self.open.contains_key(&path) {
+            return Ok(());
+        }
+        let bytes = match bounded::read(&path, "an image", MAX_BYTES) {
+            Err(Error::Io { source, .. }) if file.is_some() && source.kind() == ErrorKind::NotFound => {
+                return Err(self.error(line, format!("there is no file {}", path.display())));
+            }
+            read => read?,
+        };
+        let parts = if bytes.starts_with(&magic_number::BYTES) {
+            exr_parts::decode(&bytes, &path)?
+        } else if bytes.starts_with(b"\x89PNG") {
+            vec![png(&bytes, &path)?]
+        } else {
+            return Err(Error::malformed(&path, None, "is neither an OpenEXR nor a PNG image"));
+        };
+        self.open.insert(path, parts);
+        Ok(())
+    }
+}
+
+/// The width of a pixel over its height, from the header of a part; 1 if it is missing, not finite or not positive.
+fn pixel_aspect(part: &ExrPart) -> f64 {
+    match part.attributes.get("pixelAspectRatio") {
+        Some(AttributeValue::F32(aspect)) if aspect.is_finite() && *aspect > 0.0 => f64::from(*aspect),
+        _ => 1.0,
+    }
+}
+
+/// A PNG with 8 or 16 bits, as channels `R`, `G`, `B` and `A` from 0 to 1; a grey image has equal R, G and B.
+fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
+    let ([width, height], rgba) = texture::unit_values(bytes, path)?;
+    let values = |k: usize| rgba.iter().skip(k).step_by(4).copied().collect();
+    let channel = |(k, name): (usize, &str)| (name.to_owned(), ExrChannel { values: values(k), rounded_by: None });
+    let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect();
+    Ok(ExrPart { name: None, view: None, size: [width, height], channels, attributes: BTreeMap::new() })
+}
+
+/// Finds a channel by its name in its part, or by the names of part and channel with a point between them. In a file with
+/// several views, only `view` is searched: parts that state this view, and channels with its name before their last component.
+///
+/// # Errors
+/// A message if no channel has the name, or several parts have it.
+fn find<'a>(
+    parts: &'a [ExrPart],
+    part: Option<&str>,
+    view: Option<&str>,
+    name: &str,
+    file: &str,
+) -> std::result::Result<(&'a ExrPart, &'a ExrChannel), String> {
+    let is_in_view = |p: &ExrPart| view.is_none() || p.view.as_deref().is_none_or(|own| Some(own) == view);
+    let is_part = |p: &ExrPart| {
+        let own = p.name.as_deref();
+        part.is_none() || own == part || (view.is_some() && own.map(|own| without_view(p, own)) == part)
+    };
+    let searched = || parts.iter().filter(|p| is_in_view(p) && is_part(p));
+    if searched().next().is_none() {
+        return Err(match view {
+            Some(view) if !parts.iter().any(is_in_view) => no_view(parts, view, file),
+            _ => no_part(parts, part.unwrap_or_default(), file),
+        });
+    }
+    let is_it = |p: &ExrPart, channel: &str| {
+        let of_view = view.and_then(|view| without_view_inside(channel, view));
+        let is_full_name = |long: &str, short: &str| within_part(p, long) == Some(short);
+        let is_name = |channel: &str| {
+            channel == name || is_full_name(name, channel) || (part.is_some() && is_full_name(channel, name))
+        };
+        is_name(channel) || of_view.is_some_and(|plain| is_name(&plain))
+    };
+    let found: Vec<_> = searched()
+        .flat_map(|p| p.channels.iter().map(move |(channel, values)| (p, channel, values)))
+        .filter(|(p, channel, _)| is_it(p, channel))
+        .collect();
+    match found[..] {
+        [(part, _, values)] => Ok((part, values)),
+        [] => {
+            let names: Vec<String> = searched().flat_map(|p| p.channels.keys().map(|c| full_name(p, c))).collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            Err(format!("there is no channel {name} in {file}, which has {}", list(&names)))
+        }
+        _ => {
+            let names: Vec<&str> = found.iter().map(|(p, ..)| p.name.as_deref().unwrap_or("")).collect();
+            let mut views: Vec<&str> = found.iter().filter_map(|(p, ..)| p.view.as_deref()).collect();
+            views.sort_unstable();
+            views.dedup();
+            let by_view = match views.len() {
+                0 | 1 => String::new(),
+                _ => format!(", or at the top of the map by view, one of {}", list(&views)),
+            };
+            Err(format!(
+                "channel {name} is in several parts of {file}: say which by part, one of {}{by_view}",
+                list(&names)
+            ))
+        }
+    }
+}
+
+/// The name of a part without the view after a hyphen, as Blender writes `ViewLayer.Depth-left`.
+fn without_view<'a>(part: &ExrPart, name: &'a str) -> &'a str {
+    let stripped = part.view.as_deref().and_then(|view| name.strip_suffix(view)?.strip_suffix('-'));
+    stripped.unwrap_or(name)
+}
+
+/// A channel's name without the view before its last component, such as `Depth.Z` for `Depth.left.Z`.
+fn without_view_inside(channel: &str, view: &str) -> Option<String> {
+    let (before, component) = channel.rsplit_once('.')?;
+    Some(format!("{}.{component}", before.strip_suffix(view)?.strip_suffix('.')?))
+}
+
+/// The message about a view that a file lacks, with the names of its views.
+fn no_view(parts: &[ExrPart], view: &str, file: &str) -> String {
+    let mut names: Vec<&str> = parts.iter().filter_map(|p| p.view.as_deref()).collect();
+    names.sort_unstable();
+    names.dedup();
+    format!("there is no view {view:?} in {file}, which has {}", list(&names))
+}
+
+/// The part of a name after the part's name and a point; `None` for a name that does not begin with them.
+fn within_part<'a>(part: &ExrPart, name: &'a str) -> Option<&'a str> {
+    let own = part.name.as_deref()?;
+    let plain = without_view(part, own);
+    let behind = |before: &str| name.strip_prefix(before)?.strip_prefix('.');
+    behind(own).or_else(|| behind(plain))
+}
+
+/// The name of a channel, with the name of its part before it unless it is there already.
+fn full_name(part: &ExrPart, channel: &str) -> String {
+    match &part.name {
+        Some(name) if within_part(part, channel).is_none() => format!("{name}.{channel}"),
+        _ => channel.to_owned(),
+    }
+}
+
+/// The message about a part that a file lacks, with the names of its parts.
+fn no_part(parts: &[ExrPart], part: &str, file: &str) -> String {
+    let names: Vec<&str> = parts.iter().filter_map(|p| p.name.as_deref()).collect();
+    let which = if names.is_empty() { "no parts with a name".to_owned() } else { list(&names) };
+    format!("there is no part {part:?} in {file}, which has {which}")
+}
+
+/// Names with commas between them; of many names, only the first are listed.
+fn list(names: &[&str]) -> String {
+    let first = names[..names.len().min(MOST_NAMES)].join(", ");
+    match names.len().checked_sub(MOST_NAMES) {
+        Some(more) if more > 0 => format!("{first} and {more} more"),
+        _ => first,
+    }
+}

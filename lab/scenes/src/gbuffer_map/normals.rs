@@ -1,0 +1,125 @@
+//! The normals of a map: signed, encoded from 0 to 1, or octahedral, in the axes of the renderer's world or view space.
+
+use super::axes::MapConventions;
+use super::files::MapFiles;
+use super::keys::MapKeys;
+use super::source::{MapPlanes, MapSource, SourceRules};
+use crate::Camera;
+use glam::{DMat3, DVec2, DVec3, Vec3};
+use ssct_ground::conventions::NormalEncoding;
+use ssct_ground::error::Result;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum MapEncoding {
+    Of(NormalEncoding),
+    /// Octahedral coordinates as two numbers of 12 bits in three channels of 8 bits.
+    Octahedral888,
+}
+
+/// The section of normals in a map.
+#[derive(Debug, Clone)]
+pub(super) struct MapNormals {
+    source: MapSource,
+    is_world: bool,
+    encoding: MapEncoding,
+}
+
+/// Least length of a normal with a direction; a shorter one shows no surface, or a surface that is not lit.
+const SHORTEST: f64 = 1e-3;
+
+impl MapNormals {
+    pub fn take(mut keys: MapKeys) -> Result<Self> {
+        use MapEncoding::{Octahedral888, Of};
+        use NormalEncoding::{Float, Octahedral, OctahedralUnorm, Unorm};
+        let is_world = keys.required_word("space", &[("view", false), ("world", true)])?;
+        let encodings = [
+            ("signed", Of(Float)),
+            ("unorm", Of(Unorm)),
+            ("octahedral", Of(Octahedral)),
+            ("octahedral-unorm", Of(OctahedralUnorm)),
+            ("octahedral-888", Octahedral888),
+        ];
+        let encoding = keys.word("encoding", &encodings)?.unwrap_or(Of(Float));
+        let counts: &[usize] = if matches!(encoding, Of(Octahedral | OctahedralUnorm)) { &[2] } else { &[3] };
+        let source = MapSource::take(&mut keys, SourceRules { counts, ..SourceRules::EXACT })?;
+        keys.finish()?;
+        Ok(Self { source, is_world, encoding })
+    }
+
+    /// Reads the same channels as normals in the other space.
+    pub fn in_other_space(&self) -> Self {
+        Self { is_world: !self.is_world, ..self.clone() }
+    }
+
+    /// Whether the normals are in world space, so that they can only be read if the camera's place is known.
+    pub fn need_world(&self) -> bool {
+        self.is_world
+    }
+
+    /// View-space normals, zero where `depth` is 0 (sky). Normals that are `signed` keep their length.
+    ///
+    /// # Errors
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a normal that is not finite.
+    pub fn read<'a>(
+        &'a self,
+        files: &mut MapFiles<'a>,
+        conventions: &MapConventions,
+        camera: &Camera,
+        depth: &[f32],
+    ) -> Result<Vec<Vec3>> {
+        let planes = self.source.read(files)?;
+        let turn = if self.is_world {
+            DMat3::from_mat4(camera.world_to_view.as_dmat4()) * conventions.world
+        } else {
+            conventions.view
+        };
+        let pixel = |(i, depth): (usize, &f32)| {
+            if *depth <= 0.0 {
+                return Ok(Vec3::ZERO);
+            }
+            let normal = (turn * self.decode(&planes, i)).as_vec3();
+            if normal.is_finite() {
+                return Ok(normal);
+            }
+            let values = || (0..self.source.count()).map(|k| planes.value(k, i));
+            let bad = values().find(|v| !v.is_finite()).or(values().next()).unwrap_or(f64::NAN);
+            Err(planes.error(i, bad, "be finite"))
+        };
+        depth.iter().enumerate().map(pixel).collect()
+    }
+
+    fn decode(&self, planes: &MapPlanes, pixel: usize) -> DVec3 {
+        let [x, y] = [0, 1].map(|k| planes.value(k, pixel));
+        match self.encoding {
+            MapEncoding::Of(NormalEncoding::Float) => DVec3::new(x, y, planes.value(2, pixel)),
+            MapEncoding::Of(NormalEncoding::Unorm) => unit(DVec3::new(x, y, planes.value(2, pixel)) * 2.0 - 1.0),
+            MapEncoding::Of(NormalEncoding::Octahedral) => octahedral(DVec2::new(x, y)),
+            MapEncoding::Of(NormalEncoding::OctahedralUnorm) => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
+            MapEncoding::Octahedral888 => {
+                let bytes = [x, y, planes.value(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
+                // The third byte has the upper four bits of both numbers: x has its lower half, y its upper half.
+                let (of_y, of_x) = ((bytes[2] / 16.0).floor(), bytes[2] % 16.0);
+                let packed = DVec2::new(of_x * 256.0 + bytes[0], of_y * 256.0 + bytes[1]);
+                octahedral(packed / 4095.0 * 2.0 - 1.0)
+            }
+        }
+    }
+}
+
+/// Whether a normal has a direction.
+pub(super) fn has_direction(normal: Vec3) -> bool {
+    f64::from(normal.length()) >= SHORTEST
+}
+
+/// A vector scaled to length 1, or zero if it has no direction.
+fn unit(v: DVec3) -> DVec3 {
+    if v.length() < SHORTEST { DVec3::ZERO } else { v.normalize() }
+}
+
+/// The direction of octahedral coordinates from −1 to 1. The unit sphere is projected onto an octahedron, whose half with z
+/// below 0 is folded outwards over the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
+fn octahedral(point: DVec2) -> DVec3 {
+    let z = 1.0 - point.x.abs() - point.y.abs();
+    let fold = (-z).max(0.0);
+    unit(DVec3::new(point.x - fold * point.x.signum(), point.y - fold * point.y.signum(), z))
+}

@@ -1,0 +1,52 @@
+//! Other readings of a map, each with one change: one convention, the kind of depth, or the way to give the lens.
+
+use super::GBufferMap;
+use super::axes::MapConventions;
+use ssct_ground::conventions::{Axes, MatrixOrder};
+
+/// A map with one change, in the words of the map.
+pub(super) struct Reading {
+    pub(super) words: String,
+    pub(super) map: GBufferMap,
+}
+
+/// All readings that differ from a map in one thing.
+pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
+    let mut readings = Vec::new();
+    let mut add = |words: String, change: &dyn Fn(&mut GBufferMap)| {
+        let mut other = map.clone();
+        change(&mut other);
+        readings.push(Reading { words, map: other });
+    };
+    // The other order of rows comes before axes that mirror the image in the same way, since it is the commoner mistake.
+    let word = if map.bottom_up { "top-left" } else { "bottom-left" };
+    add(format!("origin = {word:?}"), &|m| m.bottom_up = !m.bottom_up);
+    for (word, kind) in map.depth.other_kinds() {
+        add(format!("kind = {word:?} in [depth]"), &|m| m.depth = m.depth.with_kind(kind));
+    }
+    let axes = |m: &GBufferMap, is_world: bool| if is_world { m.conventions.world } else { m.conventions.view };
+    for (key, is_world) in [("view", false), ("world", true)] {
+        for (word, named) in Axes::NAMES {
+            if named.to_ours() != axes(map, is_world) {
+                add(format!("{key} = {word:?} in [conventions]"), &|m| {
+                    let MapConventions { view, world, .. } = m.conventions;
+                    let (view, world) = if is_world { (view, named.to_ours()) } else { (named.to_ours(), world) };
+                    m.conventions = MapConventions { view, world, ..m.conventions };
+                });
+            }
+        }
+    }
+    if map.camera.has_place() {
+        let word = if map.normals.need_world() { "view" } else { "world" };
+        add(format!("space = {word:?} in [normal]"), &|m| m.normals = m.normals.in_other_space());
+    }
+    let (word, order) = match map.conventions.matrices {
+        MatrixOrder::Columns => ("rows", MatrixOrder::Rows),
+        MatrixOrder::Rows => ("columns", MatrixOrder::Columns),
+    };
+    add(format!("matrices = {word:?} in [conventions]"), &|m| m.conventions.matrices = order);
+    for (words, camera) in map.camera.other_ways() {
+        add(words.to_owned(), &|m| m.camera = camera.clone());
+    }
+    readings
+}

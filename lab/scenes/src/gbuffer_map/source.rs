@@ -1,0 +1,185 @@
+//! Sources of a section's values: channels of a file, or constants.
+
+use super::files::{ChannelSource, MapFiles};
+use super::keys::MapKeys;
+use ssct_ground::error::{Error, Result};
+use ssct_ground::math;
+use std::path::Path;
+
+/// Source of the values of a section, one or several a pixel, and their decoding.
+#[derive(Debug, Clone)]
+pub(super) struct MapSource {
+    /// The name of the section, for errors.
+    section: String,
+    line: usize,
+    from: SourceFrom,
+    is_srgb: bool,
+    scale: Option<f64>,
+    offset: Option<f64>,
+    exact: bool,
+}
+
+#[derive(Debug, Clone)]
+enum SourceFrom {
+    Channels(ChannelSource),
+    Constants(Vec<f64>),
+}
+
+/// Rules for the source of a section.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SourceRules {
+    /// Allowed numbers of channels.
+    pub counts: &'static [usize],
+    /// Whether constants may replace channels.
+    pub may_be_constant: bool,
+    /// Whether the values may be encoded as sRGB.
+    pub may_be_srgb: bool,
+    /// Whether the key `offset` is allowed, beside `scale`.
+    pub has_offset: bool,
+    /// Whether values are refused that a compression rounded.
+    pub exact: bool,
+}
+
+impl SourceRules {
+    /// One channel, which no compression may have rounded.
+    pub const EXACT: Self =
+        Self { counts: &[1], may_be_constant: false, may_be_srgb: false, has_offset: true, exact: true };
+    /// One value of a material.
+    pub const MATERIAL: Self = Self { may_be_constant: true, exact: false, ..Self::EXACT };
+    /// A colour or a grey.
+    pub const COLOUR: Self = Self { counts: &[1, 3], may_be_srgb: true, has_offset: false, ..Self::MATERIAL };
+}
+
+/// One value a pixel.
+enum MapPlane {
+    Pixels(Vec<f32>),
+    Constant(f64),
+}
+
+impl MapPlane {
+    fn value(&self, pixel: usize) -> f64 {
+        match self {
+            Self::Pixels(values) => f64::from(values[pixel]),
+            Self::Constant(value) => *value,
+        }
+    }
+}
+
+/// The values of a section as stored in the files.
+pub(super) struct MapPlanes<'a> {
+    source: &'a MapSource,
+    /// One, two or three planes.
+    planes: Vec<MapPlane>,
+    /// The path of the map, for errors.
+    map: &'a Path,
+    /// Source of the values, for errors.
+    place: String,
+    /// The width of the image in pixels.
+    width: usize,
+}
+
+impl MapSource {
+    /// Takes the keys of a section that has no keys other than its source's.
+    pub fn only(mut keys: MapKeys, rules: SourceRules) -> Result<Self> {
+        let source = Self::take(&mut keys, rules)?;
+        keys.finish()?;
+        Ok(source)
+    }
+
+    /// Takes the keys of a source from a section that also has other keys.
+    pub fn take(keys: &mut MapKeys, rules: SourceRules) -> Result<Self> {
+        let line = keys.line;
+        let [file, part] = ["file", "part"].map(|key| keys.text(key));
+        let [file, part] = [file?, part?];
+        let wants = rules.counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
+        let names = if rules.counts.contains(&1) { keys.names("channel")? } else { None };
+        let names = if rules.counts == [1] { names } else { names.or(keys.names("channels")?) };
+        let value = if rules.may_be_constant { keys.value("value")? } else { None };
+        let encodings = [("linear", false), ("srgb", true)];
+        let is_srgb = rules.may_be_srgb && keys.word("encoding", &encodings)?.unwrap_or(false);
+        let scale = keys.number("scale", false)?;
+        let offset = if rules.has_offset { keys.number("offset", false)? } else { None };
+        let from = match (names, value) {
+            (Some((names, line)), None) => {
+                if !rules.counts.contains(&names.len()) {
+                    return Err(keys.error(line, format!("{} channels are named, not {wants}", names.len())));
+                }
+                SourceFrom::Channels(ChannelSource { file, part, names, line })
+            }
+            (None, Some(value)) => {
+                if !rules.counts.contains(&value.len()) {
+                    return Err(keys.error(line, format!("value has {} numbers, not {wants}", value.len())));
+                }
+                if file.is_some() || part.is_some() {
+                    return Err(keys.error(line, "file and part go with channels, not with a value"));
+                }
+                SourceFrom::Constants(value)
+            }
+            (Some(_), Some(_)) => return Err(keys.error(line, "there is a channel and a value; one of them is enough")),
+            (None, None) => {
+                let or = if rules.may_be_constant { ", or give a value" } else { "" };
+                let key = if rules.counts == [1] { "channel" } else { "channels" };
+                return Err(keys.error(line, format!("{key} is missing: name {wants} {key} of the file{or}")));
+            }
+        };
+        Ok(Self { section: keys.name.clone(), line, from, is_srgb, scale, offset, exact: rules.exact })
+    }
+
+    /// Number of values of a pixel.
+    pub fn count(&self) -> usize {
+        match &self.from {
+            SourceFrom::Channels(channels) => channels.names.len(),
+            SourceFrom::Constants(values) => values.len(),
+        }
+    }
+
+    /// Reads the values.
+    ///
+    /// # Errors
+    /// The errors of [`MapFiles::channel`].
+    pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
+        let (planes, place) = match &self.from {
+            SourceFrom::Channels(channels) => {
+                let channel = |name: &String| files.channel(channels, name, self.exact).map(MapPlane::Pixels);
+                let planes = channels.names.iter().map(channel).collect::<Result<_>>()?;
+                let path = files.path(channels.file.as_deref());
+                (planes, format!("{} of {}", channels.names.join(", "), path.display()))
+            }
+            SourceFrom::Constants(values) => (values.iter().map(|v| MapPlane::Constant(*v)).collect(), String::new()),
+        };
+        Ok(MapPlanes { source: self, planes, map: files.map, place, width: files.size()[0] as usize })
+    }
+}
+
+impl MapPlanes<'_> {
+    /// A value of a pixel as stored in the file.
+    pub fn raw(&self, plane: usize, pixel: usize) -> f64 {
+        // A single value is used for all three.
+        self.planes[plane.min(self.planes.len() - 1)].value(pixel)
+    }
+
+    /// A value of a pixel: decoded, multiplied by `scale`, and with `offset` added.
+    pub fn value(&self, plane: usize, pixel: usize) -> f64 {
+        let raw = self.raw(plane, pixel);
+        let decoded = if self.source.is_srgb { f64::from(math::srgb_to_linear(raw as f32)) } else { raw };
+        decoded * self.source.scale.unwrap_or(1.0) + self.source.offset.unwrap_or(0.0)
+    }
+
+    /// Three values of a pixel; a single value is used for all three.
+    pub fn three(&self, pixel: usize) -> [f64; 3] {
+        [0, 1, 2].map(|plane| self.value(plane, pixel))
+    }
+
+    /// An error about a pixel with a wrong value, as [`Self::value`] returns it. `must` says what the value must do, as in "be
+    /// finite".
+    pub fn error(&self, pixel: usize, value: f64, must: &str) -> Error {
+        let location = match self.source.from {
+            SourceFrom::Constants(_) => String::new(),
+            SourceFrom::Channels(_) => {
+                format!(" at pixel {}, {} ({})", pixel % self.width, pixel / self.width, self.place)
+            }
+        };
+        let message = format!("{}: it is {value}{location}; it must {must}", self.source.section);
+        Error::malformed(self.map, Some(self.source.line), message)
+    }
+}

@@ -1,0 +1,205 @@
+//! The surfaces of a map: roughness, reflectivity, colour, and the pixels that show the sky.
+
+use super::files::MapFiles;
+use super::keys::MapKeys;
+use super::source::{MapPlanes, MapSource, SourceRules};
+use crate::material_terms::{self, roughness_of_alpha, roughness_of_exponent, roughness_of_perceptual};
+use crate::{Surface, texture};
+use glam::Vec3;
+use ssct_ground::error::Result;
+
+/// Greatest distance of a value outside 0 to 1 that is clamped; filters and lossy compressions overshoot by about as much.
+const OVERSHOOT: f64 = 0.01;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum RoughnessKind {
+    Lobe,
+    PhongExponent,
+    GgxAlpha,
+    Perceptual,
+    Smoothness,
+}
+
+/// The roughness section of a map.
+#[derive(Debug, Clone)]
+pub(super) struct MapRoughness {
+    source: MapSource,
+    kind: RoughnessKind,
+}
+
+/// A value for each pixel, 0 where the reversed depth is 0 (sky).
+fn each(depth: &[f32], value: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>> {
+    let pixel = |(i, depth): (usize, &f32)| if *depth <= 0.0 { Ok(0.0) } else { value(i) };
+    depth.iter().enumerate().map(pixel).collect()
+}
+
+/// A value of a pixel, which must lie in 0 to 1.
+fn unit(planes: &MapPlanes, plane: usize, i: usize) -> Result<f64> {
+    let value = planes.value(plane, i);
+    if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&value) {
+        return Ok(value.clamp(0.0, 1.0));
+    }
+    Err(planes.error(i, value, "lie in 0 to 1 (scale and offset can take it there)"))
+}
+
+/// A colour of a pixel, whose components must lie in 0 to 1.
+fn colour(planes: &MapPlanes, i: usize) -> Result<Vec3> {
+    let [r, g, b] = [0, 1, 2].map(|k| unit(planes, k, i));
+    Ok(Vec3::new(r? as f32, g? as f32, b? as f32))
+}
+
+impl MapRoughness {
+    pub fn take(mut keys: MapKeys) -> Result<Self> {
+        let kinds = [
+            ("lobe", RoughnessKind::Lobe),
+            ("phong-exponent", RoughnessKind::PhongExponent),
+            ("ggx-alpha", RoughnessKind::GgxAlpha),
+            ("perceptual", RoughnessKind::Perceptual),
+            ("smoothness", RoughnessKind::Smoothness),
+        ];
+        let kind = keys.required_word("kind", &kinds)?;
+        let source = MapSource::take(&mut keys, SourceRules::MATERIAL)?;
+        keys.finish()?;
+        Ok(Self { source, kind })
+    }
+
+    /// Roughness ϱ of every pixel, 0 where `depth` is 0 (sky).
+    ///
+    /// # Errors
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a value out of range.
+    pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
+        let planes = self.source.read(files)?;
+        each(depth, |i| {
+            Ok(match self.kind {
+                RoughnessKind::Lobe => unit(&planes, 0, i)? as f32,
+                RoughnessKind::GgxAlpha => roughness_of_alpha(unit(&planes, 0, i)?),
+                RoughnessKind::Perceptual => roughness_of_perceptual(unit(&planes, 0, i)? as f32),
+                RoughnessKind::Smoothness => roughness_of_perceptual((1.0 - unit(&planes, 0, i)?) as f32),
+                // An exponent of 0 is the widest lobe; an infinite one is a mirror.
+                RoughnessKind::PhongExponent => match planes.value(0, i) {
+                    0.0 => 1.0,
+                    exponent if exponent > 0.0 => roughness_of_exponent(exponent as f32),
+                    other => return Err(planes.error(i, other, "be a number from 0 on")),
+                },
+            })
+        })
+    }
+}
+
+/// The reflectivity section of a map.
+#[derive(Debug, Clone)]
+pub(super) enum MapReflectivity {
+    Given(MapSource),
+    /// Reflectivity from metalness, base colour and the reflection of dielectrics along the normal.
+    Metallic(Box<MapMetallic>),
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct MapMetallic {
+    metallic: MapSource,
+    base: MapSource,
+    f0: Option<MapSource>,
+}
+
+impl MapReflectivity {
+    pub fn given(keys: MapKeys) -> Result<Self> {
+        let rules = SourceRules { has_offset: true, ..SourceRules::COLOUR };
+        Ok(Self::Given(MapSource::only(keys, rules)?))
+    }
+
+    pub fn metallic(metallic: MapKeys, base: MapKeys, f0: Option<MapKeys>) -> Result<Self> {
+        let metallic = MapSource::only(metallic, SourceRules::MATERIAL)?;
+        let base = MapSource::only(base, SourceRules::COLOUR)?;
+        let f0 = f0.map(|keys| MapSource::only(keys, SourceRules::MATERIAL)).transpose()?;
+        Ok(Self::Metallic(Box::new(MapMetallic { metallic, base, f0 })))
+    }
+
+    /// Reflectivity of every pixel, which is the luminance if it is given as a colour; 0 where `depth` is 0 (sky).
+    ///
+    /// # Errors
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a value out of range.
+    pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
+        match self {
+            Self::Given(source) => {
+                let planes = source.read(files)?;
+                each(depth, |i| {
+                    Ok(if source.count() == 1 {
+                        unit(&planes, 0, i)? as f32
+                    } else {
+                        texture::luminance(colour(&planes, i)?).clamp(0.0, 1.0)
+                    })
+                })
+            }
+            Self::Metallic(sources) => {
+                let MapMetallic { metallic, base, f0 } = sources.as_ref();
+                let metallic = metallic.read(files)?;
+                let base = base.read(files)?;
+                let f0 = f0.as_ref().map(|f0| f0.read(files)).transpose()?;
+                each(depth, |i| {
+                    let f0 = f0.as_ref().map(|f0| unit(f0, 0, i)).transpose()?;
+                    let f0 = f0.map_or(material_terms::F0, |f0| f0 as f32);
+                    let metallic = unit(&metallic, 0, i)? as f32;
+                    Ok(material_terms::reflectivity(colour(&base, i)?, metallic, Vec3::splat(f0)))
+                })
+            }
+        }
+    }
+}
+
+/// A term of the lit colour: a colour, or the product of two colours.
+#[derive(Debug, Clone)]
+pub(super) struct MapColour {
+    source: MapSource,
+    times: Option<MapSource>,
+}
+
+impl MapColour {
+    pub fn take(mut keys: MapKeys) -> Result<Self> {
+        let source = MapSource::take(&mut keys, SourceRules::COLOUR)?;
+        let times = keys.table("times")?.map(|keys| MapSource::only(keys, SourceRules::COLOUR)).transpose()?;
+        keys.finish()?;
+        Ok(Self { source, times })
+    }
+
+    /// The sum of the terms for every pixel, including sky; components below 0 become 0.
+    ///
+    /// # Errors
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a value that is not finite.
+    pub fn read_sum<'a>(terms: &'a [Self], files: &mut MapFiles<'a>) -> Result<Vec<Vec3>> {
+        let mut sum = vec![[0.0_f64; 3]; files.pixels()];
+        for term in terms {
+            let planes = term.source.read(files)?;
+            let times = term.times.as_ref().map(|times| times.read(files)).transpose()?;
+            for (i, sum) in sum.iter_mut().enumerate() {
+                let factors = times.as_ref().map_or([1.0; 3], |times| times.three(i));
+                for ((sum, value), factor) in sum.iter_mut().zip(planes.three(i)).zip(factors) {
+                    if !(value * factor).is_finite() {
+                        return Err(planes.error(i, value * factor, "be finite"));
+                    }
+                    *sum += value * factor;
+                }
+            }
+        }
+        Ok(sum.into_iter().map(|rgb| Vec3::from(rgb.map(|v| v.max(0.0).min(f64::from(f32::MAX)) as f32))).collect())
+    }
+}
+
+/// The channel that marks surfaces that show the environment of [`sky`](crate::sky).
+#[derive(Debug, Clone)]
+pub(super) struct MapSky(MapSource);
+
+impl MapSky {
+    pub fn take(keys: MapKeys) -> Result<Self> {
+        Ok(Self(MapSource::only(keys, SourceRules::EXACT)?))
+    }
+
+    /// The kind of surface of every pixel.
+    ///
+    /// # Errors
+    /// The errors of [`MapSource::read`].
+    pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Vec<Surface>> {
+        let planes = self.0.read(files)?;
+        let shows = |i| if planes.value(0, i) > 0.5 { Surface::Sky } else { Surface::Lit };
+        Ok((0..files.pixels()).map(shows).collect())
+    }
+}

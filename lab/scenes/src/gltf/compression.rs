@@ -1,0 +1,136 @@
+//! Buffer views that `EXT_meshopt_compression` or `KHR_meshopt_compression` compresses, decoded by the crate `meshopt`.
+
+use crate::bounded;
+use gltf::json::buffer::{Buffer, View};
+use serde::Deserialize;
+use serde_json::Value;
+
+/// The names of the extension. The second one has the same members, and more versions of the codecs.
+pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Greatest number of bytes that one byte may unpack to, with a margin: a block of 256 equal vertices has one byte for each
+/// four bytes of a vertex.
+const MOST_UNPACKED_PER_BYTE: u64 = 2048;
+
+/// Any view may unpack to this many bytes.
+const FREE_BYTES: u64 = 1 << 16;
+
+/// Location of the bytes of a view, and their compression.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Compressed {
+    pub(super) buffer: usize,
+    #[serde(default)]
+    pub(super) byte_offset: usize,
+    pub(super) byte_length: usize,
+    byte_stride: usize,
+    count: usize,
+    mode: String,
+    #[serde(default)]
+    filter: Option<String>,
+}
+
+/// The compression of a view; `None` for an uncompressed one.
+///
+/// # Errors
+/// A clause that names the wrong member.
+pub(super) fn compressed(view: &View) -> Result<Option<Compressed>, String> {
+    let others = view.extensions.as_ref().map(|extensions| &extensions.others);
+    let Some(extension) = others.and_then(|others| NAMES.iter().find_map(|name| others.get(*name))) else {
+        return Ok(None);
+    };
+    Compressed::deserialize(extension).map(Some).map_err(|e| format!("its compression is not one of meshopt: {e}"))
+}
+
+/// Whether a buffer has no bytes of its own, since all of its views are compressed.
+pub(super) fn is_placeholder(buffer: &Buffer) -> bool {
+    let others = buffer.extensions.as_ref().map(|extensions| &extensions.others);
+    others.is_some_and(|others| {
+        NAMES.iter().any(|name| others.get(*name).and_then(|e| e.get("fallback")) == Some(&Value::Bool(true)))
+    })
+}
+
+impl Compressed {
+    /// Decodes the bytes of the view.
+    ///
+    /// # Errors
+    /// A clause about members that contradict each other or the format, and about bytes that are not in the format of meshopt.
+    pub(super) fn decode(&self, encoded: &[u8]) -> Result<Vec<u8>, String> {
+        let Self { byte_stride: stride, count, .. } = *self;
+        let unpacked = (stride as u64).saturating_mul(count as u64);
+        if unpacked > FREE_BYTES + MOST_UNPACKED_PER_BYTE * encoded.len() as u64 {
+            return Err(format!("{} bytes cannot hold {count} elements of {stride} bytes", encoded.len()));
+        }
+        let damaged = |_| "its compressed bytes are damaged".to_owned();
+        match (self.mode.as_str(), stride) {
+            ("ATTRIBUTES", 4..=256) if stride % 4 == 0 => {
+                let mut words = decode_vertices(encoded, count, stride / 4).map_err(damaged)?;
+                self.unfilter(&mut words)?;
+                Ok(bytemuck::cast_slice(&words).to_vec())
+            }
+            // The decoder accepts only whole triangles.
+            ("TRIANGLES", 2 | 4) if count % 3 == 0 => {
+                Ok(indices(stride, &meshopt::decode_index_buffer::<u32>(encoded, count).map_err(damaged)?))
+            }
+            ("INDICES", 2 | 4) => {
+                Ok(indices(stride, &meshopt::decode_index_sequence::<u32>(encoded, count).map_err(damaged)?))
+            }
+            (mode, _) => Err(format!(
+                "{} with {count} elements of {stride} bytes is no mode of meshopt",
+                bounded::printable_name(mode)
+            )),
+        }
+    }
+
+    /// Applies the filter that the encoder requires.
+    fn unfilter(&self, words: &mut [u32]) -> Result<(), String> {
+        let filter = self.filter.as_deref().unwrap_or("NONE");
+        match (filter, self.byte_stride) {
+            ("NONE", _) => {}
+            ("OCTAHEDRAL", 4) => meshopt::decode_filter_oct(bytemuck::cast_slice_mut::<u32, [i8; 4]>(words)),
+            ("OCTAHEDRAL", 8) => meshopt::decode_filter_oct(bytemuck::cast_slice_mut::<u32, [i16; 4]>(words)),
+            ("QUATERNION", 8) => meshopt::decode_filter_quat(bytemuck::cast_slice_mut::<u32, [i16; 4]>(words)),
+            ("EXPONENTIAL", _) => meshopt::decode_filter_exp(bytemuck::cast_slice_mut::<u32, [u32; 1]>(words)),
+            ("COLOR", 4) => meshopt::decode_filter_color(bytemuck::cast_slice_mut::<u32, [i8; 4]>(words)),
+            ("COLOR", 8) => meshopt::decode_filter_color(bytemuck::cast_slice_mut::<u32, [i16; 4]>(words)),
+            (filter, stride) => {
+                let filter = bounded::printable_name(filter);
+                return Err(format!("the filter {filter} is none of meshopt for elements of {stride} bytes"));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn indices(stride: usize, decoded: &[u32]) -> Vec<u8> {
+    decoded.iter().flat_map(|index| index.to_le_bytes().into_iter().take(stride)).collect()
+}
+
+/// An element of `N` words.
+#[derive(Clone)]
+struct Element<const N: usize>([u32; N]);
+
+impl<const N: usize> Default for Element<N> {
+    fn default() -> Self {
+        Self([0; N])
+    }
+}
+
+fn decode_elements<const N: usize>(encoded: &[u8], count: usize) -> meshopt::Result<Vec<u32>> {
+    let elements = meshopt::decode_vertex_buffer::<Element<N>>(encoded, count)?;
+    Ok(elements.into_iter().flat_map(|element| element.0).collect())
+}
+
+/// Decodes elements of 1 to 64 words: the crate needs their size as a type.
+fn decode_vertices(encoded: &[u8], count: usize, words: usize) -> meshopt::Result<Vec<u32>> {
+    macro_rules! sized {
+        ($($n:literal)*) => {
+            match words {
+                $($n => decode_elements::<$n>(encoded, count),)*
+                _ => unreachable!("the caller checks the stride"),
+            }
+        };
+    }
+    sized!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
+           33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64)
+}

@@ -1,0 +1,363 @@
+//! Reads the JSON of a glTF file: takes it out of its container, repairs faults whose meaning is obvious, and checks the rest.
+//!
+//! The crate `gltf` refuses some documents that the specification allows, and others whose meaning is clear. [`mend`] rewrites
+//! such values in the JSON to the form that the crate parses. [`is_harmless`] ignores those faults found by the crate's
+//! validation that do not matter to this loader.
+
+use super::typed::parse_typed;
+use super::{Notes, READ};
+use crate::encoding;
+use gltf::Document;
+use gltf::json::validation::{Checked, Error as Fault, Validate};
+use gltf::json::{Path as JsonPath, Root, texture::WrappingMode};
+use serde_json::{Map, Value};
+use ssct_ground::error::{Error, Result};
+use std::path::Path;
+
+/// The extension for images as WebP.
+pub(super) const WEBP: &str = "EXT_texture_webp";
+
+/// An older kind of material.
+const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
+/// Contents of a file: the checked document, the list of its animations, and the binary chunk.
+pub(super) type Content = (Document, Value, Option<Vec<u8>>);
+
+/// Reads the contents of a file.
+///
+/// # Errors
+/// [`Error::Malformed`] with a message that distinguishes other versions, other encodings of text, truncated files and wrong
+/// documents.
+pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Content> {
+    let wrong = |message: String| Error::malformed(path, None, message);
+    let (text, blob) = unpack(bytes).map_err(wrong)?;
+    let mut value = parse(text).map_err(wrong)?;
+    check_version(&value).map_err(wrong)?;
+    // Animations are read separately, since a scene is complete without them.
+    let animations = value.as_object_mut().and_then(|d| d.remove("animations")).unwrap_or_default();
+    mend(&mut value, notes);
+    check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
+    let alone = draco_alone(&value);
+    let mut json: Root = parse_typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
+    check_extensions(&mut json, notes).map_err(wrong)?;
+    if let Some(message) = alone {
+        return Err(wrong(message));
+    }
+    mend_samplers(&mut json, notes);
+    check(&json, notes).map_err(wrong)?;
+    Ok((Document::from_json_without_validation(json), animations, blob))
+}
+
+/// The JSON text of a file, and the binary chunk of a `.glb`.
+fn unpack(bytes: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
+    let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
+    let number = |offset: usize| rest.get(offset..offset + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let (Some(version), Some(stated)) = (number(0), number(4)) else {
+        return Err(format!("is a truncated .glb: it ends within its header, after {} bytes", bytes.len()));
+    };
+    if version != 2 {
+        return Err(format!("is glTF {version}.0; version 2 is supported"));
+    }
+    let stated = stated as usize;
+    if stated < 12 {
+        return Err(format!("is not glTF 2.0: it states a length of {stated} bytes, which its header alone exceeds"));
+    }
+    if stated > bytes.len() {
+        return Err(format!("is a truncated .glb: it has {} bytes and states {stated}", bytes.len()));
+    }
+    chunks(&bytes[12..stated])
+}
+
+/// The first chunk, which is JSON, and the first binary chunk after it; other chunks are ignored, as the specification demands.
+fn chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
+    let (mut json, mut blob) = (None, None);
+    while let [a, b, c, d, kind @ ..] = rest
+        && kind.len() >= 4
+    {
+        let length = u32::from_le_bytes([*a, *b, *c, *d]) as usize;
+        let (kind, content) = kind.split_at(4);
+        let Some((content, behind)) = content.split_at_checked(length) else {
+            return Err(format!("is a truncated .glb: a chunk states {length} bytes, and {} follow", content.len()));
+        };
+        match (kind, json) {
+            (b"JSON", None) => json = Some(content),
+            (_, None) => return Err("is not glTF 2.0: its first chunk is not JSON".to_owned()),
+            (b"BIN\0", Some(_)) if blob.is_none() => blob = Some(content.to_vec()),
+            _ => {}
+        }
+        rest = behind;
+    }
+    json.map(|json| (json, blob)).ok_or_else(|| "is a truncated .glb: it has no JSON".to_owned())
+}
+
+/// The document of a text, which may begin with a byte-order mark.
+fn parse(text: &[u8]) -> std::result::Result<Value, String> {
+    if let Some(name) = encoding::wide_encoding(text) {
+        return Err(format!("is {name} text; save it as UTF-8"));
+    }
+    let text = encoding::without_mark(text);
+    serde_json::from_slice(text).map_err(|e| {
+        if text.trim_ascii().is_empty() {
+            "is empty".to_owned()
+        } else if e.is_eof() {
+            format!("is a truncated glTF file: its JSON ends too early, in line {}", e.line())
+        } else if std::str::from_utf8(text).is_err() {
+            format!("is not UTF-8 text, as glTF must be ({e})")
+        } else {
+            format!("is not JSON, as glTF must be: {e}")
+        }
+    })
+}
+
+/// # Errors
+/// A message for a document of another version than 2. In version 1, lists are objects with names.
+fn check_version(value: &Value) -> std::result::Result<(), String> {
+    let Some(document) = value.as_object() else {
+        return Err("is not glTF 2.0: its JSON is no object".to_owned());
+    };
+    let version = match document.get("asset").and_then(|asset| asset.get("version")) {
+        Some(Value::String(version)) => Some(version.clone()),
+        Some(Value::Number(version)) => version.as_f64().map(|v| format!("{v:.1}")),
+        _ => None,
+    };
+    let named = ["nodes", "meshes", "accessors", "buffers", "scenes"];
+    let is_named = named.iter().any(|list| document.get(*list).is_some_and(Value::is_object));
+    match version {
+        Some(version) if !version.starts_with("2.") && version != "2" => {
+            Err(format!("is glTF {version}; version 2 is supported"))
+        }
+        None if is_named => Err("is glTF 1.0; version 2 is supported".to_owned()),
+        None => Err("is not glTF 2.0: it has no asset with a version".to_owned()),
+        Some(_) => Ok(()),
+    }
+}
+
+/// Rewrites values whose meaning is obvious to the only form that the crate parses.
+fn mend(document: &mut Value, notes: &mut Notes) {
+    mend_values(document);
+    if let Some(version) = document.pointer_mut("/asset/version")
+        && version.is_number()
+    {
+        *version = Value::from("2.0");
+    }
+    for scene in list(document, "scenes") {
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+        }
+    }
+    for view in list(document, "bufferViews") {
+        // Some exporters write zero for elements without gaps.
+        if let Some(view) = view.as_object_mut().filter(|v| v.get("byteStride") == Some(&Value::from(0))) {
+            view.remove("byteStride");
+        }
+    }
+    for texture in list(document, "textures") {
+        let webp = texture.get("extensions").and_then(|e| e.get(WEBP)?.get("source").cloned());
+        if let (Some(source), Some(texture)) = (webp, texture.as_object_mut()) {
+            // A file may have the same image as PNG or JPEG, too.
+            texture.entry("source").or_insert(source);
+        }
+    }
+    for primitive in list(document, "meshes").flat_map(|mesh| list(mesh, "primitives")) {
+        if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
+            drop_own_attributes(attributes, notes);
+        }
+    }
+}
+
+/// Drops attributes that the specification does not define. Names with an underscore are for applications.
+fn drop_own_attributes(attributes: &mut Map<String, Value>, notes: &mut Notes) {
+    let is_set = |name: &str, prefix: &str| name.strip_prefix(prefix).is_some_and(|k| k.parse::<u32>().is_ok());
+    let is_known = |name: &str| {
+        ["POSITION", "NORMAL", "TANGENT"].contains(&name)
+            || ["TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"].iter().any(|prefix| is_set(name, prefix))
+    };
+    attributes.retain(|name, _| {
+        if !is_known(name) && !name.starts_with('_') {
+            notes.add("attributes", format!("the attribute {name} of a mesh is not one of glTF and was ignored"));
+        }
+        is_known(name)
+    });
+}
+
+/// Numbers without a fraction become integers, since the crate does not accept 4.0 as a count. Members that are null are left
+/// out, since they have no meaning, and so are members for applications.
+fn mend_values(value: &mut Value) {
+    match value {
+        Value::Number(number) => {
+            let whole = number.as_f64().filter(|v| number.is_f64() && v.fract() == 0.0 && v.abs() < 9e15);
+            if let Some(whole) = whole {
+                *value = Value::from(whole as i64);
+            }
+        }
+        Value::Array(items) => items.iter_mut().for_each(mend_values),
+        Value::Object(members) => {
+            // Extras may be any value in any object, and this loader does not read them.
+            members.retain(|name, member| !member.is_null() && name != "extras");
+            members.values_mut().for_each(mend_values);
+        }
+        _ => {}
+    }
+}
+
+/// The items of a list of an object; empty if there is no such list.
+fn list<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> + use<'a> {
+    object.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+/// # Errors
+/// A message for an extension that the file requires and this loader lacks.
+fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(), String> {
+    let known = |name: &String| READ.contains(&name.as_str());
+    if let Some(name) = json.extensions_required.iter().find(|name| !known(name)) {
+        return Err(format!("requires the extension {name}, which is not supported; {}", remedy(name)));
+    }
+    // The crate need not know the extensions that this loader reads itself.
+    json.extensions_required.clear();
+    for name in json.extensions_used.iter().filter(|name| !known(name)) {
+        if name == SPECULAR_GLOSSINESS {
+            let sentence = format!("materials of {name} are not read and look metallic or rough; {}", remedy(name));
+            notes.add(name, sentence);
+            continue;
+        }
+        let sentence = match changed_geometry(name) {
+            Some(lost) => format!("{lost}, since the extension {name} is not supported"),
+            None => format!("the extension {name} is not supported and was ignored"),
+        };
+        notes.add(name, sentence);
+    }
+    Ok(())
+}
+
+/// Says what is misplaced or missing without an extension that changes geometry; `None` for other extensions.
+fn changed_geometry(extension: &str) -> Option<&'static str> {
+    Some(match extension {
+        "MSFT_lod" => "only the finest level of detail of each thing is drawn",
+        "CESIUM_RTC" => "the scene stands at the origin and not around its centre",
+        "AGI_articulations" => "parts that the file lets others move stand as the nodes say",
+        "KHR_draco_mesh_compression" => "meshes are drawn from their uncompressed copies",
+        "KHR_gaussian_splatting" | "KHR_gaussian_splatting_compression_spz_2" => "splats are missing",
+        "KHR_materials_displacement" => "surfaces are flat where images should displace them",
+        _ => return None,
+    })
+}
+
+/// Advice for a user whose file needs this extension.
+pub(super) fn remedy(extension: &str) -> &'static str {
+    match extension {
+        "KHR_draco_mesh_compression" => "`npx @gltf-transform/cli copy IN.glb OUT.glb` writes the meshes without it",
+        "KHR_texture_basisu" => "export the images as PNG, JPEG or WebP instead of KTX2",
+        "EXT_texture_avif" => "`npx @gltf-transform/cli webp IN.glb OUT.glb` writes the images as WebP",
+        "MSFT_texture_dds" => "export the images as PNG, JPEG or WebP",
+        SPECULAR_GLOSSINESS => "`npx @gltf-transform/cli metalrough IN.glb OUT.glb` writes materials that are read",
+        _ => "export without it",
+    }
+}
+
+/// # Errors
+/// A message about a node whose light does not exist.
+fn check_lights(document: &Value) -> std::result::Result<(), String> {
+    let lights =
+        document.pointer("/extensions/KHR_lights_punctual/lights").and_then(Value::as_array).map_or(0, Vec::len);
+    let nodes = document.get("nodes").and_then(Value::as_array).into_iter().flatten();
+    for (index, node) in nodes.enumerate() {
+        let light = node.pointer("/extensions/KHR_lights_punctual/light").and_then(Value::as_u64);
+        if light.is_some_and(|light| light >= lights as u64) {
+            return Err(format!("nodes[{index}].extensions.KHR_lights_punctual.light refers to what is not there"));
+        }
+    }
+    Ok(())
+}
+
+/// The message about meshes that exist only in Draco's format; `None` if there are none.
+fn draco_alone(document: &Value) -> Option<String> {
+    const DRACO: &str = "KHR_draco_mesh_compression";
+    let has_bytes = |primitive: &Value| {
+        let position = primitive.pointer("/attributes/POSITION").and_then(Value::as_u64);
+        let accessor = position.and_then(|index| document.get("accessors")?.get(usize::try_from(index).ok()?));
+        accessor.is_none_or(|accessor| accessor.get("bufferView").is_some())
+    };
+    let is_alone = |mesh: &Value| {
+        let primitives = mesh.get("primitives").and_then(Value::as_array).into_iter().flatten();
+        let is_compressed = |p: &&Value| p.get("extensions").is_some_and(|e| e.get(DRACO).is_some());
+        primitives.filter(is_compressed).any(|primitive| !has_bytes(primitive))
+    };
+    let index = document.get("meshes")?.as_array()?.iter().position(is_alone)?;
+    Some(format!("meshes[{index}] has no bytes but those of {DRACO}; {}", remedy(DRACO)))
+}
+
+/// Invalid ways of repeating count as the default; filters are not read.
+fn mend_samplers(json: &mut Root, notes: &mut Notes) {
+    for sampler in &mut json.samplers {
+        (sampler.mag_filter, sampler.min_filter) = (None, None);
+        for wrap in [&mut sampler.wrap_s, &mut sampler.wrap_t] {
+            if *wrap == Checked::Invalid {
+                *wrap = Checked::Valid(WrappingMode::Repeat);
+                notes.add("wrapping", "a way in which an image repeats is unknown; it repeats plainly".to_owned());
+            }
+        }
+    }
+}
+
+/// # Errors
+/// A message for the first fault of the document that matters to this loader.
+fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
+    // The crate's own check of positions reads the accessor without checking that it exists.
+    let position = Checked::Valid(gltf::Semantic::Positions);
+    let positions = json.meshes.iter().flat_map(|m| &m.primitives).filter_map(|p| p.attributes.get(&position));
+    if positions.map(|index| index.value()).any(|index| index >= json.accessors.len()) {
+        return Err("is not glTF 2.0: positions are in an accessor that is not there".to_owned());
+    }
+    let mut first = None;
+    json.validate(json, JsonPath::new, &mut |path, fault| {
+        let path = in_json(&path());
+        if !is_harmless(&path, fault, notes) && first.is_none() {
+            let what = match fault {
+                Fault::IndexOutOfBounds => "refers to what is not there",
+                Fault::Invalid => "has a value that it cannot have",
+                Fault::Missing => "is missing",
+                Fault::Oversize => "is too large",
+                Fault::Unsupported => "is not supported",
+            };
+            first = Some(format!("is not glTF 2.0: {path} {what}"));
+        }
+    });
+    first.map_or(Ok(()), Err)
+}
+
+/// The place of a fault in the names of the JSON, since the crate gives extensions the names of its own fields.
+fn in_json(path: &JsonPath) -> String {
+    let is_extension = |part: &str| part.strip_prefix("khr").is_some_and(|rest| rest.starts_with(char::is_uppercase));
+    let parts = path.as_str().split('.').map(|part| {
+        if !is_extension(part) {
+            return part.to_owned();
+        }
+        let mut name = String::from("KHR");
+        for letter in part["khr".len()..].chars() {
+            name.extend(letter.is_uppercase().then_some('_'));
+            name.extend(letter.to_lowercase());
+        }
+        name
+    });
+    parts.collect::<Vec<_>>().join(".")
+}
+
+/// Whether a fault does not matter to this loader. Bounds of positions are computed, an accessor without a view has zeros, and
+/// a primitive without positions is not drawn. Distances between elements are checked elsewhere, and the target of a view is
+/// not used.
+fn is_harmless(path: &str, fault: Fault, notes: &mut Notes) -> bool {
+    let ends = |end: &str| path.ends_with(end);
+    if ends(".attributes[\"POSITION\"].min") || ends(".attributes[\"POSITION\"].max") {
+        notes.add("bounds", "positions lack their bounds (min and max), which were computed".to_owned());
+        return true;
+    }
+    match fault {
+        Fault::Missing if ends(".attributes[\"POSITION\"]") => {
+            notes.add("positions", "primitives without positions are not drawn".to_owned());
+            true
+        }
+        Fault::Missing => path.starts_with("accessors[") && ends("].bufferView"),
+        Fault::Invalid => path.starts_with("bufferViews[") && (ends("].byteStride") || ends("].target")),
+        _ => false,
+    }
+}

@@ -1,0 +1,117 @@
+//! The triangles of a primitive, placed in the world.
+
+use super::data::Data;
+use super::materials::Coordinates;
+use super::vertices::{MeshVertices, PlacedMesh, PlacedVertex, PlacedVertices};
+use super::{MAX_TRIANGLES, Notes};
+use crate::assemble::{self, MeshPart, Triangle};
+use glam::{DVec3, Vec3};
+use gltf::Semantic;
+use gltf::mesh::{Mode, Primitive};
+use ssct_ground::error::Result;
+
+/// Sums over the primitives that were read.
+pub(super) struct Tally {
+    /// Triangles of the file, each counted as often as it is placed.
+    pub(super) triangles: usize,
+    /// Bounds of the vertices in the world, before rounding to 32-bit floats.
+    pub(super) bounds: [DVec3; 2],
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self { triangles: 0, bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY] }
+    }
+}
+
+/// The triangles of a primitive that is placed in the world, or `None` if it has none.
+pub(super) fn part(
+    data: &Data,
+    (primitive, material): (&Primitive, usize),
+    mesh: &PlacedMesh,
+    coordinates: &Coordinates,
+    tally: &mut Tally,
+    notes: &mut Notes,
+) -> Result<Option<MeshPart>> {
+    if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+        notes.add("lines", "points and lines are not drawn".to_owned());
+        return Ok(None);
+    }
+    if primitive.get(&Semantic::Colors(0)).is_some() {
+        notes.add("colours", "colours of vertices are not supported and were ignored".to_owned());
+    }
+    let Some(vertices) = MeshVertices::new(data, primitive, mesh, coordinates)? else { return Ok(None) };
+    let indices = match primitive.indices() {
+        Some(accessor) => data.indices(&accessor)?.iter().collect(),
+        None => (0..vertices.count as u32).collect::<Vec<u32>>(),
+    };
+    let corners = corners(primitive.mode(), &indices);
+    tally.triangles += corners.len();
+    if tally.triangles > MAX_TRIANGLES {
+        return Err(data.error(format!("places more than {MAX_TRIANGLES} triangles in the world")));
+    }
+    let mut triangles = Vec::with_capacity(corners.len());
+    let mut placed = PlacedVertices::new(vertices.count, corners.len());
+    for triangle in corners {
+        let mut made = [PlacedVertex::default(); 3];
+        for (made, index) in made.iter_mut().zip(triangle) {
+            *made = placed.get(index, || vertices.place(index as usize, notes))?;
+            let [min, max] = &mut tally.bounds;
+            (*min, *max) = (min.min(made.position), max.max(made.position));
+        }
+        let [a, b, c] = made;
+        let sides = if a.sign < 0.0 { [a, c, b] } else { [a, b, c] };
+        match finished(sides.map(|v| v.vertex), notes) {
+            Some(triangle) => triangles.push(triangle),
+            None => notes.add("area", "triangles without area were left out".to_owned()),
+        }
+    }
+    let outside = |v: f32| !(-1e-3..=1.001).contains(&v);
+    if coordinates.clamps && triangles.iter().flatten().any(|v| v.uv.iter().any(|v| outside(*v))) {
+        notes.add("clamps", "images that are clamped or mirrored at their border are repeated instead".to_owned());
+    }
+    let part = MeshPart { name: mesh.name.to_owned(), material, triangles, has_tangents: vertices.has_tangents };
+    Ok(Some(part).filter(|p| !p.triangles.is_empty()))
+}
+
+/// The corners of the triangles of a mode, each in the winding of its front.
+fn corners(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let turned = |(k, w): (usize, &[u32])| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
+            indices.windows(3).enumerate().map(turned).collect()
+        }
+        Mode::TriangleFan => {
+            let (Some((first, rest)), 3..) = (indices.split_first(), indices.len()) else { return Vec::new() };
+            rest.windows(2).map(|w| [*first, w[0], w[1]]).collect()
+        }
+        _ => indices.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+/// The triangle with unit normals; `None` if it has no area. The author's normals are kept, even if they lean slightly behind
+/// their face, as smooth normals do at silhouettes; normals that point to the back of the face are turned.
+fn finished(mut triangle: Triangle, notes: &mut Notes) -> Option<Triangle> {
+    let position = |i: usize| Vec3::from(triangle[i].position).as_dvec3();
+    let edges = [position(1) - position(0), position(2) - position(1), position(0) - position(2)];
+    let cross = edges[0].cross(-edges[2]);
+    let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
+    if cross.length() <= 1e-7 * longest {
+        return None;
+    }
+    let face = cross.normalize();
+    let turned = assemble::point_behind(&triangle, face);
+    if turned {
+        notes.add("turned", "normals that point to the back of their triangles were turned to its front".to_owned());
+    }
+    for vertex in &mut triangle {
+        let mut normal = Vec3::from(vertex.normal);
+        if turned {
+            normal = -normal;
+            vertex.tangent[3] = -vertex.tangent[3];
+        }
+        let sound = normal.is_finite() && normal != Vec3::ZERO;
+        vertex.normal = (if sound { normal } else { face.as_vec3() } + Vec3::ZERO).to_array();
+    }
+    Some(triangle)
+}

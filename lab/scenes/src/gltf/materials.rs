@@ -1,0 +1,448 @@
+//! Converts metallic-roughness materials to materials of the scene, and bakes their images.
+//!
+//! | glTF | here |
+//! |---|---|
+//! | base colour · (1 − metallic) | albedo |
+//! | luminance of mix(F0, base colour, metallic), F0 of the index of refraction (0.04 without one) and `KHR_materials_specular` | reflectivity |
+//! | roughness | ϱ of [`roughness_of_perceptual`] |
+//! | emission e, or the whole albedo of an unlit material | albedo + e, of which the share of e in the luminance is emission |
+//! | alpha below the cutoff | a hole |
+//!
+//! If a material has images, the results are baked texel by texel into images of the size of its largest image.
+
+use super::Notes;
+use super::data::{Data, ImageBytes};
+use super::document::remedy;
+use crate::material_terms::{self, F0, roughness_of_perceptual};
+use crate::metallic::{Factors, TexelInputs, grey, texels, white};
+use crate::texture::{self, MAX_TEXELS};
+use crate::{Encoding, Material, Scene, Texture, bounded};
+use glam::{DVec4, Vec3};
+use gltf::material::AlphaMode;
+use gltf::texture::{Info, WrappingMode};
+use rayon::prelude::*;
+use serde_json::Value;
+use ssct_ground::error::Error;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// The texture coordinates that a material uses, and their transform.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Coordinates {
+    /// Number of the set, as in `TEXCOORD_0`.
+    pub(super) set: u32,
+    offset: [f32; 2],
+    rotation: f32,
+    scale: [f32; 2],
+    /// Whether an image of the material is not repeated beyond its borders.
+    pub(super) clamps: bool,
+}
+
+impl Coordinates {
+    /// Texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards, as in the extension's words
+    /// and its test model; the signs in the example code of its text mean the other direction.
+    pub(super) fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+        let (sin, cos) = self.rotation.sin_cos();
+        let [u, v] = [u * self.scale[0], v * self.scale[1]];
+        [cos * u + sin * v + self.offset[0] + 0.0, cos * v - sin * u + self.offset[1] + 0.0]
+    }
+}
+
+/// How a material uses one of its images.
+struct TextureUse<'a> {
+    texture: gltf::Texture<'a>,
+    coordinates: Coordinates,
+}
+
+impl<'a> TextureUse<'a> {
+    fn of_info(info: &Info<'a>) -> Self {
+        let (set, offset, rotation, scale) = match info.texture_transform() {
+            Some(t) => (t.tex_coord().unwrap_or(info.tex_coord()), t.offset(), t.rotation(), t.scale()),
+            None => (info.tex_coord(), [0.0; 2], 0.0, [1.0; 2]),
+        };
+        Self::new(info.texture(), set, offset, rotation, scale)
+    }
+
+    /// Reads how a material uses its normal map, whose extension the crate leaves as JSON.
+    fn of_normals(normals: &gltf::material::NormalTexture<'a>) -> Self {
+        let transform = normals.extension_value("KHR_texture_transform");
+        let pair = |key: &str, default: f32| {
+            let number = |k: usize| transform.and_then(|t| t.get(key)?.get(k)?.as_f64()).map_or(default, |v| v as f32);
+            [number(0), number(1)]
+        };
+        let rotation = transform.and_then(|t| t.get("rotation")?.as_f64()).map_or(0.0, |v| v as f32);
+        let set = transform.and_then(|t| t.get("texCoord")?.as_u64()).and_then(|v| u32::try_from(v).ok());
+        let set = set.unwrap_or(normals.tex_coord());
+        Self::new(normals.texture(), set, pair("offset", 0.0), rotation, pair("scale", 1.0))
+    }
+
+    fn new(texture: gltf::Texture<'a>, set: u32, offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Self {
+        let sampler = texture.sampler();
+        let clamps = [sampler.wrap_s(), sampler.wrap_t()].iter().any(|w| *w != WrappingMode::Repeat);
+        Self { texture, coordinates: Coordinates { set, offset, rotation, scale, clamps } }
+    }
+
+    /// The index of the texture's image; `None` if the file has it only in a format that is not read.
+    fn image(&self, data: &Data, notes: &mut Notes) -> Option<usize> {
+        let image = self.texture.source().map(|image| image.index());
+        if image.is_none() {
+            let texture = data.document.as_json().textures.get(self.texture.index());
+            let extension = texture.and_then(|t| t.extensions.as_ref()?.others.keys().next());
+            let advice = extension.map_or("export the images as PNG, JPEG or WebP", |name| remedy(name));
+            let what = "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out";
+            notes.add("formats", format!("{what}; {advice}"));
+        }
+        image
+    }
+}
+
+/// The coordinates that all images of a material share: those of the first image in the order base colour, metallic-roughness,
+/// normals, emission.
+pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coordinates {
+    let pbr = material.pbr_metallic_roughness();
+    let images = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
+    let [base, metallic, emissive] = images.map(|info| info.map(|i| TextureUse::of_info(&i).coordinates));
+    let normals = material.normal_texture().map(|n| TextureUse::of_normals(&n).coordinates);
+    let mut all = [base, metallic, normals, emissive].into_iter().flatten();
+    let none = Coordinates { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], clamps: false };
+    let Some(first) = all.next() else { return none };
+    let mut clamps = first.clamps;
+    for other in all {
+        clamps |= other.clamps;
+        if (Coordinates { clamps: first.clamps, ..other }) != first {
+            let what = "a material's images share one set of texture coordinates and one transform";
+            notes.add("coordinates", format!("{what}; where they differ, those of the base colour count"));
+        }
+    }
+    Coordinates { clamps, ..first }
+}
+
+/// The inputs from which an image of the scene is baked. Materials with equal inputs share the image.
+#[derive(Debug, Clone, PartialEq)]
+enum Baked {
+    /// The base colour, unchanged.
+    Plain {
+        base: Image,
+    },
+    /// Albedo, and in alpha the share of it that is emission.
+    Albedo {
+        base: Option<Image>,
+        metallic: Option<Image>,
+        emission: Option<Image>,
+        factors: Factors,
+    },
+    /// Reflectivity, in red.
+    Reflectivity {
+        base: Option<Image>,
+        metallic: Option<Image>,
+        /// The images of `KHR_materials_specular`: strength, in alpha, and colour.
+        specular: [Option<Image>; 2],
+        factors: Factors,
+    },
+    /// ϱ, in green.
+    Roughness {
+        metallic: Image,
+        factor: f32,
+    },
+    /// A mask, which is one half where alpha times the factor equals the cutoff.
+    Mask {
+        base: Option<Image>,
+        factor: f32,
+        cutoff: f32,
+    },
+    Normals {
+        normals: Image,
+        scale: f32,
+    },
+}
+
+/// The index of an image in the file.
+type Image = usize;
+
+/// Images that materials need, each once.
+#[derive(Default)]
+struct BakedImages {
+    list: Vec<Baked>,
+    /// Index of each image in the list, by its text, since numbers of materials have no hash.
+    index: HashMap<String, usize>,
+}
+
+impl BakedImages {
+    fn add(&mut self, wanted: Baked) -> usize {
+        *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
+            self.list.push(wanted);
+            self.list.len() - 1
+        })
+    }
+}
+
+impl Baked {
+    /// The images of the file that the baked image reads.
+    fn images(&self) -> Vec<Image> {
+        match self {
+            Self::Plain { base } => vec![*base],
+            Self::Albedo { base, metallic, emission, .. } => {
+                [base, metallic, emission].into_iter().copied().flatten().collect()
+            }
+            Self::Reflectivity { base, metallic, specular, .. } => {
+                [base, metallic].into_iter().chain(specular).copied().flatten().collect()
+            }
+            Self::Roughness { metallic, .. } => vec![*metallic],
+            Self::Mask { base, .. } => base.iter().copied().collect(),
+            Self::Normals { normals, .. } => vec![*normals],
+        }
+    }
+}
+
+/// Adds the materials in use, in order, and the images that they need.
+pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut Scene, notes: &mut Notes) {
+    let mut baked = BakedImages::default();
+    for index in used {
+        let material = match index {
+            Some(index) => data.document.materials().nth(*index),
+            None => None,
+        };
+        scene.materials.push(match material {
+            Some(material) => convert(data, &material, &mut baked, notes),
+            None => default_material(),
+        });
+    }
+    let baked = baked.list;
+    let baker = Baker::new(data, side, &baked);
+    let bar = bounded::image_bar(baked.len());
+    let made = baked.par_iter().map(|b| {
+        let texture = baker.bake(b);
+        bar.inc(1);
+        texture
+    });
+    scene.textures = made.collect();
+    bar.finish_and_clear();
+    for (image, sentence) in baker.problems.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        notes.add(&format!("image {image}"), sentence);
+    }
+}
+
+/// The factors of a material. `KHR_materials_specular` changes the reflection of a surface's part that is no metal.
+fn factors(material: &gltf::Material) -> Factors {
+    let pbr = material.pbr_metallic_roughness();
+    let [r, g, b, _] = pbr.base_color_factor();
+    let ior = material.ior().filter(|ior| ior.is_finite() && *ior > 0.0);
+    let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
+    let specular = material.extension_value("KHR_materials_specular");
+    let number = |value: Option<&Value>| value.and_then(Value::as_f64).map_or(1.0, |v| v as f32);
+    let weight = number(specular.and_then(|s| s.get("specularFactor"))).clamp(0.0, 1.0);
+    let tint = specular.and_then(|s| s.get("specularColorFactor"));
+    let tint = Vec3::from([0, 1, 2].map(|k| number(tint.and_then(|t| t.get(k))).clamp(0.0, 1e6)));
+    Factors {
+        base: Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE),
+        metallic: pbr.metallic_factor().clamp(0.0, 1.0),
+        emission: (Vec3::from(material.emissive_factor()) * strength).clamp(Vec3::ZERO, Vec3::splat(1e6)),
+        f0: tint * ior.map_or(F0, material_terms::f0_of_ior),
+        specular: weight,
+        unlit: material.unlit(),
+    }
+}
+
+/// Notes each factor outside 0…1, which counts as the nearer bound.
+fn note_range(material: &gltf::Material, notes: &mut Notes) {
+    let pbr = material.pbr_metallic_roughness();
+    let colours = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
+    let numbers = [("metallicFactor", pbr.metallic_factor()), ("roughnessFactor", pbr.roughness_factor())];
+    for (name, value) in colours.into_iter().chain(numbers) {
+        if (0.0..=1.0).contains(&value) {
+            continue;
+        }
+        let place = material.index().map_or_else(String::new, |index| format!("materials[{index}]"));
+        let nearest = value.clamp(0.0, 1.0);
+        let sentence =
+            format!("{place}.pbrMetallicRoughness.{name}: {value} lies outside 0 to 1 and counts as {nearest}");
+        notes.add(&format!("{place} {name}"), sentence);
+    }
+}
+
+/// The images of `KHR_materials_specular`: strength and colour.
+fn specular_images(data: &Data, material: &gltf::Material) -> [Option<Image>; 2] {
+    let specular = material.extension_value("KHR_materials_specular");
+    ["specularTexture", "specularColorTexture"].map(|key| {
+        let texture = specular?.get(key)?.get("index")?.as_u64()?;
+        let texture = data.document.textures().nth(usize::try_from(texture).ok()?)?;
+        Some(texture.source()?.index())
+    })
+}
+
+/// The material of primitives without one (glTF 2.0, 3.7.2.1): a rough white metal.
+fn default_material() -> Material {
+    Material {
+        name: "default".into(),
+        albedo: Vec3::ZERO,
+        roughness: roughness_of_perceptual(1.0),
+        ..Material::default()
+    }
+}
+
+/// The scene's material, whose maps are indices into `baked`.
+fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes) -> Material {
+    let pbr = material.pbr_metallic_roughness();
+    let factors = factors(material);
+    let specular = specular_images(data, material);
+    let mut image = |info: Option<Info>| info.and_then(|info| TextureUse::of_info(&info).image(data, notes));
+    let base = image(pbr.base_color_texture());
+    let rough = image(pbr.metallic_roughness_texture());
+    let metallic = rough.filter(|_| factors.metallic > 0.0 && !factors.unlit);
+    let emission = image(material.emissive_texture()).filter(|_| factors.emission != Vec3::ZERO && !factors.unlit);
+    let emits = factors.unlit || factors.emission != Vec3::ZERO;
+    if factors.emission.max_element() > 1.0 {
+        notes.add("bright", "emission brighter than 1 counts as 1".to_owned());
+    }
+    note_range(material, notes);
+    let roughness_factor = pbr.roughness_factor().clamp(0.0, 1.0);
+    if !factors.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
+        notes.add("rough", material_terms::TOO_ROUGH.to_owned());
+    }
+    let normals =
+        material.normal_texture().and_then(|n| Some((TextureUse::of_normals(&n).image(data, notes)?, n.scale())));
+    if material.alpha_mode() == AlphaMode::Blend {
+        notes.add(
+            "blend",
+            "transparency is not supported; such materials have holes where alpha is below one half".to_owned(),
+        );
+    }
+    let cutoff = match material.alpha_mode() {
+        AlphaMode::Opaque => None,
+        AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
+        AlphaMode::Blend => Some(0.5),
+    };
+    let mut add = |wanted: Baked| baked.add(wanted);
+    let (colour, share) = factors.colour(&TexelInputs::default());
+    let mut made = Material {
+        name: material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned),
+        albedo: colour,
+        emission: share,
+        reflectivity: if factors.unlit { 0.0 } else { factors.reflectivity(&TexelInputs::default()) },
+        roughness: roughness_of_perceptual(roughness_factor),
+        single_sided: !material.double_sided(),
+        ..Material::default()
+    };
+    match base {
+        Some(base) if metallic.is_none() && !emits => {
+            made.albedo = factors.base * (1.0 - factors.metallic);
+            made.albedo_map = Some(add(Baked::Plain { base }));
+        }
+        _ if base.is_some() || metallic.is_some() || emission.is_some() => {
+            made.albedo = Vec3::ONE;
+            made.emission = if emits { 1.0 } else { 0.0 };
+            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, factors }));
+        }
+        _ => {}
+    }
+    let tinted = factors.metallic > 0.0 && (base.is_some() || metallic.is_some());
+    if !factors.unlit && (tinted || specular != [None; 2]) {
+        made.reflectivity = 1.0;
+        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, factors }));
+    }
+    if let Some(metallic) = rough.filter(|_| !factors.unlit && roughness_factor > 0.0) {
+        made.roughness = 1.0;
+        made.roughness_map = Some(add(Baked::Roughness { metallic, factor: roughness_factor }));
+    }
+    let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
+    made.alpha_mask = cutoff
+        .filter(|cutoff| base.is_some() || factor < *cutoff)
+        .map(|cutoff| add(Baked::Mask { base, factor, cutoff: cutoff.max(1e-3) }));
+    made.normal_map = normals.map(|(normals, scale)| add(Baked::Normals { normals, scale }));
+    made
+}
+
+/// Decodes images, and bakes the images that materials need.
+struct Baker<'a> {
+    data: &'a Data<'a>,
+    side: u32,
+    /// Images that would exceed the limit of a scene's texels.
+    too_much: HashSet<Image>,
+    /// Faults of images, one message each.
+    problems: Mutex<BTreeMap<Image, String>>,
+}
+
+impl<'a> Baker<'a> {
+    fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Self {
+        let mut texels = 0;
+        let mut too_much = HashSet::new();
+        for image in baked.iter().flat_map(Baked::images) {
+            // Faults of other images are reported when these are decoded.
+            let Ok((_, source)) = data.image(image) else { continue };
+            let dimensions = match &source {
+                ImageBytes::Here(bytes) => texture::dimensions(bytes),
+                ImageBytes::File(path) => image::image_dimensions(path).ok(),
+            };
+            let [width, height] = dimensions.map_or([1; 2], |(width, height)| [width, height]);
+            texels += texture::texels_within(width, height, side);
+            if texels > MAX_TEXELS {
+                too_much.insert(image);
+            }
+        }
+        Self { data, side, too_much, problems: Mutex::default() }
+    }
+
+    /// Decodes an image; if it cannot be decoded, a message is added, and the caller uses white.
+    fn image(&self, index: Image, encoding: Encoding) -> Option<Texture> {
+        let problem = match self.data.image(index) {
+            Err(Error::Malformed { message, .. }) => message,
+            Err(other) => other.to_string(),
+            Ok((name, _)) if self.too_much.contains(&index) => {
+                format!("image {name} would exceed the {MAX_TEXELS} texels of a scene")
+            }
+            Ok((name, ImageBytes::File(path))) if !path.is_file() => format!("image {name} is missing"),
+            Ok((name, source)) => {
+                let decoded = match source {
+                    ImageBytes::Here(bytes) => texture::from_bytes(&bytes, Path::new(&name), encoding),
+                    ImageBytes::File(path) => texture::decode(&path, encoding),
+                };
+                match decoded {
+                    Ok(texture) => return Some(texture::shrink_to_side(texture, self.side)),
+                    Err(error) => format!("image {name} cannot be used ({error})"),
+                }
+            }
+        };
+        let mut problems = self.problems.lock().unwrap_or_else(PoisonError::into_inner);
+        problems.entry(index).or_insert_with(|| format!("{problem}; the material's factor takes its place"));
+        None
+    }
+
+    fn bake(&self, baked: &Baked) -> Texture {
+        let image = |index: &Option<Image>, encoding| index.and_then(|i| self.image(i, encoding));
+        match baked {
+            Baked::Plain { base } => self.image(*base, Encoding::Srgb).unwrap_or_else(white),
+            Baked::Albedo { base, metallic, emission, factors } => {
+                let inputs =
+                    [image(base, Encoding::Srgb), image(metallic, Encoding::Linear), image(emission, Encoding::Srgb)];
+                texels(&inputs, Encoding::Srgb, |[base, metallic, emission]| {
+                    factors.albedo_texel(&TexelInputs::new(base, metallic.z, emission))
+                })
+            }
+            Baked::Reflectivity { base, metallic, specular: [strength, tint], factors } => {
+                let inputs = [
+                    image(base, Encoding::Srgb),
+                    image(metallic, Encoding::Linear),
+                    image(strength, Encoding::Linear),
+                    image(tint, Encoding::Srgb),
+                ];
+                texels(&inputs, Encoding::Linear, |[base, metallic, strength, tint]| {
+                    let inputs = TexelInputs::new(base, metallic.z, DVec4::ONE).with_specular(strength.w, tint);
+                    grey(factors.reflectivity(&inputs))
+                })
+            }
+            Baked::Roughness { metallic, factor } => {
+                let inputs = [self.image(*metallic, Encoding::Linear)];
+                texels(&inputs, Encoding::Linear, |[rough]| grey(roughness_of_perceptual(factor * rough.y as f32)))
+            }
+            Baked::Mask { base, factor, cutoff } => {
+                let inputs = [image(base, Encoding::Linear)];
+                texels(&inputs, Encoding::Linear, |[base]| grey(0.5 * factor * base.w as f32 / cutoff))
+            }
+            Baked::Normals { normals, scale } => match self.image(*normals, Encoding::Linear) {
+                Some(texture) => texture::scale_normal_map(texture, *scale),
+                None => Texture { rgba: vec![128, 128, 255, 255], encoding: Encoding::Linear, ..white() },
+            },
+        }
+    }
+}

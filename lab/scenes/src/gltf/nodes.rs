@@ -1,0 +1,316 @@
+//! Walks the tree of nodes, and places meshes, cameras and lights in the world.
+
+mod animations;
+mod instances;
+mod lights;
+
+use super::data::Data;
+use super::geometry::{self, Tally};
+use super::materials::Coordinates;
+use super::vertices::{MeshPlacement, PlacedMesh, ToWorld};
+use super::{Notes, materials};
+use crate::assemble::{self, MeshPart};
+use crate::far_away::far_origin;
+use crate::{Camera, Lens, MAX_COORDINATE_M, Scene, View, bounded};
+use glam::{DMat4, DQuat, DVec3, Vec3};
+use gltf::camera::Projection;
+use gltf::scene::Transform;
+use gltf::{Camera as GltfCamera, Node, Skin};
+pub(super) use instances::{INSTANCING, VISIBILITY};
+use serde_json::Value;
+use ssct_ground::error::Result;
+use std::collections::HashMap;
+
+/// Places the meshes, views and lights of the file's scene in `scene`. Returns the materials in use, by their index in the file
+/// (`None` for the default material); a mesh's material is an index into this list.
+///
+/// `kept` is subtracted from every place. Without it, a scene so far from the origin that floats would lose its details is
+/// moved to its own centre, in f64, before rounding; a note says by how much.
+pub(super) fn place(
+    (data, animations): (&Data, &Value),
+    (scale, kept): (f32, Option<DVec3>),
+    scene: &mut Scene,
+    notes: &mut Notes,
+) -> Result<Vec<Option<usize>>> {
+    let nodes = Nodes::new(data, scale)?;
+    let mut origin = kept.unwrap_or(DVec3::ZERO);
+    let before = notes.clone();
+    let names = names(&nodes, animations);
+    let (mut parts, used, bounds) = parts(data, (&nodes, &names), origin, notes)?;
+    if let Some(far) = far_origin(bounds).filter(|_| kept.is_none()) {
+        // Notes about details lost by rounding no longer hold after the move.
+        *notes = before;
+        notes.add("far", far.sentence());
+        origin = far.centre;
+        parts = self::parts(data, (&nodes, &names), origin, notes)?.0;
+    }
+    if parts.is_empty() {
+        return Err(data.error("has no triangle with an area in its scene"));
+    }
+    scene.meshes = assemble::meshes(parts, |part| part.material);
+    scene.motions = animations::motions((data, animations), (&nodes, origin), (&names, &scene.meshes), notes);
+    place_views_and_lights(&nodes, origin, scene, notes);
+    Ok(used)
+}
+
+/// The parts of the meshes that the nodes place, the materials that they use, and the bounds of their vertices.
+type Parts = (Vec<MeshPart>, Vec<Option<usize>>, [DVec3; 2]);
+
+/// The names of the nodes' meshes, by the nodes' indices. In a file with animations, each node has a unique name.
+fn names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
+    let moves = animations.as_array().is_some_and(|list| !list.is_empty());
+    let mut unique = UniqueNames::default();
+    let name = |(node, _): &(Node, DMat4)| {
+        let mesh = node.mesh()?;
+        let name = node.name().or(mesh.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+        Some((node.index(), if moves { unique.unique(&name) } else { name }))
+    };
+    nodes.shown.iter().filter_map(name).collect()
+}
+
+fn parts(
+    data: &Data,
+    (nodes, names): (&Nodes, &HashMap<usize, String>),
+    origin: DVec3,
+    notes: &mut Notes,
+) -> Result<Parts> {
+    let mut parts = Vec::new();
+    let mut used: Vec<Option<usize>> = Vec::new();
+    let mut coordinates: Vec<Coordinates> = Vec::new();
+    let mut index_of: HashMap<Option<usize>, usize> = HashMap::new();
+    let mut tally = Tally::default();
+    for (node, to_world) in &nodes.shown {
+        let Some(mesh) = node.mesh() else { continue };
+        let name = names.get(&node.index()).map_or("", String::as_str);
+        let placements = match node.skin() {
+            Some(skin) => vec![nodes.skin(data, &skin)?],
+            None => instances::instances(data, node)?
+                .into_iter()
+                .map(|copy| MeshPlacement::Node(ToWorld::new(*to_world * copy)))
+                .collect(),
+        };
+        let weights = node.weights().or(mesh.weights()).unwrap_or_default();
+        for primitive in mesh.primitives() {
+            let material = primitive.material();
+            let index = *index_of.entry(material.index()).or_insert_with(|| {
+                used.push(material.index());
+                coordinates.push(materials::coordinates(&material, notes));
+                used.len() - 1
+            });
+            for placement in &placements {
+                let placed = PlacedMesh { name, placement, weights, origin };
+                parts.extend(geometry::part(
+                    data,
+                    (&primitive, index),
+                    &placed,
+                    &coordinates[index],
+                    &mut tally,
+                    notes,
+                )?);
+            }
+        }
+    }
+    Ok((parts, used, tally.bounds))
+}
+
+/// Adds the views and lights of the nodes to a scene that has its meshes.
+fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes: &mut Notes) {
+    let bounds = scene.bounds();
+    let centre = 0.5 * (bounds.min + bounds.max);
+    let reach = (bounds.max - bounds.min).length();
+    let units = Units { scale: nodes.scale, centre, far_m: (4.0 * reach).max(Lens::default().far_m * nodes.scale) };
+    let moved = |to_world: &DMat4| DMat4::from_translation(-origin) * *to_world;
+    let mut names = UniqueNames::default();
+    let mut placed = Vec::new();
+    for (node, to_world) in &nodes.shown {
+        if let Some(camera) = node.camera() {
+            let name = node.name().or(camera.name()).unwrap_or("camera");
+            if let Some(view) = view(&camera, name, &moved(to_world), &units, notes) {
+                scene.views.push(View { name: names.unique(name), ..view });
+            }
+        }
+        if let Some(light) = node.light() {
+            placed.extend(lights::lamp(&light, &moved(to_world), &units, notes));
+        }
+    }
+    let (lights, exposure) = lights::exposed(placed, notes);
+    scene.lights = lights;
+    scene.notes.extend(exposure.map(|sentence| notes.about(&sentence)));
+}
+
+/// Units and defaults for the lengths of cameras and lights.
+struct Units {
+    /// Metres per unit of length of the file.
+    scale: f32,
+    /// The centre of the scene.
+    centre: Vec3,
+    /// Far plane of a camera that gives none.
+    far_m: f32,
+}
+
+/// The nodes of the file's scene, in the order of the tree, and the transforms of all nodes.
+pub(super) struct Nodes<'a> {
+    pub(super) shown: Vec<(Node<'a>, DMat4)>,
+    /// Transform of each node of the file to the world, whether or not it is in the scene.
+    to_world: Vec<DMat4>,
+    scale: f32,
+}
+
+impl<'a> Nodes<'a> {
+    /// # Errors
+    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a node with several parents, or a cycle of nodes.
+    fn new(data: &Data<'a>, scale: f32) -> Result<Self> {
+        let document = data.document;
+        let all: Vec<Node> = document.nodes().collect();
+        let mut is_child = vec![false; all.len()];
+        for child in all.iter().flat_map(|node| node.children()) {
+            is_child[child.index()] = true;
+        }
+        let scene = document.default_scene().or_else(|| document.scenes().next());
+        let tops: Vec<Node> = match scene {
+            Some(scene) => scene.nodes().collect(),
+            None => all.iter().filter(|n| !is_child[n.index()]).cloned().collect(),
+        };
+        let root = root(scale);
+        let mut nodes = Self { shown: Vec::new(), to_world: vec![root; all.len()], scale };
+        let mut visited = vec![false; all.len()];
+        nodes.shown = nodes
+            .walk((tops, root), &mut visited)
+            .map_err(|node| data.error(format!("node {node} has more than one parent, or is its own")))?;
+        // Joints need not be in the scene that is shown. An error in their trees is ignored, since these trees are not drawn.
+        for other in all.iter().filter(|n| !is_child[n.index()]) {
+            if !visited[other.index()] {
+                nodes.walk((vec![other.clone()], root), &mut visited).unwrap_or_default();
+            }
+        }
+        Ok(nodes)
+    }
+
+    /// The transform from the file's space to the world.
+    pub(super) fn root(&self) -> DMat4 {
+        root(self.scale)
+    }
+
+    /// The parent of each node of the file.
+    pub(super) fn parents(&self, data: &Data) -> Vec<Option<usize>> {
+        let mut parents = vec![None; self.to_world.len()];
+        for node in data.document.nodes() {
+            node.children().for_each(|child| parents[child.index()] = Some(node.index()));
+        }
+        parents
+    }
+
+    /// The nodes below some nodes, with their transforms, without hidden ones.
+    ///
+    /// # Errors
+    /// The index of a node that was visited before.
+    fn walk(
+        &mut self,
+        (tops, root): (Vec<Node<'a>>, DMat4),
+        visited: &mut [bool],
+    ) -> std::result::Result<Vec<(Node<'a>, DMat4)>, usize> {
+        let mut walked = Vec::new();
+        // The last node on the stack is visited first.
+        let mut left: Vec<_> = tops.into_iter().rev().map(|node| (node, root, false)).collect();
+        while let Some((node, parent, is_hidden)) = left.pop() {
+            if std::mem::replace(&mut visited[node.index()], true) {
+                return Err(node.index());
+            }
+            let to_world = parent * local(&node);
+            self.to_world[node.index()] = to_world;
+            let is_hidden = is_hidden || instances::is_hidden(&node);
+            let children: Vec<_> = node.children().collect();
+            left.extend(children.into_iter().rev().map(|child| (child, to_world, is_hidden)));
+            if !is_hidden {
+                walked.push((node, to_world));
+            }
+        }
+        Ok(walked)
+    }
+
+    /// The placement of a mesh by the joints of a skin: the transform of each joint, times its inverse bind matrix.
+    fn skin(&self, data: &Data, skin: &Skin) -> Result<MeshPlacement> {
+        let binds = skin.inverse_bind_matrices().map(|accessor| data.matrices(&accessor)).transpose()?;
+        let joints: Vec<Node> = skin.joints().collect();
+        if binds.as_ref().is_some_and(|binds| binds.len() < joints.len()) {
+            let (index, many) = (skin.index(), joints.len());
+            return Err(data.error(format!("skin {index} has fewer inverse bind matrices than its {many} joints")));
+        }
+        let matrix = |(k, joint): (usize, &Node)| {
+            let bind = binds.as_ref().map_or(DMat4::IDENTITY, |b| DMat4::from_cols_array(&b.get(k).map(f64::from)));
+            self.to_world[joint.index()] * bind
+        };
+        Ok(MeshPlacement::Skin(joints.iter().enumerate().map(matrix).collect()))
+    }
+}
+
+/// The transform from a file's space to the world: glTF is right-handed, the world left-handed.
+fn root(scale: f32) -> DMat4 {
+    let size = f64::from(scale);
+    DMat4::from_scale(DVec3::new(size, size, -size))
+}
+
+fn local(node: &Node) -> DMat4 {
+    match node.transform() {
+        Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
+        Transform::Decomposed { translation, rotation, scale } => {
+            let rotation = DQuat::from_array(rotation.map(f64::from));
+            let unit = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+            let [scale, translation] = [scale, translation].map(|v| DVec3::from_array(v.map(f64::from)));
+            DMat4::from_scale_rotation_translation(scale, unit, translation)
+        }
+    }
+}
+
+/// Makes names unique: repeated names get numbers.
+#[derive(Default)]
+struct UniqueNames {
+    /// Each name that was given, with the last number that was tried after it.
+    given: HashMap<String, usize>,
+}
+
+impl UniqueNames {
+    fn unique(&mut self, name: &str) -> String {
+        let mut number = *self.given.entry(name.to_owned()).and_modify(|k| *k += 1).or_insert(1);
+        let mut unique = if number == 1 { name.to_owned() } else { format!("{name} {number}") };
+        while number > 1 && self.given.contains_key(&unique) {
+            number += 1;
+            unique = format!("{name} {number}");
+        }
+        self.given.insert(name.to_owned(), number);
+        self.given.entry(unique.clone()).or_insert(1);
+        unique
+    }
+}
+
+/// The view of a camera; `None`, with a note, if the camera cannot be a view.
+fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes: &mut Notes) -> Option<View> {
+    let eye = to_world.w_axis.truncate();
+    let forward = -to_world.z_axis.truncate().normalize_or_zero();
+    let metres = |length: f32| length * units.scale;
+    let lens = match camera.projection() {
+        Projection::Perspective(p) => {
+            Lens::perspective(p.yfov(), metres(p.znear()), p.zfar().map_or(units.far_m, metres))
+        }
+        // Pixels are square whatever the stated width, as with a perspective.
+        Projection::Orthographic(o) => {
+            Lens::orthographic(2.0 * metres(o.ymag().abs()), metres(o.znear()), metres(o.zfar()))
+        }
+    };
+    let distance = (units.centre.as_dvec3() - eye).dot(forward).max(f64::from(units.scale));
+    let [eye, look_at] = [eye, eye + distance * forward].map(|v| v.as_vec3());
+    let near_enough = |v: Vec3| v.is_finite() && v.abs().max_element() <= MAX_COORDINATE_M;
+    let sound = near_enough(eye) && near_enough(look_at) && (look_at - eye).try_normalize().is_some();
+    if !sound || !Camera::new(eye, look_at, lens, 1.0).is_sound() {
+        notes.add(
+            "camera",
+            format!("camera {} cannot be used as a view and was left out", bounded::printable_name(name)),
+        );
+        return None;
+    }
+    let right = to_world.x_axis.truncate().normalize_or_zero();
+    if right.y.abs() > 1e-3 && forward.y.abs() < 0.999_999 {
+        notes.add("roll", "cameras that are rolled about their axis are set upright".to_owned());
+    }
+    Some(View { eye, look_at, lens: Some(lens), ..View::default() })
+}

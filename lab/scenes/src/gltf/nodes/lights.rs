@@ -1,0 +1,93 @@
+//! Lights of `KHR_lights_punctual` in the world, at one exposure. Files give brightness in lux and candela: a sun of 3 W/m² in
+//! Blender has 2049 lx, since Blender multiplies by 683 lumens for a watt.
+
+use super::Units;
+use crate::gltf::Notes;
+use crate::texture::luminance;
+use crate::{Light, MAX_COORDINATE_M};
+use glam::{DMat4, Vec3};
+use gltf::khr_lights_punctual::Kind;
+use ssct_ground::math::constants;
+
+/// A light with its brightness at the scene's centre, in lux.
+pub(super) struct PlacedLight {
+    light: Light,
+    illuminance: f64,
+}
+
+/// A light in the world, or `None` if it gives no light.
+pub(super) fn lamp(
+    light: &gltf::khr_lights_punctual::Light,
+    to_world: &DMat4,
+    units: &Units,
+    notes: &mut Notes,
+) -> Option<PlacedLight> {
+    let colour = Vec3::from(light.color());
+    let grey = luminance(colour);
+    if (colour - grey).abs().max_element() > 1e-3 {
+        notes.add("coloured", "coloured lights are not supported; they shine white with their luminance".to_owned());
+    }
+    let intensity = f64::from(light.intensity() * grey);
+    let position = to_world.w_axis.truncate();
+    let placed = match light.kind() {
+        Kind::Directional => {
+            let direction = -to_world.z_axis.truncate().normalize_or_zero().as_vec3();
+            let light = Light::Directional { direction, energy: 1.0 };
+            PlacedLight { light, illuminance: if direction == Vec3::ZERO { 0.0 } else { intensity } }
+        }
+        kind => {
+            if matches!(kind, Kind::Spot { .. }) {
+                notes.add("spots", "spot lights are not supported; they shine in all directions".to_owned());
+            }
+            if light.range().is_some() {
+                notes.add("ranges", "ranges of lights are not supported; lights reach as far as they fade".to_owned());
+            }
+            // The file's unit of length is the metre; the brightness of a light at the centre itself is taken one metre away.
+            let scale = f64::from(units.scale);
+            let away = ((position - units.centre.as_dvec3()).length() / scale).max(1.0);
+            // An energy is scaled like a squared length.
+            let light = Light::Point { position: position.as_vec3(), energy: (intensity * scale * scale) as f32 };
+            PlacedLight { light, illuminance: intensity / (away * away) }
+        }
+    };
+    let sound = placed.illuminance.is_finite()
+        && placed.illuminance > 0.0
+        && position.is_finite()
+        && position.abs().max_element() <= f64::from(MAX_COORDINATE_M);
+    sound.then_some(placed)
+}
+
+/// The lights at one exposure, which makes the brightest give 1 at the scene's centre. Far from a point light of energy e the
+/// attenuation is e / d², as in glTF. Also returns a sentence about the exposure.
+pub(super) fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<Light>, Option<String>) {
+    placed.sort_by(|a, b| b.illuminance.total_cmp(&a.illuminance));
+    let most = constants::MAX_LIGHTS as usize;
+    if placed.len() > most {
+        notes.add(
+            "lights",
+            format!("{} lights are more than the {most} that are drawn; the brightest stay", placed.len()),
+        );
+        placed.truncate(most);
+    }
+    let Some(brightest) = placed.first().map(|p| p.illuminance) else { return (Vec::new(), None) };
+    let exposed = |p: PlacedLight| match p.light {
+        Light::Directional { direction, .. } => {
+            Light::Directional { direction, energy: (p.illuminance / brightest) as f32 }
+        }
+        Light::Point { position, energy } => Light::Point { position, energy: (f64::from(energy) / brightest) as f32 },
+    };
+    let lit = |light: &Light| match *light {
+        Light::Directional { energy, .. } | Light::Point { energy, .. } => energy.is_finite() && energy > 0.0,
+    };
+    let lights: Vec<Light> = placed.into_iter().map(exposed).filter(lit).collect();
+    let sentence = format!(
+        "its lights are exposed so that the brightest, which gives {} lx at the scene's centre, gives 1",
+        rounded(brightest)
+    );
+    (lights, Some(sentence))
+}
+
+/// A brightness with about four digits.
+fn rounded(lux: f64) -> String {
+    if lux >= 1000.0 { format!("{lux:.0}") } else { format!("{lux:.3}") }
+}

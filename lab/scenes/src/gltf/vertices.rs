@@ -1,0 +1,309 @@
+//! The vertices of a primitive: its attributes, morph targets and skin, and the place of each vertex in the world.
+
+use super::Notes;
+use super::data::{Data, Vectors};
+use super::materials::Coordinates;
+use crate::{MAX_COORDINATE_M, Vertex, bounded};
+use bytemuck::Zeroable;
+use glam::{DMat3, DMat4, DVec3, Vec3};
+use gltf::Semantic;
+use gltf::mesh::Primitive;
+use ssct_ground::error::Result;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+/// A transform of vertices to the world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ToWorld {
+    /// Matrix to the world, which is left-handed.
+    to_world: DMat4,
+    /// Cofactors of the matrix's linear part, which transform normals.
+    cofactors: DMat3,
+    /// −1 if the matrix mirrors, 1 otherwise.
+    sign: f64,
+}
+
+impl ToWorld {
+    pub(super) fn new(to_world: DMat4) -> Self {
+        let linear = DMat3::from_mat4(to_world);
+        let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
+        let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+        let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+        Self { to_world, cofactors, sign }
+    }
+
+    /// A unit normal in the world; zero if the local one is zero.
+    fn normal(&self, local: DVec3) -> DVec3 {
+        (self.sign * (self.cofactors * local)).normalize_or_zero()
+    }
+
+    /// A tangent in the world. The bitangent w · n × t is transformed with the surface, so that a mirroring changes the sign of
+    /// w.
+    fn tangent(&self, [x, y, z, w]: [f32; 4]) -> [f32; 4] {
+        let along = self.to_world.transform_vector3(DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
+        let w = if f64::from(w) * self.sign < 0.0 { -1.0 } else { 1.0 };
+        // Adding zero turns −0 into 0, so that welding finds equal bits.
+        (along.as_vec3() + Vec3::ZERO).extend(w).to_array()
+    }
+}
+
+/// Placement of the vertices of a mesh.
+pub(super) enum MeshPlacement {
+    /// The transform of the node places all vertices.
+    Node(ToWorld),
+    /// The joints of a skin place each vertex, by their matrices from the mesh to the world. The node's own transform is
+    /// ignored (glTF 2.0, 3.7.3.3).
+    Skin(Vec<DMat4>),
+}
+
+/// A mesh that a node places.
+pub(super) struct PlacedMesh<'a> {
+    /// Name in messages and labels.
+    pub(super) name: &'a str,
+    pub(super) placement: &'a MeshPlacement,
+    /// Weight of each morph target.
+    pub(super) weights: &'a [f32],
+    /// Offset that is subtracted from every place in the world, in metres.
+    pub(super) origin: DVec3,
+}
+
+/// A vertex in the world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlacedVertex {
+    pub(super) vertex: Vertex,
+    /// Position before rounding to 32-bit floats.
+    pub(super) position: DVec3,
+    /// −1 if the placement mirrors.
+    pub(super) sign: f64,
+}
+
+impl Default for PlacedVertex {
+    fn default() -> Self {
+        Self { vertex: Vertex::zeroed(), position: DVec3::ZERO, sign: 1.0 }
+    }
+}
+
+/// Vertices that were placed already. A primitive that draws few of many vertices keeps only these.
+pub(super) enum PlacedVertices {
+    All(Vec<Option<PlacedVertex>>),
+    Few(HashMap<u32, PlacedVertex>),
+}
+
+impl PlacedVertices {
+    pub(super) fn new(count: usize, triangles: usize) -> Self {
+        if count <= 12 * triangles { Self::All(vec![None; count]) } else { Self::Few(HashMap::new()) }
+    }
+
+    /// The vertex of an index, which is placed when it is first needed.
+    pub(super) fn get(&mut self, index: u32, place: impl FnOnce() -> Result<PlacedVertex>) -> Result<PlacedVertex> {
+        Ok(match self {
+            Self::All(all) => match all.get_mut(index as usize) {
+                Some(Some(known)) => *known,
+                Some(new) => *new.insert(place()?),
+                // `place` returns an error, since there is no such vertex.
+                None => place()?,
+            },
+            Self::Few(few) => match few.entry(index) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(new) => *new.insert(place()?),
+            },
+        })
+    }
+}
+
+/// A morph target with its weight.
+struct Morph<'a> {
+    weight: f64,
+    positions: Option<Vectors<'a, 3>>,
+    normals: Option<Vectors<'a, 3>>,
+}
+
+/// The vertices of a primitive as the file has them, with their placement.
+pub(super) struct MeshVertices<'a> {
+    data: &'a Data<'a>,
+    mesh: &'a PlacedMesh<'a>,
+    coordinates: &'a Coordinates,
+    pub(super) count: usize,
+    pub(super) has_tangents: bool,
+    positions: Vectors<'a, 3>,
+    normals: Option<Vectors<'a, 3>>,
+    tangents: Option<Vectors<'a, 4>>,
+    uvs: Option<Vectors<'a, 2>>,
+    morphs: Vec<Morph<'a>>,
+    /// The joints of each vertex and their weights, four at a time.
+    influences: Vec<[Vectors<'a, 4>; 2]>,
+}
+
+impl<'a> MeshVertices<'a> {
+    /// `None` for a primitive without positions, which is not drawn.
+    pub(super) fn new(
+        data: &'a Data,
+        primitive: &Primitive,
+        mesh: &'a PlacedMesh,
+        coordinates: &'a Coordinates,
+    ) -> Result<Option<Self>> {
+        let Some(accessor) = primitive.get(&Semantic::Positions) else { return Ok(None) };
+        let positions = data.vectors::<3>(&accessor, &Semantic::Positions)?;
+        data.check_claim(accessor.index(), &positions.elements)?;
+        let count = positions.len();
+        let normals = attribute::<3>(data, primitive, Semantic::Normals, count)?;
+        // Without normals, tangents have no meaning (glTF 2.0, 3.7.2.1).
+        let tangents = match normals {
+            Some(_) => attribute::<4>(data, primitive, Semantic::Tangents, count)?,
+            None => None,
+        };
+        let uvs = attribute::<2>(data, primitive, Semantic::TexCoords(coordinates.set), count)?;
+        let morphs = morphs(data, primitive, mesh.weights, count)?;
+        let influences = match mesh.placement {
+            MeshPlacement::Node(_) => Vec::new(),
+            MeshPlacement::Skin(_) => influences(data, primitive, count)?,
+        };
+        let has_tangents = tangents.is_some();
+        Ok(Some(Self {
+            data,
+            mesh,
+            coordinates,
+            count,
+            has_tangents,
+            positions,
+            normals,
+            tangents,
+            uvs,
+            morphs,
+            influences,
+        }))
+    }
+
+    /// Places a vertex in the world.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) for an index without a vertex, and for a position that is not
+    /// finite or out of range.
+    pub(super) fn place(&self, i: usize, notes: &mut Notes) -> Result<PlacedVertex> {
+        let wrong = |what: String| self.data.error(format!("mesh {}: {what}", bounded::printable_name(self.mesh.name)));
+        if i >= self.count {
+            return Err(wrong(format!("an index is not below the {} vertices", self.count)));
+        }
+        let placement = self.placement(i).map_err(wrong)?;
+        let position = placement.to_world.transform_point3(self.position(i)) - self.mesh.origin;
+        if !position.is_finite() {
+            return Err(wrong(format!("the position of vertex {i} is not a number")));
+        }
+        if position.abs().max_element() > f64::from(MAX_COORDINATE_M) {
+            return Err(wrong(format!("a vertex lies more than {MAX_COORDINATE_M:e} m from the origin")));
+        }
+        let mut uv = self.uvs.as_ref().map_or([0.0; 2], |all| self.coordinates.place(all.get(i)));
+        if uv.iter().any(|v| !v.is_finite()) {
+            notes.add("no coordinates", "texture coordinates that are not finite count as 0".to_owned());
+            uv = [0.0; 2];
+        }
+        let normal = self.normal(i);
+        if !normal.is_finite() {
+            notes.add("no normals", "normals that are not finite became those of their triangles".to_owned());
+        }
+        let vertex = Vertex {
+            position: (position.as_vec3() + Vec3::ZERO).to_array(),
+            normal: placement.normal(normal).as_vec3().to_array(),
+            uv,
+            tangent: self.tangents.as_ref().map_or([0.0; 4], |all| placement.tangent(all.get(i))),
+        };
+        Ok(PlacedVertex { vertex, position, sign: placement.sign })
+    }
+
+    /// A position in the mesh, including morph targets.
+    fn position(&self, i: usize) -> DVec3 {
+        let added = self.morphs.iter().filter_map(|m| Some(m.weight * vector(m.positions.as_ref()?, i)));
+        added.fold(vector(&self.positions, i), |sum, added| sum + added)
+    }
+
+    /// A normal in the mesh, including morph targets; zero if there is none.
+    fn normal(&self, i: usize) -> DVec3 {
+        let Some(normals) = &self.normals else { return DVec3::ZERO };
+        let added = self.morphs.iter().filter_map(|m| Some(m.weight * vector(m.normals.as_ref()?, i)));
+        added.fold(vector(normals, i), |sum, added| sum + added)
+    }
+
+    /// The transform of a vertex; with a skin, the mean of its joints' matrices. Weights need not add up to 1; without weights,
+    /// the first joint is used.
+    fn placement(&self, i: usize) -> std::result::Result<ToWorld, String> {
+        let joints = match self.mesh.placement {
+            MeshPlacement::Node(node) => return Ok(*node),
+            MeshPlacement::Skin(joints) => joints,
+        };
+        let (mut sum, mut total) = (DMat4::ZERO, 0.0);
+        let mut first = None;
+        for [indices, weights] in &self.influences {
+            for (index, weight) in indices.get(i).into_iter().zip(weights.get(i)) {
+                let Some(joint) = joints.get(index as usize) else {
+                    return Err(format!("vertex {i} has joint {index}, and the skin has {} joints", joints.len()));
+                };
+                first.get_or_insert(*joint);
+                if weight > 0.0 && weight.is_finite() {
+                    sum += f64::from(weight) * *joint;
+                    total += f64::from(weight);
+                }
+            }
+        }
+        let mean = if total > 0.0 { sum * (1.0 / total) } else { first.unwrap_or(DMat4::IDENTITY) };
+        Ok(ToWorld::new(mean))
+    }
+}
+
+fn vector(all: &Vectors<3>, i: usize) -> DVec3 {
+    Vec3::from(all.get(i)).as_dvec3()
+}
+
+/// The morph targets whose weight is not 0.
+fn morphs<'a>(data: &'a Data, primitive: &Primitive, weights: &[f32], count: usize) -> Result<Vec<Morph<'a>>> {
+    let mut morphs = Vec::new();
+    for (target, &weight) in primitive.morph_targets().zip(weights) {
+        if weight == 0.0 || !weight.is_finite() {
+            continue;
+        }
+        let read = |accessor: Option<gltf::Accessor>, semantic: Semantic| {
+            accessor.map(|a| checked::<3>(data, &a, &semantic, count)).transpose()
+        };
+        let positions = read(target.positions(), Semantic::Positions)?;
+        let normals = read(target.normals(), Semantic::Normals)?;
+        morphs.push(Morph { weight: f64::from(weight), positions, normals });
+    }
+    Ok(morphs)
+}
+
+/// The joints of a skinned primitive, with their weights.
+fn influences<'a>(data: &'a Data, primitive: &Primitive, count: usize) -> Result<Vec<[Vectors<'a, 4>; 2]>> {
+    let mut influences = Vec::new();
+    for set in 0.. {
+        let joints = attribute::<4>(data, primitive, Semantic::Joints(set), count)?;
+        let weights = attribute::<4>(data, primitive, Semantic::Weights(set), count)?;
+        match joints.zip(weights) {
+            Some((joints, weights)) => influences.push([joints, weights]),
+            None => break,
+        }
+    }
+    Ok(influences)
+}
+
+fn attribute<'a, const N: usize>(
+    data: &'a Data,
+    primitive: &Primitive,
+    semantic: Semantic,
+    count: usize,
+) -> Result<Option<Vectors<'a, N>>> {
+    primitive.get(&semantic).map(|accessor| checked(data, &accessor, &semantic, count)).transpose()
+}
+
+/// The vectors of an accessor, which must have one for each vertex.
+fn checked<'a, const N: usize>(
+    data: &'a Data,
+    accessor: &gltf::Accessor,
+    semantic: &Semantic,
+    count: usize,
+) -> Result<Vectors<'a, N>> {
+    let all = data.vectors(accessor, semantic)?;
+    if all.len() != count {
+        let (what, index) = (semantic.to_string(), accessor.index());
+        return Err(data.error(format!("accessor {index} of {what} has {} elements for {count} vertices", all.len())));
+    }
+    Ok(all)
+}

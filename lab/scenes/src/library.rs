@@ -1,0 +1,217 @@
+//! The built-in scenes. The scenes are generated without files, and have the views, lights and proportions of the scenes in the
+//! theses, so that the program can be used without downloads.
+
+mod atrium;
+pub mod builder;
+mod car;
+mod cathedral;
+mod cornell_box;
+mod corridor;
+mod fittings;
+mod masonry;
+mod museum;
+mod portrait;
+mod rooms;
+mod skeleton;
+mod street;
+
+use super::pattern::{self, Pattern, Picture};
+use super::{Aabb, Lens, LoadOptions, Material, Probe, Scene, Surface, Texture, View, scene_file};
+use builder::MeshBuilder;
+use glam::Vec3;
+use rayon::prelude::*;
+use ssct_ground::error::Result;
+use std::path::Path;
+
+/// The names of the scenes that studies use.
+pub fn names() -> &'static [&'static str] {
+    &["rooms", "atrium", "street", "museum", "cathedral", "corridor"]
+}
+
+/// All names that [`scene`] knows: the scenes of studies, and a box without reflections that is made for a figure alone.
+pub fn every_name() -> impl Iterator<Item = &'static str> {
+    names().iter().copied().chain(["cornell-box"])
+}
+
+/// A built-in scene, or the scene of a scene file with this path.
+///
+/// # Errors
+/// The errors of [`scene_file::load`].
+pub fn scene_or_file(name: &str) -> Result<Scene> {
+    scene(name).map_or_else(|| scene_file::load(Path::new(name), &LoadOptions::default()), Ok)
+}
+
+/// A built-in scene; `None` if the name is not in [`every_name`].
+///
+/// `rooms` replaces the thesis's two rooms (figures 5.1–5.5 and 5.9), and `atrium` replaces Crytek Sponza (figures 5.6–5.8).
+/// `street`, `museum` and `cathedral` replace the three scenes of Schmidt's thesis (2013, section 5.1). `corridor` is a narrow
+/// room, as section 5.2 of Schmidt's thesis recommends for parallax-corrected cube maps. `cornell-box` is the scene of the
+/// thesis's figure 2.4.
+pub fn scene(name: &str) -> Option<Scene> {
+    match name {
+        "rooms" => Some(rooms::scene()),
+        "atrium" => Some(atrium::scene()),
+        "street" => Some(street::scene()),
+        "museum" => Some(museum::scene()),
+        "cathedral" => Some(cathedral::scene()),
+        "corridor" => Some(corridor::scene()),
+        "cornell-box" => Some(cornell_box::scene()),
+        _ => None,
+    }
+}
+
+/// A material of a built-in scene. Each scene keeps its materials in a table and refers to them by index.
+#[derive(Clone, Copy)]
+struct Finish {
+    name: &'static str,
+    look: SurfaceLook,
+    /// Linear factor on the images.
+    tint: Vec3,
+    reflectivity: f32,
+    roughness: f32,
+    normal_deviation: f32,
+}
+
+/// The source of a material's images.
+#[derive(Clone, Copy, PartialEq)]
+enum SurfaceLook {
+    /// A repeating image with its relief.
+    Pattern(Pattern),
+    /// One image from edge to edge.
+    Picture(Picture),
+    /// No image: one uniform colour.
+    Paint,
+    /// No image: the surface shows the sky.
+    Window,
+}
+
+impl Finish {
+    const fn with_look(name: &'static str, look: SurfaceLook, reflectivity: f32) -> Self {
+        Self { name, look, tint: Vec3::ONE, reflectivity, roughness: 0.0, normal_deviation: 1.0 }
+    }
+
+    const fn new(name: &'static str, pattern: Pattern, reflectivity: f32) -> Self {
+        Self::with_look(name, SurfaceLook::Pattern(pattern), reflectivity)
+    }
+
+    const fn picture(name: &'static str, picture: Picture) -> Self {
+        Self::with_look(name, SurfaceLook::Picture(picture), 0.0)
+    }
+
+    /// A uniform colour, as linear albedo.
+    const fn paint(name: &'static str, red: f32, green: f32, blue: f32) -> Self {
+        Self::with_look(name, SurfaceLook::Paint, 0.0).tinted(red, green, blue)
+    }
+
+    const fn window(name: &'static str) -> Self {
+        Self::with_look(name, SurfaceLook::Window, 0.0)
+    }
+
+    const fn tinted(self, red: f32, green: f32, blue: f32) -> Self {
+        Self { tint: Vec3::new(red, green, blue), ..self }
+    }
+
+    const fn reflecting(self, reflectivity: f32, roughness: f32) -> Self {
+        Self { reflectivity, roughness, ..self }
+    }
+
+    /// Weakens the relief by a weight, for a polished surface.
+    const fn smoothed(self, normal_deviation: f32) -> Self {
+        Self { normal_deviation, ..self }
+    }
+
+    /// An empty mesh with this material's texture scale.
+    fn mesh(&self, name: impl Into<String>, material: usize) -> MeshBuilder {
+        let image_m = if let SurfaceLook::Pattern(pattern) = self.look { pattern.size_m() } else { 1.0 };
+        MeshBuilder::new(name, material, image_m)
+    }
+}
+
+/// The images of a look, or their indices.
+struct Maps<T> {
+    albedo: T,
+    normal: Option<T>,
+    mask: Option<T>,
+    reflectivity: Option<T>,
+}
+
+impl SurfaceLook {
+    fn images(self) -> Option<Maps<Texture>> {
+        match self {
+            Self::Pattern(pattern) => {
+                let (albedo, normal) = pattern::images(pattern);
+                let reflectivity = pattern::reflectivity_image(pattern);
+                Some(Maps { albedo, normal: Some(normal), mask: None, reflectivity })
+            }
+            Self::Picture(picture) => {
+                let (albedo, mask) = pattern::picture_images(picture);
+                Some(Maps { albedo, normal: None, mask, reflectivity: None })
+            }
+            Self::Paint | Self::Window => None,
+        }
+    }
+}
+
+/// The materials in the order of the table, with their images; equal looks share images.
+fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
+    let mut looks: Vec<SurfaceLook> = Vec::new();
+    for finish in finishes {
+        if !looks.contains(&finish.look) {
+            looks.push(finish.look);
+        }
+    }
+    let made: Vec<Option<Maps<Texture>>> = looks.par_iter().map(|look| look.images()).collect();
+    let mut textures = Vec::new();
+    let mut keep = |texture| {
+        textures.push(texture);
+        textures.len() - 1
+    };
+    let maps: Vec<Option<Maps<usize>>> = made
+        .into_iter()
+        .map(|maps| {
+            maps.map(|m| Maps {
+                albedo: keep(m.albedo),
+                normal: m.normal.map(&mut keep),
+                mask: m.mask.map(&mut keep),
+                reflectivity: m.reflectivity.map(&mut keep),
+            })
+        })
+        .collect();
+    let material = |finish: &Finish| {
+        let maps = looks.iter().position(|&look| look == finish.look).and_then(|k| maps[k].as_ref());
+        Material {
+            name: finish.name.to_owned(),
+            albedo: finish.tint,
+            albedo_map: maps.map(|m| m.albedo),
+            normal_map: maps.and_then(|m| m.normal),
+            alpha_mask: maps.and_then(|m| m.mask),
+            reflectivity: finish.reflectivity,
+            reflectivity_map: maps.and_then(|m| m.reflectivity),
+            roughness: finish.roughness,
+            normal_deviation: finish.normal_deviation,
+            surface: if finish.look == SurfaceLook::Window { Surface::Sky } else { Surface::Lit },
+            ..Material::default()
+        }
+    };
+    (finishes.iter().map(material).collect(), textures)
+}
+
+/// A probe with its box.
+fn probe(name: &str, position: [f32; 3], min: [f32; 3], max: [f32; 3]) -> Probe {
+    let bounds = Aabb { min: Vec3::from(min), max: Vec3::from(max) };
+    Probe { name: name.to_owned(), position: Vec3::from(position), bounds }
+}
+
+/// A view with the scene's lens and materials.
+fn view(name: &str, eye: [f32; 3], look_at: [f32; 3]) -> View {
+    View { name: name.to_owned(), eye: Vec3::from(eye), look_at: Vec3::from(look_at), ..View::default() }
+}
+
+/// The lens of the thesis's program: 74° vertical, near 0.1 m, far 1000 m.
+fn thesis_lens() -> Lens {
+    Lens::default()
+}
+
+#[cfg(test)]
+#[allow(clippy::expect_used)]
+mod tests;

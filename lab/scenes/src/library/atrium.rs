@@ -1,0 +1,367 @@
+//! `atrium`: a colonnaded court of two storeys in the proportions of Crytek Sponza, for the thesis's figures
+//! 5.6–5.8: arcades around an open court, vaulted galleries behind them, and furnishing ([`furnishing`]). Only
+//! the floor reflects; in the view `hall` the walls reflect as well.
+
+mod furnishing;
+
+use super::builder::{MeshBuilder, Rect};
+use super::masonry::{self, Arch, ColumnSize, Wall};
+use super::{Finish, materials, probe, thesis_lens, view};
+use crate::pattern::{Dye, Pattern, Wood};
+use crate::{Light, MaterialChange, Mesh, Scene, sky};
+use glam::{Vec2, Vec3};
+
+const FLOOR: usize = 0;
+const BRICKS: usize = 1;
+const ARCH: usize = 2;
+const COLUMN: usize = 3;
+const CEILING: usize = 4;
+const ROOF: usize = 5;
+pub const VASE: usize = 6;
+pub const RELIEF: usize = 7;
+pub const LEAF: usize = 8;
+pub const POLE: usize = 9;
+/// Index of the first of three cloths.
+pub const CLOTH: usize = 10;
+
+const FINISHES: [Finish; 13] = [
+    Finish::new("floor", Pattern::Slabs, 1.0),
+    Finish::new("bricks", Pattern::Bricks, 0.0),
+    Finish::new("arch", Pattern::Limestone, 0.0),
+    Finish::new("column", Pattern::Limestone, 0.0),
+    Finish::new("ceiling", Pattern::Plaster, 0.0),
+    Finish::new("roof", Pattern::Bricks, 0.0),
+    Finish::new("vase", Pattern::Limestone, 0.0),
+    Finish::new("relief", Pattern::Limestone, 0.0),
+    Finish::new("leaf", Pattern::Foliage, 0.0),
+    Finish::new("pole", Pattern::Wood(Wood::Dark), 0.0),
+    Finish::new("cloth-red", Pattern::Cloth(Dye::Red), 0.0),
+    Finish::new("cloth-green", Pattern::Cloth(Dye::Green), 0.0),
+    Finish::new("cloth-blue", Pattern::Cloth(Dye::Blue), 0.0),
+];
+
+/// Walls and columns stand on these lines. The first and the last are the outer walls; the second and the
+/// second to last bound the court.
+pub const LINES_X: [f32; 8] = [-14.3, -9.95, -6.2, -2.46, 1.22, 4.9, 8.75, 13.0];
+pub const LINES_Z: [f32; 4] = [-5.75, -2.05, 2.8, 6.45];
+/// The building's outer extent in x and z.
+const OUTSIDE: ([f32; 2], [f32; 2]) = ([-18.7, 17.5], [-10.4, 11.4]);
+
+/// Heights above the floor in metres at which the arches of each storey spring.
+const SPRING: [f32; 2] = [2.3, 6.95];
+const UPPER_FLOOR: f32 = 4.16;
+pub const PARAPET: f32 = 5.08;
+const WALL_TOP: f32 = 13.0;
+/// Overlap of neighbouring geometry, in metres, so that no light shows through the joints.
+const OVERLAP: f32 = 0.02;
+const ARCADE_M: f32 = 0.6;
+const HALF_PIER_M: f32 = 0.5;
+
+/// Builds the scene.
+pub fn scene() -> Scene {
+    let (materials, textures) = materials(&FINISHES);
+    let parts = [floors(), outer_walls(), galleries(), arcades(), columns(), upper_walls(), roof()];
+    let mut meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
+    meshes.extend(furnishing::all().into_iter().map(MeshBuilder::build));
+    let reflecting =
+        |name: &str| (name.to_owned(), MaterialChange { reflectivity: Some(1.0), ..MaterialChange::default() });
+    let mut hall = view("hall", [-11.5, 1.6, -4.2], [4.0, 1.4, -4.4]);
+    hall.materials = vec![reflecting("floor"), reflecting("bricks")];
+    Scene {
+        name: "atrium".to_owned(),
+        meshes,
+        materials,
+        textures,
+        lights: vec![Light::Directional { direction: -sky::SUN, energy: 1.0 }],
+        lens: thesis_lens(),
+        views: vec![
+            view("atrium", [10.5, 1.7, -0.3], [-4.0, 2.2, 0.2]),
+            view("lion", [6.0, 1.0, 0.4], [13.0, 1.0, 0.4]),
+            hall,
+        ],
+        probes: vec![
+            probe("court-east", [4.0, 2.0, 0.4], [LINES_X[1], 0.0, LINES_Z[1]], [LINES_X[6], WALL_TOP, LINES_Z[2]]),
+            probe("court-west", [-5.0, 2.0, 0.4], [LINES_X[1], 0.0, LINES_Z[1]], [LINES_X[6], WALL_TOP, LINES_Z[2]]),
+            probe("south-gallery", [-2.0, 1.7, -3.9], [LINES_X[0], 0.0, LINES_Z[0]], [LINES_X[7], 3.8, LINES_Z[1]]),
+        ],
+        ..Scene::default()
+    }
+}
+
+/// An empty mesh of one of the atrium's materials.
+pub fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
+    FINISHES[material].mesh(name, material)
+}
+
+/// The bays of the galleries without the court: least and greatest corner (x, z).
+fn gallery_bays() -> impl Iterator<Item = [Vec2; 2]> {
+    let bays_x = LINES_X.windows(2).enumerate();
+    bays_x.flat_map(|(i, x)| {
+        let (low, high) = (x[0], x[1]);
+        LINES_Z.windows(2).enumerate().filter_map(move |(k, z)| {
+            let court = (1..LINES_X.len() - 2).contains(&i) && k == 1;
+            (!court).then_some([Vec2::new(low, z[0]), Vec2::new(high, z[1])])
+        })
+    })
+}
+
+fn level(bay: [Vec2; 2], y: f32) -> [Vec3; 4] {
+    let [a, b] = bay;
+    [(a.x, a.y), (b.x, a.y), (b.x, b.y), (a.x, b.y)].map(|(x, z)| Vec3::new(x, y, z))
+}
+
+/// The floor of court and galleries, and the galleries' upper floors.
+fn floors() -> Vec<MeshBuilder> {
+    let mut floor = mesh("floor", FLOOR);
+    let overlap = Vec2::splat(OVERLAP);
+    let least = Vec2::new(LINES_X[0], LINES_Z[0]) - overlap;
+    let most = Vec2::new(LINES_X[7], LINES_Z[3]) + overlap;
+    floor.polygon(&level([least, most], 0.0), Vec3::Y);
+    let mut upper = mesh("upper-floor", FLOOR);
+    for bay in gallery_bays() {
+        upper.polygon(&level(bay, UPPER_FLOOR), Vec3::Y);
+    }
+    vec![floor, upper]
+}
+
+/// The four walls behind the galleries, and the outside of the building.
+fn outer_walls() -> Vec<MeshBuilder> {
+    let heights = [-OVERLAP, 8.7];
+    let (x, z) = ([LINES_X[0], LINES_X[7]], [LINES_Z[0], LINES_Z[3]]);
+    let frames = [
+        (Vec3::new(0.0, 0.0, z[0]), Vec3::NEG_X, [-x[1], -x[0]]),
+        (Vec3::new(0.0, 0.0, z[1]), Vec3::X, x),
+        (Vec3::new(x[0], 0.0, 0.0), Vec3::Z, z),
+        (Vec3::new(x[1], 0.0, 0.0), Vec3::NEG_Z, [-z[1], -z[0]]),
+    ];
+    let mut walls: Vec<_> = frames
+        .into_iter()
+        .map(|(origin, right, extent)| {
+            let mut wall = mesh("gallery-wall", BRICKS);
+            wall.panel([origin, right, Vec3::Y], Rect::new(extent, heights), &[]);
+            wall
+        })
+        .collect();
+    let mut outside = mesh("outside", BRICKS);
+    let (x, z) = OUTSIDE;
+    outside.cuboid_but(Vec3::new(x[0], -1.26, z[0]), Vec3::new(x[1], 13.4, z[1]), &[Vec3::Y]);
+    walls.push(outside);
+    walls
+}
+
+/// The vaults of both storeys, with ribs between the bays.
+fn galleries() -> Vec<MeshBuilder> {
+    let mut parts = Vec::new();
+    for (storey, spring) in SPRING.into_iter().enumerate() {
+        for bay in gallery_bays() {
+            let mut vault = mesh(format!("vault-{storey}"), CEILING);
+            masonry::groin_vault(&mut vault, bay, spring + 0.1, 1.45, [20, 1]);
+            parts.push(vault);
+        }
+        let mut ribs = mesh(format!("ribs-{storey}"), ARCH);
+        for (x, z) in LINES_X[1..7].iter().flat_map(|&x| [0, 2].map(|k| (x, [LINES_Z[k], LINES_Z[k + 1]]))) {
+            rib(&mut ribs, Vec3::new(x, 0.0, 0.0), Vec3::Z, z, spring);
+        }
+        for (z, x) in LINES_Z[1..3].iter().flat_map(|&z| [0, 6].map(|k| (z, [LINES_X[k], LINES_X[k + 1]]))) {
+            rib(&mut ribs, Vec3::new(0.0, 0.0, z), Vec3::X, x, spring);
+        }
+        parts.push(ribs);
+    }
+    parts
+}
+
+/// An arch between two lines that carries a vault, on corbels.
+fn rib(mesh: &mut MeshBuilder, origin: Vec3, along: Vec3, [from, to]: [f32; 2], spring: f32) {
+    let wall = Wall { origin, along, thickness_m: 0.4 };
+    let half_width = 0.5 * (to - from) - 0.3;
+    let arch = Arch { centre_m: 0.5 * (from + to), half_width_m: half_width, spring_m: spring, rise_m: 1.25 };
+    masonry::arched_wall(mesh, &wall, [from, to], [spring, spring + 1.5], &[arch]);
+    masonry::soffit(mesh, &wall, &arch, spring);
+    let across = along.cross(Vec3::Y).abs();
+    for end in [from, to] {
+        for (half, low, high) in [(0.36, -0.16, 0.02), (0.28, -0.28, -0.16), (0.20, -0.38, -0.28)] {
+            let centre = origin + end * along;
+            let reach = half * along + (half - 0.1) * across;
+            mesh.cuboid(centre - reach + (spring + low) * Vec3::Y, centre + reach + (spring + high) * Vec3::Y);
+        }
+    }
+}
+
+/// A side of the court: the line of its wall, and the positions of columns and piers on it.
+struct Side {
+    origin: Vec3,
+    along: Vec3,
+    posts: Vec<f32>,
+}
+
+fn sides() -> [Side; 4] {
+    let long = |z: f32| Side { origin: Vec3::new(0.0, 0.0, z), along: Vec3::X, posts: LINES_X[1..7].to_vec() };
+    let short = |x: f32| Side { origin: Vec3::new(x, 0.0, 0.0), along: Vec3::Z, posts: LINES_Z[1..3].to_vec() };
+    [long(LINES_Z[1]), long(LINES_Z[2]), short(LINES_X[1]), short(LINES_X[6])]
+}
+
+/// The arches of both storeys with the walls above them, the parapets and the string courses.
+fn arcades() -> Vec<MeshBuilder> {
+    let mut parts = Vec::new();
+    for side in sides() {
+        let wall = Wall { origin: side.origin, along: side.along, thickness_m: ARCADE_M };
+        for bay in side.posts.windows(2) {
+            let mut bricks = mesh("arcade", BRICKS);
+            let mut stone = mesh("arches", ARCH);
+            let ends = [bay[0], bay[1]];
+            let arches = [lower_arches(ends), upper_arches(ends)];
+            let tops = [UPPER_FLOOR, 8.2];
+            for ((arches, spring), top) in arches.iter().zip(SPRING).zip(tops) {
+                masonry::arched_wall(&mut bricks, &wall, ends, [spring, top], arches);
+                for arch in arches {
+                    masonry::archivolt(&mut stone, &wall, arch, 0.18, 0.03);
+                }
+            }
+            masonry::arched_wall(&mut bricks, &wall, ends, [UPPER_FLOOR, PARAPET], &[]);
+            course(&mut stone, &wall, ends, [UPPER_FLOOR - 0.1, UPPER_FLOOR + 0.1], 0.08);
+            course(&mut stone, &wall, ends, [PARAPET - 0.14, PARAPET], 0.1);
+            course(&mut stone, &wall, ends, [8.2, 8.4], 0.08);
+            course(&mut stone, &wall, ends, [SPRING[1] - 0.01, SPRING[1] + 0.01], -0.02);
+            parts.extend([bricks, stone]);
+        }
+    }
+    parts
+}
+
+/// A horizontal band of stone that projects by `proud_m` from both faces of the wall.
+fn course(mesh: &mut MeshBuilder, wall: &Wall, [from, to]: [f32; 2], [low, high]: [f32; 2], proud_m: f32) {
+    let across = wall.along.cross(Vec3::Y).abs() * (0.5 * wall.thickness_m + proud_m);
+    let point = |a: f32, y: f32| wall.origin + a * wall.along + y * Vec3::Y;
+    mesh.cuboid(point(from, low) - across, point(to, high) + across);
+}
+
+fn lower_arches([from, to]: [f32; 2]) -> Vec<Arch> {
+    let half = 0.5 * (to - from);
+    let half_width = half - if half > 2.0 { HALF_PIER_M } else { 0.42 };
+    let rise = half_width.min(1.45);
+    vec![Arch { centre_m: from + half, half_width_m: half_width, spring_m: SPRING[0], rise_m: rise }]
+}
+
+/// Two arches that share a slender column.
+fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
+    let half = 0.5 * (to - from);
+    let half_width = 0.5 * (half - 0.3 - 0.15);
+    let arch =
+        |centre_m: f32| Arch { centre_m, half_width_m: half_width, spring_m: SPRING[1], rise_m: half_width.min(0.9) };
+    vec![arch(from + 0.3 + half_width), arch(to - 0.3 - half_width)]
+}
+
+/// Columns and corner piers of both storeys, and the slender columns between the upper arches.
+fn columns() -> Vec<MeshBuilder> {
+    let mut parts = Vec::new();
+    let round = |name: &str, foot: Vec3, size: ColumnSize| {
+        let mut stone = mesh(name, COLUMN);
+        masonry::column(&mut stone, foot, &size);
+        stone
+    };
+    let upper_m = SPRING[1] - PARAPET;
+    for side in sides() {
+        let point = |a: f32, y: f32| side.origin + a * side.along + y * Vec3::Y;
+        for &post in &side.posts[1..side.posts.len() - 1] {
+            let lower = ColumnSize { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
+            parts.push(round("column", point(post, 0.0), lower));
+            let upper = ColumnSize { radius_m: 0.23, height_m: upper_m, half_plinth_m: 0.33, sides: 20 };
+            parts.push(round("upper-column", point(post, PARAPET), upper));
+        }
+        for bay in side.posts.windows(2) {
+            let slender = ColumnSize { radius_m: 0.11, height_m: upper_m, half_plinth_m: 0.19, sides: 12 };
+            parts.push(round("slender-column", point(0.5 * (bay[0] + bay[1]), PARAPET), slender));
+        }
+    }
+    for (x, z) in [1, 6].into_iter().flat_map(|i| [1, 2].map(|k| (LINES_X[i], LINES_Z[k]))) {
+        let mut pier = mesh("pier", COLUMN);
+        let foot = Vec3::new(x, 0.0, z);
+        for (half, low, high) in [
+            (0.62, -OVERLAP, 0.3),
+            (0.56, 0.3, 0.42),
+            (HALF_PIER_M, 0.42, 2.02),
+            (0.56, 2.02, 2.12),
+            (0.62, 2.12, SPRING[0] + OVERLAP),
+            (0.42, SPRING[0], 8.45),
+        ] {
+            pier.cuboid(foot + Vec3::new(-half, low, -half), foot + Vec3::new(half, high, half));
+        }
+        parts.push(pier);
+    }
+    parts
+}
+
+/// The court's walls above the upper arcade, with a row of windows.
+fn upper_walls() -> Vec<MeshBuilder> {
+    let mut parts = Vec::new();
+    for (side, outward) in sides().into_iter().zip([Vec3::NEG_Z, Vec3::Z, Vec3::NEG_X, Vec3::X]) {
+        let (first, last) = (side.posts[0], side.posts[side.posts.len() - 1]);
+        let right = Vec3::Y.cross(outward);
+        let flip = right.dot(side.along);
+        let face = side.origin - 0.5 * ARCADE_M * outward;
+        let across = |a: f32| a * flip;
+        let ordered = |a: f32, b: f32| [across(a).min(across(b)), across(a).max(across(b))];
+        let holes: Vec<Rect> = side
+            .posts
+            .windows(2)
+            .map(|bay| 0.5 * (bay[0] + bay[1]))
+            .map(|centre| Rect::new(ordered(centre - 0.45, centre + 0.45), [9.6, 10.9]))
+            .collect();
+        let mut wall = mesh("court-wall", BRICKS);
+        let extent = Rect::new(ordered(first, last), [8.2, WALL_TOP]);
+        wall.panel([face, right, Vec3::Y], extent, &holes);
+        let mut frames = mesh("court-windows", ARCH);
+        for hole in &holes {
+            window(&mut frames, face, right, outward, hole);
+        }
+        parts.extend([wall, frames]);
+    }
+    parts
+}
+
+/// A blind window: four reveals, a back wall and a sill.
+fn window(mesh: &mut MeshBuilder, face: Vec3, right: Vec3, outward: Vec3, hole: &Rect) {
+    const DEPTH: f32 = 0.35;
+    let point = |a: f32, y: f32, depth: f32| face + a * right + y * Vec3::Y + depth * outward;
+    let (low, high) = (hole.min, hole.max);
+    let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
+    let middle = 0.5 * (low + high);
+    for k in 0..4 {
+        let ((a, b), (c, d)) = (corners[k], corners[(k + 1) % 4]);
+        let facing = point(middle.x, middle.y, 0.0) - point(0.5 * (a + c), 0.5 * (b + d), 0.0);
+        mesh.polygon(&[point(a, b, 0.0), point(c, d, 0.0), point(c, d, DEPTH), point(a, b, DEPTH)], facing);
+    }
+    mesh.polygon(&corners.map(|(a, b)| point(a, b, DEPTH)), -outward);
+    let (p, q) = (point(low.x - 0.12, low.y - 0.14, 0.02), point(high.x + 0.12, low.y, -0.12));
+    mesh.cuboid(p.min(q), p.max(q));
+}
+
+/// A ring of tiles that slopes to the court and to the outside, with its eaves.
+fn roof() -> Vec<MeshBuilder> {
+    let ring = |out: f32| {
+        let (x, z) = OUTSIDE;
+        let court = [Vec2::new(LINES_X[1], LINES_Z[1]) + 0.3, Vec2::new(LINES_X[6], LINES_Z[2]) - 0.3];
+        let outside = [Vec2::new(x[0], z[0]) - 0.4, Vec2::new(x[1], z[1]) + 0.4];
+        [court[0].lerp(outside[0], out), court[1].lerp(outside[1], out)]
+    };
+    let mut tiles = mesh("roof", ROOF);
+    let mut eaves = mesh("eaves", POLE);
+    let slope = |mesh: &mut MeshBuilder, a: f32, ya: f32, b: f32, yb: f32, facing: Vec3| {
+        let (inner, outer) = (level(ring(a), ya), level(ring(b), yb));
+        for k in 0..4 {
+            let next = (k + 1) % 4;
+            mesh.polygon(&[inner[k], inner[next], outer[next], outer[k]], facing);
+        }
+    };
+    slope(&mut tiles, -0.08, 13.3, 0.45, 14.29, Vec3::Y);
+    slope(&mut tiles, 0.45, 14.29, 1.0, 13.3, Vec3::Y);
+    slope(&mut eaves, -0.08, 13.1, 0.06, 13.02, Vec3::NEG_Y);
+    slope(&mut eaves, 0.94, 13.2, 1.0, 13.28, Vec3::NEG_Y);
+    let (low, high) = (level(ring(-0.08), 13.1), level(ring(-0.08), 13.3));
+    for k in 0..4 {
+        let next = (k + 1) % 4;
+        let facing = Vec3::new(-0.6, 13.2, 0.375) - 0.5 * (low[k] + low[next]);
+        eaves.polygon(&[low[k], low[next], high[next], high[k]], facing);
+    }
+    vec![tiles, eaves]
+}

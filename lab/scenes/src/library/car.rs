@@ -1,0 +1,155 @@
+//! A parked car: the obstacle that blocks reflections in the street (Schmidt 2013, figures 32, 41 and 47).
+
+use super::builder::MeshBuilder;
+use crate::pattern::smoothstep;
+use glam::{Vec2, Vec3};
+
+/// The material indices of a car's parts.
+pub struct Materials {
+    pub paint: usize,
+    pub glass: usize,
+    pub dark: usize,
+    pub chrome: usize,
+    pub tail_lamp: usize,
+}
+
+/// The names of a car's meshes.
+pub const PARTS: [&str; 5] = ["car-body", "car-glass", "car-dark", "car-chrome", "car-tail-lamps"];
+/// Width, height and length of the bounding box in metres.
+pub const SIZE: Vec3 = Vec3::new(1.80, 1.46, 4.36);
+
+const HALF_LENGTH: f32 = 0.5 * SIZE.z;
+const WHEEL_RADIUS: f32 = 0.33;
+const AXLES: [f32; 2] = [-1.32, 1.36];
+
+/// A car that stands on the ground with its front towards +z.
+pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
+    let mesh = |part: usize, material: usize| MeshBuilder::new(PARTS[part], material, 1.0);
+    let mut body = mesh(0, materials.paint);
+    hull(&mut body, ground, [40, 26], lower);
+    hull(&mut body, ground, [28, 8], roof);
+    pillars(&mut body, ground);
+    for side in [-1.0, 1.0] {
+        body.sphere(ground + Vec3::new(0.96 * side, 0.98, 0.62), 0.085, [12, 8]);
+    }
+    let mut glass = mesh(1, materials.glass);
+    hull(&mut glass, ground, [32, 18], cabin);
+    let mut dark = mesh(2, materials.dark);
+    let mut chrome = mesh(3, materials.chrome);
+    for z in AXLES {
+        for side in [-1.0, 1.0] {
+            let hub = ground + Vec3::new(0.80 * side, WHEEL_RADIUS, z);
+            wheel(&mut dark, hub, WHEEL_RADIUS + 0.07, 0.165, 0.01);
+            wheel(&mut dark, hub, WHEEL_RADIUS, 0.20, 0.05);
+            wheel(&mut chrome, hub, 0.6 * WHEEL_RADIUS, 0.215, 0.02);
+        }
+    }
+    let ends = |mesh: &mut MeshBuilder, z: [f32; 2], x: [f32; 2], y: [f32; 2]| {
+        for side in [-1.0, 1.0] {
+            let (p, q) = (side * x[0], side * x[1]);
+            mesh.cuboid(ground + Vec3::new(p.min(q), y[0], z[0]), ground + Vec3::new(p.max(q), y[1], z[1]));
+        }
+    };
+    ends(&mut chrome, [2.05, 2.16], [0.42, 0.70], [0.62, 0.76]);
+    ends(&mut chrome, [2.10, 2.20], [0.0, 0.74], [0.38, 0.46]);
+    ends(&mut chrome, [-2.21, -2.10], [0.0, 0.74], [0.42, 0.50]);
+    ends(&mut dark, [2.05, 2.165], [0.0, 0.36], [0.56, 0.72]);
+    // Door handles and the strip along the doors.
+    for z in [-0.55, 0.35] {
+        ends(&mut chrome, [z - 0.09, z + 0.09], [0.86, 0.905], [0.80, 0.83]);
+    }
+    let mut lamps = mesh(4, materials.tail_lamp);
+    ends(&mut lamps, [-2.17, -2.02], [0.46, 0.76], [0.66, 0.82]);
+    vec![body, glass, dark, chrome, lamps]
+}
+
+/// A cross-section of the hull: its z, half width, lower and upper edge, and how much narrower it is at the top
+/// (0…1).
+struct Section {
+    z: f32,
+    half_width: f32,
+    heights: [f32; 2],
+    tumblehome: f32,
+}
+
+/// A closed, rounded surface through cross-sections; `section` takes t from 0 (the rear) to 1.
+fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(f32) -> Section) {
+    let outline = |s: f32, t: f32| {
+        let profile = section(t);
+        let (sin, cos) = (std::f32::consts::TAU * s).sin_cos();
+        // The cross-section is a superellipse of exponent 4: nearly a box, with rounded edges.
+        let round = |v: f32| v.abs().sqrt().copysign(v);
+        let up = -round(sin);
+        let half_height = 0.5 * (profile.heights[1] - profile.heights[0]);
+        let narrow = 1.0 - profile.tumblehome * (0.5 + 0.5 * up);
+        Vec3::new(profile.half_width * narrow * round(cos), profile.heights[0] + half_height * (1.0 + up), profile.z)
+    };
+    mesh.surface(ground, steps, |s, t| (outline(s, t), Vec2::new(4.0 * s, 4.4 * t)));
+    for (end, facing) in [(0.0, Vec3::NEG_Z), (1.0, Vec3::Z)] {
+        let rim: Vec<Vec3> = (0..steps[0]).map(|k| ground + outline(k as f32 / steps[0] as f32, end)).collect();
+        mesh.polygon(&rim, facing);
+    }
+}
+
+/// 1 in the middle of 0…1, falling to 0 along a quarter circle of width `by` at both ends.
+fn rounded(t: f32, by: f32) -> f32 {
+    let near = (t.min(1.0 - t) / by).clamp(0.0, 1.0);
+    (1.0 - (1.0 - near).powi(2)).max(0.0).sqrt()
+}
+
+fn lower(t: f32) -> Section {
+    let t = t.clamp(0.0, 1.0);
+    let end = rounded(t, 0.10);
+    let z = HALF_LENGTH * (2.0 * t - 1.0);
+    // The bonnet falls towards the front; the boot stays high.
+    let top = 0.93 - 0.16 * smoothstep(0.45, 1.0, t);
+    let middle = 0.58;
+    Section {
+        z,
+        half_width: 0.62 + 0.27 * end,
+        heights: [middle - (middle - 0.22) * (0.25 + 0.75 * end), middle + (top - middle) * (0.35 + 0.65 * end)],
+        tumblehome: 0.06,
+    }
+}
+
+fn cabin(t: f32) -> Section {
+    let t = t.clamp(0.0, 1.0);
+    let z = -1.62 + 2.60 * t;
+    let rise = smoothstep(0.0, 0.30, t) * smoothstep(1.0, 0.58, t);
+    Section { z, half_width: 0.80, heights: [0.72, 0.80 + 0.60 * rise], tumblehome: 0.24 }
+}
+
+fn roof(t: f32) -> Section {
+    let t = t.clamp(0.0, 1.0);
+    let crown = (std::f32::consts::PI * t).sin();
+    let half_width = 0.615 + 0.02 * crown;
+    Section { z: -0.98 + 1.14 * t, half_width, heights: [1.34, 1.385 + 0.07 * crown], tumblehome: 0.06 }
+}
+
+/// The posts between the windows.
+fn pillars(mesh: &mut MeshBuilder, ground: Vec3) {
+    for side in [-1.0, 1.0] {
+        for (foot, head) in [
+            ((0.77, 0.86, 0.90), (0.60, 1.39, 0.12)),
+            ((0.815, 0.86, -0.22), (0.635, 1.39, -0.32)),
+            ((0.77, 0.88, -1.50), (0.60, 1.39, -0.92)),
+        ] {
+            let place = |(x, y, z): (f32, f32, f32)| ground + Vec3::new(x * side, y, z);
+            let (from, to) = (place(foot), place(head));
+            mesh.tube([8, 4], Vec3::X, |t| (from.lerp(to, t), 0.035));
+        }
+    }
+}
+
+/// A disc with rounded shoulders whose axle is parallel to x. `width` is half the width of the disc.
+fn wheel(mesh: &mut MeshBuilder, hub: Vec3, radius: f32, width: f32, shoulder: f32) {
+    let half = 0.5 * width;
+    mesh.tube([24, 8], Vec3::Y, |t| {
+        let turn = (t.clamp(0.0, 1.0) - 0.5) * std::f32::consts::PI;
+        // The profile goes across the disc, around its shoulder, along its tread, and back.
+        let (sin, cos) = turn.sin_cos();
+        let out = (1.6 * sin).clamp(-1.0, 1.0) * (half - shoulder) + shoulder * sin;
+        let size = radius * (1.0 - (1.0 - cos).powi(3)).clamp(0.0, 1.0).min(cos * 1.5);
+        (hub + out * Vec3::X, size)
+    });
+}

@@ -1,0 +1,106 @@
+//! `cornell-box`: the box of the thesis's figure 2.4 (after Goral et al. 1984), with two blocks, a red and a green wall, and a
+//! lamp in the ceiling. The measures are those that Cornell University publishes, scaled from centimetres to decimetres, so
+//! that the box has a size for the lens of the other scenes. No surface reflects.
+
+use super::builder::{MeshBuilder, Rect};
+use super::{Finish, materials, probe, view};
+use crate::{AreaLight, AreaShape, FieldOfView, Lens, Light, Scene, View};
+use glam::{Vec2, Vec3};
+
+const WHITE: usize = 0;
+const RED: usize = 1;
+const GREEN: usize = 2;
+const LAMP: usize = 3;
+
+const FINISHES: [Finish; 4] = [
+    Finish::paint("white", 0.73, 0.71, 0.68),
+    Finish::paint("red", 0.61, 0.06, 0.06),
+    Finish::paint("green", 0.12, 0.43, 0.11),
+    Finish::paint("lamp", 1.0, 0.95, 0.8),
+];
+
+const WIDTH: f32 = 5.56;
+const HEIGHT: f32 = 5.488;
+const DEPTH: f32 = 5.592;
+/// The x and z ranges of the lamp.
+const LAMP_AT: ([f32; 2], [f32; 2]) = ([2.13, 3.43], [2.27, 3.32]);
+/// Distance of the lamp below the ceiling, and of its light below the lamp, in metres.
+const BELOW: f32 = 0.005;
+/// The corners of the two blocks on the floor (x and z), and their heights.
+const BLOCKS: [([[f32; 2]; 4], f32); 2] = [
+    ([[4.26, 0.65], [4.74, 2.25], [3.16, 2.72], [2.66, 1.14]], 1.65),
+    ([[1.33, 2.47], [2.91, 2.96], [2.42, 4.56], [0.84, 4.06]], 3.3),
+];
+
+/// Builds the scene.
+pub fn scene() -> Scene {
+    let (mut materials, textures) = materials(&FINISHES);
+    materials[LAMP].emission = 1.0;
+    let meshes = shell().into_iter().chain([blocks(), lamp()]).map(MeshBuilder::build).collect();
+    let [x, z] = [LAMP_AT.0, LAMP_AT.1].map(|[a, b]| (0.5 * (a + b), 0.5 * (b - a)));
+    let lamp = AreaShape::Rectangle {
+        centre: Vec3::new(x.0, HEIGHT - 2.0 * BELOW, z.0),
+        half_u: x.1 * Vec3::X,
+        half_v: z.1 * Vec3::Z,
+    };
+    let (min, max) = ([0.0, 0.0, 0.0], [WIDTH, HEIGHT, DEPTH]);
+    Scene {
+        name: "cornell-box".to_owned(),
+        meshes,
+        materials,
+        textures,
+        lights: vec![Light::Point { position: Vec3::new(x.0, HEIGHT - 0.3, z.0), energy: 6.0 }],
+        area_lights: vec![AreaLight { shape: lamp, radiance: Vec3::new(26.0, 21.0, 14.0) }],
+        lens: Lens { opening: FieldOfView::Angle(39.3_f32.to_radians()), ..Lens::default() },
+        views: vec![View { ..view("box", [2.78, 2.73, -8.0], [2.78, 2.73, 2.8]) }],
+        probes: vec![probe("front", [2.78, 4.4, 1.5], min, max), probe("back", [4.5, 3.0, 4.5], min, max)],
+        ..Scene::default()
+    }
+}
+
+fn mesh(name: &str, material: usize) -> MeshBuilder {
+    FINISHES[material].mesh(name, material)
+}
+
+/// Floor, ceiling and the three walls; the side towards the camera is open.
+fn shell() -> [MeshBuilder; 5] {
+    let face = |name: &str, material: usize, axes: [Vec3; 3], size: [f32; 2]| {
+        let mut side = mesh(name, material);
+        side.panel(axes, Rect::new([0.0, size[0]], [0.0, size[1]]), &[]);
+        side
+    };
+    let far = DEPTH * Vec3::Z;
+    [
+        face("floor", WHITE, [Vec3::ZERO, Vec3::X, Vec3::Z], [WIDTH, DEPTH]),
+        face("ceiling", WHITE, [HEIGHT * Vec3::Y + far, Vec3::X, Vec3::NEG_Z], [WIDTH, DEPTH]),
+        face("back-wall", WHITE, [far, Vec3::X, Vec3::Y], [WIDTH, HEIGHT]),
+        face("red-wall", RED, [Vec3::ZERO, Vec3::Z, Vec3::Y], [DEPTH, HEIGHT]),
+        face("green-wall", GREEN, [WIDTH * Vec3::X + far, Vec3::NEG_Z, Vec3::Y], [DEPTH, HEIGHT]),
+    ]
+}
+
+/// Both blocks: their sides and tops.
+fn blocks() -> MeshBuilder {
+    let mut blocks = mesh("blocks", WHITE);
+    for (corners, height) in BLOCKS {
+        let point = |[x, z]: [f32; 2], y: f32| Vec3::new(x, y, z);
+        let middle = corners.iter().map(|c| Vec2::from(*c)).sum::<Vec2>() / 4.0;
+        for (n, corner) in corners.into_iter().enumerate() {
+            let next = corners[(n + 1) % 4];
+            let outwards = 0.5 * (Vec2::from(corner) + Vec2::from(next)) - middle;
+            let side = [point(corner, 0.0), point(next, 0.0), point(next, height), point(corner, height)];
+            blocks.polygon(&side, Vec3::new(outwards.x, 0.0, outwards.y));
+        }
+        blocks.polygon(&corners.map(|c| point(c, height)), Vec3::Y);
+    }
+    blocks
+}
+
+/// The lamp, which shines by its own emission.
+fn lamp() -> MeshBuilder {
+    let ([left, right], [near, far]) = LAMP_AT;
+    let corners = [[left, near], [right, near], [right, far], [left, far]];
+    let mut lamp = mesh("lamp", LAMP);
+    lamp.polygon(&corners.map(|[x, z]| Vec3::new(x, HEIGHT - BELOW, z)), Vec3::NEG_Y);
+    lamp
+}

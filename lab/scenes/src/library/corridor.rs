@@ -1,0 +1,277 @@
+//! `corridor`: one long box with a polished floor, the kind of room that Schmidt recommends for
+//! parallax-corrected cube maps (2013, section 5.2.2). Doors, lamps and pictures break its symmetry, so that a
+//! shifted or mirrored cube map is noticeable.
+
+use super::builder::{MeshBuilder, Rect};
+use super::fittings::{Face, centred_rect, standing};
+use super::{Finish, materials, portrait, probe, thesis_lens, view};
+use crate::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
+use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
+use glam::Vec3;
+
+const FLOOR: usize = 0;
+const WALL: usize = 1;
+const DADO: usize = 2;
+const CEILING: usize = 3;
+const DOOR: usize = 4;
+const TRIM: usize = 5;
+const LAMP: usize = 6;
+const METAL: usize = 7;
+const RED: usize = 8;
+const WINDOW: usize = 9;
+const EXIT: usize = 10;
+/// The index of the first of three paintings.
+const PAINTING: usize = 11;
+/// The index of the first of four number plates.
+const NUMBER: usize = 14;
+
+const FINISHES: [Finish; 18] = [
+    Finish::new("floor", Pattern::Terrazzo, 0.5).reflecting(0.5, 0.02).smoothed(0.3),
+    Finish::new("wall", Pattern::Stucco, 0.0).tinted(0.95, 1.0, 0.92),
+    Finish::new("dado", Pattern::Wood(Wood::Middle), 0.2).reflecting(0.2, 0.08).smoothed(0.3),
+    Finish::new("ceiling", Pattern::Stucco, 0.0),
+    Finish::new("door", Pattern::Wood(Wood::Dark), 0.15).reflecting(0.15, 0.08).smoothed(0.3),
+    Finish::paint("trim", 0.62, 0.60, 0.55),
+    Finish::paint("lamp", 1.0, 0.97, 0.90),
+    Finish::paint("metal", 0.30, 0.30, 0.31).reflecting(0.5, 0.05),
+    Finish::paint("red", 0.62, 0.03, 0.03).reflecting(0.15, 0.05),
+    Finish::window("window"),
+    Finish::picture("exit", Picture::Sign(&EXIT_SIGN)),
+    Finish::picture("landscape", Picture::Painting(Painting::Landscape)),
+    Finish::picture("ship", Picture::Painting(Painting::Ship)),
+    Finish::picture("portrait", Picture::Painting(Painting::Portrait)),
+    Finish::picture("number-1", Picture::Sign(&PLATES[0])),
+    Finish::picture("number-2", Picture::Sign(&PLATES[1])),
+    Finish::picture("number-3", Picture::Sign(&PLATES[2])),
+    Finish::picture("number-4", Picture::Sign(&PLATES[3])),
+];
+
+const EXIT_SIGN: Sign = Sign {
+    text: Text { letters: "EXIT >", stacked: false },
+    cut: SignOutline::Plate,
+    ink: Vec3::new(0.95, 1.0, 0.95),
+    ground: Vec3::new(0.01, 0.42, 0.12),
+    bulbs: false,
+    size: [384, 128],
+};
+
+const PLATES: [Sign; 4] = [plate("1"), plate("2"), plate("3"), plate("4")];
+
+const fn plate(letters: &'static str) -> Sign {
+    Sign {
+        text: Text { letters, stacked: false },
+        cut: SignOutline::Plate,
+        ink: Vec3::new(0.9, 0.85, 0.7),
+        ground: Vec3::new(0.03, 0.05, 0.12),
+        bulbs: false,
+        size: [96, 96],
+    }
+}
+
+const HALF_WIDTH: f32 = 1.3;
+const HEIGHT: f32 = 2.7;
+const LENGTH: f32 = 26.0;
+const DADO_TOP: f32 = 0.95;
+const LAMPS_Z: [f32; 5] = [3.0, 8.0, 13.0, 18.0, 23.0];
+/// The z of the door centres on the left (−x) and on the right.
+const DOORS: [&[f32]; 2] = [&[4.0, 11.0, 18.0], &[8.0, 20.0]];
+/// Width and height of a door.
+const DOOR_M: [f32; 2] = [1.0, 2.1];
+const OVERLAP: f32 = 0.02;
+/// The window at the far end.
+const END_WINDOW: ([f32; 2], [f32; 2]) = ([-0.75, 0.75], [0.85, 2.05]);
+
+/// Builds the scene.
+pub fn scene() -> Scene {
+    let (materials, textures) = materials(&FINISHES);
+    let parts = [shell(), doors(), lamps(), things()];
+    let meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
+    let (min, max) = ([-HALF_WIDTH, 0.0, 0.0], [HALF_WIDTH, HEIGHT, LENGTH]);
+    let mut scene = Scene {
+        name: "corridor".to_owned(),
+        meshes,
+        materials,
+        textures,
+        lights: LAMPS_Z.map(|z| Light::Point { position: Vec3::new(0.0, HEIGHT - 0.6, z), energy: 6.0 }).to_vec(),
+        lens: thesis_lens(),
+        views: vec![
+            view("corridor", [0.25, 1.5, 1.0], [-0.1, 1.05, 12.0]),
+            view("floor", [0.6, 0.55, 3.2], [-0.1, 0.15, 12.0]),
+            view("wall", [-0.85, 1.45, 5.0], [1.1, 1.05, 11.5]),
+            view("back", [-0.5, 1.5, 22.5], [0.1, 0.9, 10.0]),
+        ],
+        probes: [("near", 4.5), ("middle", 13.0), ("far", 21.5)]
+            .map(|(name, z)| probe(name, [0.0, 1.4, z], min, max))
+            .into(),
+        area_lights: LAMPS_Z.map(area_light).to_vec(),
+        ..Scene::default()
+    };
+    let [left, right] = walls();
+    portrait::add(&mut scene, &["exit"], &exit_face().portrait("exit sign", exit_rect(), 0.0, 384));
+    portrait::add(
+        &mut scene,
+        &["landscape"],
+        &right.portrait("landscape", along(&right, 13.5, 1.7, 1.5, 1.0), 0.05, 384),
+    );
+    portrait::add(&mut scene, &["portrait"], &left.portrait("portrait", along(&left, 14.5, 1.72, 0.8, 1.0), 0.05, 256));
+    scene
+}
+
+fn mesh(name: &str, material: usize) -> MeshBuilder {
+    FINISHES[material].mesh(name, material)
+}
+
+/// The left (−x) and the right wall.
+fn walls() -> [Face; 2] {
+    [Face::new([-HALF_WIDTH, 0.0, 0.0], Vec3::Z), Face::new([HALF_WIDTH, 0.0, 0.0], Vec3::NEG_Z)]
+}
+
+/// A rectangle on one of the walls, given by the z of its centre.
+fn along(wall: &Face, z: f32, y: f32, width: f32, height: f32) -> Rect {
+    centred_rect(z * wall.right.z, y, width, height)
+}
+
+/// Floor, ceiling, walls with wooden panelling below, and the end walls.
+fn shell() -> Vec<MeshBuilder> {
+    let mut floor = mesh("floor", FLOOR);
+    let (x, z) = ([-HALF_WIDTH - OVERLAP, HALF_WIDTH + OVERLAP], [-OVERLAP, LENGTH + OVERLAP]);
+    floor.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new(x, z), &[]);
+    let mut ceiling = mesh("ceiling", CEILING);
+    ceiling.panel([HEIGHT * Vec3::Y, Vec3::X, Vec3::NEG_Z], Rect::new(x, [-z[1], -z[0]]), &[]);
+    let mut plaster = mesh("walls", WALL);
+    let mut dado = mesh("dado", DADO);
+    let mut trim = mesh("trim", TRIM);
+    for (wall, doors) in walls().into_iter().zip(DOORS) {
+        let ends = [0.0, LENGTH * wall.right.z];
+        let extent = Rect::new([ends[0].min(ends[1]), ends[0].max(ends[1])], [0.0, HEIGHT]);
+        let holes: Vec<Rect> = doors.iter().map(|z| standing(z * wall.right.z, DOOR_M[0], DOOR_M[1])).collect();
+        wall.wall(&mut plaster, extent, &holes);
+        // Boards run between the door frames.
+        let mut edges: Vec<f32> = holes.iter().flat_map(|h| [h.min.x - 0.09, h.max.x + 0.09]).collect();
+        edges.sort_by(f32::total_cmp);
+        edges.insert(0, extent.min.x);
+        edges.push(extent.max.x);
+        for span in edges.chunks_exact(2) {
+            wall.block(&mut dado, Rect::new([span[0], span[1]], [0.1, DADO_TOP]), [0.0, 0.02]);
+            wall.block(&mut trim, Rect::new([span[0], span[1]], [DADO_TOP, DADO_TOP + 0.05]), [0.0, 0.04]);
+            wall.block(&mut trim, Rect::new([span[0], span[1]], [0.0, 0.1]), [0.0, 0.03]);
+        }
+    }
+    let far = Face::new([0.0, 0.0, LENGTH], Vec3::X);
+    let window = Rect::new(END_WINDOW.0, END_WINDOW.1);
+    let across = Rect::new([-HALF_WIDTH, HALF_WIDTH], [0.0, HEIGHT]);
+    far.wall(&mut plaster, across, &[window]);
+    far.reveals(&mut trim, window, 0.2);
+    far.border(&mut trim, window, 0.08, [0.0, 0.03]);
+    far.block(&mut trim, Rect::new([-0.025, 0.025], END_WINDOW.1), [-0.17, -0.13]);
+    far.block(&mut trim, Rect::new(END_WINDOW.0, [1.55, 1.6]), [-0.17, -0.13]);
+    Face::new([0.0, 0.0, 0.0], Vec3::NEG_X).wall(&mut plaster, across, &[]);
+    let mut pane = mesh("window", WINDOW);
+    Face::new([0.0, 0.0, LENGTH + 0.18], Vec3::X).wall(&mut pane, window, &[]);
+    vec![floor, ceiling, plaster, dado, trim, pane]
+}
+
+/// Door leaves in recesses, with frames, handles and number plates.
+fn doors() -> Vec<MeshBuilder> {
+    let mut leaves = mesh("doors", DOOR).turned();
+    let mut frames = mesh("door-frames", TRIM);
+    let mut handles = mesh("handles", METAL);
+    let mut parts = Vec::new();
+    let mut number = 0;
+    for (wall, doors) in walls().into_iter().zip(DOORS) {
+        for z in doors {
+            let a = z * wall.right.z;
+            let hole = standing(a, DOOR_M[0], DOOR_M[1]);
+            wall.reveals(&mut frames, hole, 0.12);
+            for side in [-1.0, 1.0] {
+                let edge = a + side * (0.5 * DOOR_M[0] + 0.045);
+                wall.block(&mut frames, Rect::new([edge - 0.045, edge + 0.045], [0.0, DOOR_M[1] + 0.09]), [0.0, 0.04]);
+            }
+            let top = Rect::new([hole.min.x, hole.max.x], [DOOR_M[1], DOOR_M[1] + 0.09]);
+            wall.block(&mut frames, top, [0.0, 0.04]);
+            let leaf = Rect::new([hole.min.x, hole.max.x], [0.0, DOOR_M[1]]);
+            wall.block(&mut leaves, leaf, [-0.14, -0.10]);
+            for (y, height) in [(0.55, 0.7), (1.5, 0.9)] {
+                wall.border(&mut leaves, centred_rect(a, y, 0.56, height), 0.04, [-0.1, -0.085]);
+            }
+            handles.sphere(wall.point_at(a + 0.4, 1.03, -0.05), 0.035, [16, 8]);
+            if number < 4 {
+                let mut plate = mesh("number", NUMBER + number);
+                wall.picture(&mut plate, centred_rect(a, 1.72, 0.16, 0.16), -0.08);
+                parts.push(plate);
+            }
+            number += 1;
+        }
+    }
+    parts.extend([leaves, frames, handles]);
+    parts
+}
+
+/// Panels below the ceiling, lit by the point lights below them.
+fn lamps() -> Vec<MeshBuilder> {
+    let mut panels = mesh("lamps", LAMP);
+    let mut cases = mesh("lamp-cases", METAL);
+    for z in LAMPS_Z {
+        let (half, y) = (Vec3::new(0.16, 0.0, 0.7), HEIGHT - 0.08);
+        let middle = Vec3::new(0.0, y, z);
+        cases.cuboid(middle - half - Vec3::new(0.03, -0.005, 0.03), middle + half + Vec3::new(0.03, 0.08, 0.03));
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        panels.polygon(&corners.map(|(a, b)| middle + half * Vec3::new(a, 0.0, b)), Vec3::NEG_Y);
+    }
+    vec![panels, cases]
+}
+
+/// The panel of a lamp as an area light.
+fn area_light(z: f32) -> AreaLight {
+    let (half_u, half_v) = (0.16 * Vec3::X, 0.7 * Vec3::Z);
+    let centre = Vec3::new(0.0, HEIGHT - 0.08, z);
+    AreaLight { shape: AreaShape::Rectangle { centre, half_u, half_v }, radiance: Vec3::new(1.0, 0.97, 0.90) }
+}
+
+fn exit_face() -> Face {
+    Face::new([0.0, 0.0, 15.5], Vec3::X)
+}
+
+fn exit_rect() -> Rect {
+    centred_rect(0.72, 2.42, 0.72, 0.24)
+}
+
+/// Paintings, the exit sign that hangs across the corridor, a bench and a fire extinguisher.
+fn things() -> Vec<MeshBuilder> {
+    let [left, right] = walls();
+    let mut frames = mesh("picture-frames", DOOR);
+    let mut parts = Vec::new();
+    let hung = [
+        (right, "landscape", PAINTING, along(&right, 13.5, 1.7, 1.5, 1.0)),
+        (left, "ship", PAINTING + 1, along(&left, 7.5, 1.7, 1.5, 1.0)),
+        (left, "portrait", PAINTING + 2, along(&left, 14.5, 1.72, 0.8, 1.0)),
+    ];
+    for (wall, name, material, rect) in hung {
+        let mut painting = mesh(name, material);
+        wall.picture(&mut painting, rect, 0.02);
+        wall.border(&mut frames, rect, 0.06, [0.0, 0.05]);
+        parts.push(painting);
+    }
+    let mut exit = mesh("exit", EXIT);
+    exit_face().picture(&mut exit, exit_rect(), 0.0);
+    let behind = Face::new([0.0, 0.0, exit_face().origin.z + 0.02], Vec3::NEG_X);
+    let mut back = mesh("exit-back", EXIT);
+    behind.picture(&mut back, centred_rect(-0.72, 2.42, 0.72, 0.24), 0.0);
+    let mut rods = mesh("exit-rods", METAL);
+    for a in [-0.28, 0.28] {
+        let top = exit_face().point_at(0.72 + a, HEIGHT, -0.005);
+        rods.cuboid(top - Vec3::new(0.01, HEIGHT - 2.5, 0.0), top + Vec3::new(0.01, 0.0, 0.01));
+    }
+    let mut bench = mesh("bench", DOOR);
+    for (low, high, x) in [(0.0, 0.42, [0.92, 1.22]), (0.42, 0.47, [0.86, 1.27])] {
+        let z = if low == 0.0 { [[12.8, 12.9], [14.1, 14.2]].to_vec() } else { [[12.6, 14.4]].to_vec() };
+        for z in z {
+            bench.cuboid(Vec3::new(x[0], low, z[0]), Vec3::new(x[1], high, z[1]));
+        }
+    }
+    let mut red = mesh("extinguisher", RED);
+    red.cylinder(Vec3::new(-1.16, 0.35, 9.2), 0.085, 0.5, 24);
+    red.sphere(Vec3::new(-1.16, 0.85, 9.2), 0.085, [24, 12]);
+    parts.extend([frames, exit, back, rods, bench, red]);
+    parts
+}

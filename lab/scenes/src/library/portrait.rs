@@ -1,0 +1,205 @@
+//! Renders the images of impostors: objects of a scene are drawn orthographically onto a rectangle, lit by the scene's lights,
+//! and the image is transparent around the objects. An impostor therefore shows exactly the object that it replaces.
+
+use crate::{Encoding, Impostor, Mesh, Scene, Texture, Vertex};
+use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
+use ssct_ground::math::{display_byte, srgb_to_linear};
+
+/// Samples along each side of a texel.
+const OVERSAMPLED: u32 = 2;
+/// Greatest number of texels of a material's image, along each side, that one sample averages.
+const FOOTPRINT_MAX: f32 = 4.0;
+
+/// An impostor whose image has not been rendered yet.
+pub struct ImpostorFrame {
+    pub name: &'static str,
+    pub centre: Vec3,
+    /// Half vectors to the right and upwards for a viewer in front of the image.
+    pub half_right: Vec3,
+    pub half_up: Vec3,
+    /// Width of the image in texels; the height follows from the aspect ratio.
+    pub width: u32,
+}
+
+/// Adds an impostor to the scene. Its image shows the meshes with the given names, seen along the rectangle's
+/// normal.
+pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
+    let ratio = frame.half_up.length() / frame.half_right.length();
+    let extent = [frame.width, ((frame.width as f32 * ratio).round() as u32).max(1)];
+    let mut impostor = Impostor {
+        name: frame.name.to_owned(),
+        centre: frame.centre,
+        half_u: frame.half_right,
+        half_v: -frame.half_up,
+        texture: scene.textures.len(),
+    };
+    let shown: Vec<&Mesh> = scene.meshes.iter().filter(|m| meshes.contains(&m.name.as_str())).collect();
+    let samples = Canvas::new(scene, &impostor, extent.map(|n| n * OVERSAMPLED)).drawn(&shown);
+    let texture = Texture {
+        name: format!("impostor {}", frame.name),
+        width: extent[0],
+        height: extent[1],
+        rgba: reduced(&samples, extent),
+        encoding: Encoding::Srgb,
+    };
+    impostor.texture = scene.textures.len();
+    scene.textures.push(texture);
+    scene.impostors.push(impostor);
+}
+
+/// The drawing surface: for each sample that is covered, its height above the rectangle and its linear colour.
+struct Canvas<'a> {
+    scene: &'a Scene,
+    impostor: &'a Impostor,
+    size: [u32; 2],
+    decoded: [f32; 256],
+    samples: Vec<Option<(f32, Vec3)>>,
+}
+
+impl<'a> Canvas<'a> {
+    fn new(scene: &'a Scene, impostor: &'a Impostor, size: [u32; 2]) -> Self {
+        let decoded = std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0));
+        Self { scene, impostor, size, decoded, samples: vec![None; (size[0] * size[1]) as usize] }
+    }
+
+    /// Draws the meshes and returns the samples. Rows are drawn in parallel.
+    fn drawn(mut self, meshes: &[&Mesh]) -> Vec<Option<(f32, Vec3)>> {
+        let mut samples = std::mem::take(&mut self.samples);
+        let canvas = &self;
+        let triangles: Vec<(&Mesh, [&Vertex; 3], [Vec3; 3])> = meshes
+            .iter()
+            .flat_map(|mesh| {
+                mesh.indices.chunks_exact(3).map(move |t| {
+                    let corners = [0, 1, 2].map(|k| &mesh.vertices[t[k] as usize]);
+                    (*mesh, corners, corners.map(|v| canvas.place(Vec3::from(v.position))))
+                })
+            })
+            .collect();
+        samples.par_chunks_mut(self.size[0] as usize).enumerate().for_each(|(y, row)| {
+            let middle = y as f32 + 0.5;
+            for (mesh, corners, places) in &triangles {
+                let least = places.iter().fold(f32::INFINITY, |m, p| m.min(p.y));
+                let most = places.iter().fold(f32::NEG_INFINITY, |m, p| m.max(p.y));
+                if least <= middle && middle <= most {
+                    canvas.draw(row, middle, mesh, corners, places);
+                }
+            }
+        });
+        samples
+    }
+
+    /// The column and row of a point, in samples, and its height above the rectangle.
+    fn place(&self, point: Vec3) -> Vec3 {
+        let from = point - self.impostor.centre;
+        let along = |half: Vec3, count: u32| (0.5 + 0.5 * from.dot(half) / half.length_squared()) * count as f32;
+        Vec3::new(
+            along(self.impostor.half_u, self.size[0]),
+            along(self.impostor.half_v, self.size[1]),
+            from.dot(self.impostor.normal()),
+        )
+    }
+
+    /// Draws the part of a triangle that lies in one row.
+    fn draw(
+        &self,
+        row: &mut [Option<(f32, Vec3)>],
+        middle: f32,
+        mesh: &Mesh,
+        corners: &[&Vertex; 3],
+        places: &[Vec3; 3],
+    ) {
+        let [a, b, c] = places.map(|p| p.truncate());
+        let area = (b - a).perp_dot(c - a);
+        if area.abs() < 1e-9 {
+            return;
+        }
+        let least = a.x.min(b.x).min(c.x).floor().max(0.0) as usize;
+        let most = (a.x.max(b.x).max(c.x).ceil().max(0.0) as usize).min(row.len());
+        for (x, sample) in row.iter_mut().enumerate().take(most).skip(least) {
+            let point = Vec2::new(x as f32 + 0.5, middle);
+            let weights =
+                Vec3::new((c - b).perp_dot(point - b), (a - c).perp_dot(point - c), (b - a).perp_dot(point - a)) / area;
+            if weights.min_element() < 0.0 {
+                continue;
+            }
+            let height = weights.dot(Vec3::new(places[0].z, places[1].z, places[2].z));
+            if sample.is_none_or(|(above, _)| above < height)
+                && let Some(colour) = self.colour(mesh, corners, weights, area)
+            {
+                *sample = Some((height, colour));
+            }
+        }
+    }
+
+    /// The lit colour at a point of a triangle, without its normal map; `None` where its mask has a hole.
+    /// `area` is twice the triangle's area, in samples.
+    fn colour(&self, mesh: &Mesh, corners: &[&Vertex; 3], weights: Vec3, area: f32) -> Option<Vec3> {
+        let material = &self.scene.materials[mesh.material];
+        let mix =
+            |attribute: &dyn Fn(&Vertex) -> Vec3| -> Vec3 { (0..3).map(|k| weights[k] * attribute(corners[k])).sum() };
+        let uv = mix(&|v| Vec2::from(v.uv).extend(0.0)).truncate();
+        let [i, j, k] = corners.map(|v| Vec2::from(v.uv));
+        let footprint = ((j - i).perp_dot(k - i) / area).abs().sqrt();
+        if let Some(mask) = material.alpha_mask
+            && self.average(&self.scene.textures[mask], uv, 0.0).x < 0.5
+        {
+            return None;
+        }
+        let image = material.albedo_map.map_or(Vec4::ONE, |t| self.average(&self.scene.textures[t], uv, footprint));
+        let position = mix(&|v| Vec3::from(v.position));
+        let normal = mix(&|v| Vec3::from(v.normal)).normalize_or(self.impostor.normal());
+        let facing = if normal.dot(self.impostor.normal()) < 0.0 { -normal } else { normal };
+        let shading: f32 = self.scene.lights.iter().map(|light| light.shading(position, facing)).sum();
+        Some(material.albedo * image.truncate() * (0.2 + 0.8 * shading.min(1.0)))
+    }
+
+    /// The mean of an image over a square with sides of `footprint` (in texture coordinates); the image
+    /// repeats.
+    fn average(&self, texture: &Texture, uv: Vec2, footprint: f32) -> Vec4 {
+        let size = Vec2::new(texture.width as f32, texture.height as f32);
+        let count = (footprint * size.max_element()).round().clamp(1.0, FOOTPRINT_MAX) as i32;
+        let corner = uv * size - 0.5 * (count - 1) as f32;
+        let (width, height) = (texture.width as i32, texture.height as i32);
+        let mut sum = Vec4::ZERO;
+        for y in 0..count {
+            for x in 0..count {
+                let column = (corner.x.floor() as i32 + x).rem_euclid(width);
+                let row = (corner.y.floor() as i32 + y).rem_euclid(height);
+                let texel = &texture.rgba[4 * (row * width + column) as usize..][..4];
+                sum += match texture.encoding {
+                    Encoding::Srgb => Vec4::from_array([0, 1, 2, 3].map(|k| self.decoded[usize::from(texel[k])])),
+                    Encoding::Linear => Vec4::from_array([0, 1, 2, 3].map(|k| f32::from(texel[k]) / 255.0)),
+                };
+            }
+        }
+        sum / (count * count) as f32
+    }
+}
+
+/// Reduces samples to texels: colour is the mean of the covered samples, alpha their share. Texels without covered samples get
+/// the mean colour of the image, so that filtering adds no dark seam.
+fn reduced(samples: &[Option<(f32, Vec3)>], [width, height]: [u32; 2]) -> Vec<u8> {
+    let stride = width * OVERSAMPLED;
+    let texel = |x: u32, y: u32| {
+        let mut sum = Vec4::ZERO;
+        for k in 0..OVERSAMPLED * OVERSAMPLED {
+            let (i, j) = (x * OVERSAMPLED + k % OVERSAMPLED, y * OVERSAMPLED + k / OVERSAMPLED);
+            if let Some((_, colour)) = samples[(j * stride + i) as usize] {
+                sum += colour.extend(1.0);
+            }
+        }
+        sum
+    };
+    let sums: Vec<Vec4> = (0..width * height).map(|k| texel(k % width, k / width)).collect();
+    let all: Vec4 = sums.iter().sum();
+    let mean = all.truncate() / all.w.max(1.0);
+    let whole = (OVERSAMPLED * OVERSAMPLED) as f32;
+    sums.iter()
+        .flat_map(|sum| {
+            let colour = if sum.w > 0.0 { sum.truncate() / sum.w } else { mean };
+            let [r, g, b] = colour.to_array().map(display_byte);
+            [r, g, b, (sum.w / whole * 255.0).round() as u8]
+        })
+        .collect()
+}

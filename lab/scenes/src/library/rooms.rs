@@ -1,0 +1,252 @@
+//! `rooms`: two low rooms joined by an arch, after the scene of the thesis's figures 5.1–5.5 and 5.9. They have a tiled floor,
+//! stone walls, a wooden ceiling with a skylight, two windows, and wooden objects to be reflected. Every material reflects,
+//! except for the windows, which show the sky.
+
+use super::builder::{MeshBuilder, Rect};
+use super::masonry::{self, Arch, Wall};
+use super::{Finish, materials, probe, thesis_lens, view};
+use crate::pattern::{Pattern, Wood};
+use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
+use glam::{Vec2, Vec3};
+
+const STONES: usize = 0;
+const TILES: usize = 1;
+const CEILING: usize = 2;
+const BRICKS: usize = 3;
+const WOOD: usize = 4;
+const DARK_WOOD: usize = 5;
+const WINDOW: usize = 6;
+
+const FINISHES: [Finish; 7] = [
+    Finish::new("stones", Pattern::Stones, 1.0),
+    Finish::new("tiles", Pattern::Tiles, 1.0),
+    Finish::new("ceiling", Pattern::Wood(Wood::Pale), 1.0),
+    Finish::new("bricks", Pattern::Bricks, 1.0),
+    Finish::new("wood", Pattern::Wood(Wood::Middle), 1.0),
+    Finish::new("dark-wood", Pattern::Wood(Wood::Dark), 1.0),
+    Finish::window("window"),
+];
+
+const FLOOR_Y: f32 = -1.0;
+const CEILING_Y: f32 = 1.0;
+/// Overlap of floor and ceiling with the walls, in metres, so that no light shows through the corners.
+const OVERLAP: f32 = 0.02;
+/// The x of the left and right faces of the wall between the rooms.
+const PARTITION_X: [f32; 2] = [-2.23, -1.9];
+/// The z of the window panes, outside the wall at z = 5.
+const GLASS_Z: f32 = 5.158;
+
+/// The x and y ranges of the two windows in the wall at z = 5.
+const WINDOWS: [([f32; 2], [f32; 2]); 2] = [([0.88, 3.22], [0.16, 0.85]), ([-5.15, -3.08], [-0.25, 0.86])];
+
+/// The x and z ranges of the skylight's well at the ceiling and of its pane above.
+const WELL: ([f32; 2], [f32; 2]) = ([0.6, 3.51], [-3.66, -0.85]);
+const SKYLIGHT: ([f32; 2], [f32; 2]) = ([1.29, 2.82], [-2.99, -1.52]);
+
+/// Builds the scene.
+pub fn scene() -> Scene {
+    let (materials, textures) = materials(&FINISHES);
+    let meshes = [shell(), windows(), blocks(), cylinders(), table()].into_iter().flatten().collect();
+    Scene {
+        name: "rooms".to_owned(),
+        meshes,
+        materials,
+        textures,
+        lights: vec![
+            Light::Point { position: Vec3::new(2.0, 1.47, -1.9), energy: 15.0 },
+            Light::Point { position: Vec3::new(-4.1, 0.38, 6.0), energy: 10.0 },
+            Light::Point { position: Vec3::new(2.24, 0.6, 6.0), energy: 10.0 },
+        ],
+        lens: thesis_lens(),
+        views: vec![
+            view("cylinder", [2.1, -0.05, 0.9], [3.05, -0.95, 2.3]),
+            view("window-floor", [2.0, 0.3, 2.6], [2.05, -0.75, 5.0]),
+            view("corridor", [-0.4, 0.1, -4.7], [1.2, -0.15, 3.0]),
+            view("two-cylinders", [3.0, 0.35, 0.6], [3.7, -1.0, 2.6]),
+            view("window", [2.0, 0.0, 0.0], [2.05, 0.1, 5.0]),
+            view("ceiling", [4.0, -0.6, -3.0], [-3.0, 0.9, 4.0]),
+        ],
+        probes: vec![
+            probe("right-room", [2.0, 0.0, 0.3], [PARTITION_X[1], FLOOR_Y, -5.0], [6.0, CEILING_Y, 5.0]),
+            probe("left-room", [-4.1, 0.0, 0.0], [-6.0, FLOOR_Y, -5.0], [PARTITION_X[0], CEILING_Y, 5.0]),
+        ],
+        area_lights: area_lights(),
+        ..Scene::default()
+    }
+}
+
+/// The skylight and the two windows as area lights, as bright as the point lights that represent them.
+fn area_lights() -> Vec<AreaLight> {
+    let pane = |min: Vec3, max: Vec3, half_u: Vec3, half_v: Vec3| AreaLight {
+        shape: AreaShape::Rectangle { centre: 0.5 * (min + max), half_u, half_v },
+        radiance: Vec3::new(0.75, 0.85, 1.0),
+    };
+    let (x, z) = SKYLIGHT;
+    let mut lights = vec![pane(
+        Vec3::new(x[0], 1.95, z[0]),
+        Vec3::new(x[1], 1.95, z[1]),
+        0.5 * (x[1] - x[0]) * Vec3::X,
+        0.5 * (z[1] - z[0]) * Vec3::Z,
+    )];
+    lights.extend(WINDOWS.map(|(x, y)| {
+        pane(
+            Vec3::new(x[0], y[0], GLASS_Z),
+            Vec3::new(x[1], y[1], GLASS_Z),
+            0.5 * (x[1] - x[0]) * Vec3::X,
+            0.5 * (y[1] - y[0]) * Vec3::NEG_Y,
+        )
+    }));
+    lights
+}
+
+fn mesh(name: &str, material: usize) -> MeshBuilder {
+    FINISHES[material].mesh(name, material)
+}
+
+/// Walls, floor, ceiling and the partition with its arch.
+fn shell() -> Vec<Mesh> {
+    let mut walls = mesh("walls", STONES);
+    let heights = [FLOOR_Y, CEILING_Y];
+    let holes = WINDOWS.map(|(x, y)| Rect::new(x, y));
+    let z_wall = Rect::new([-6.0, 6.0], heights);
+    walls.panel([Vec3::new(0.0, 0.0, 5.0), Vec3::X, Vec3::Y], z_wall, &holes);
+    walls.panel([Vec3::new(0.0, 0.0, -5.0), Vec3::NEG_X, Vec3::Y], z_wall, &[]);
+    let x_wall = Rect::new([-5.0, 5.0], heights);
+    walls.panel([Vec3::new(6.0, 0.0, 0.0), Vec3::NEG_Z, Vec3::Y], x_wall, &[]);
+    walls.panel([Vec3::new(-6.0, 0.0, 0.0), Vec3::Z, Vec3::Y], x_wall, &[]);
+
+    let partition = Wall {
+        origin: Vec3::new(0.5 * (PARTITION_X[0] + PARTITION_X[1]), 0.0, 0.0),
+        along: Vec3::Z,
+        thickness_m: PARTITION_X[1] - PARTITION_X[0],
+    };
+    let arch = Arch { centre_m: -2.255, half_width_m: 0.955, spring_m: 0.36, rise_m: 0.53 };
+    masonry::arched_wall(&mut walls, &partition, [-5.0, 5.0], heights, &[arch]);
+    let mut frame = mesh("arch", WOOD);
+    masonry::soffit(&mut frame, &partition, &arch, FLOOR_Y);
+
+    let (x, z) = ([-6.0 - OVERLAP, 6.0 + OVERLAP], [-5.0 - OVERLAP, 5.0 + OVERLAP]);
+    let mut floor = mesh("floor", TILES);
+    floor.panel([FLOOR_Y * Vec3::Y, Vec3::X, Vec3::Z], Rect::new(x, z), &[]);
+    let mut ceiling = mesh("ceiling", CEILING);
+    let well = Rect::new(WELL.0, [-WELL.1[1], -WELL.1[0]]);
+    ceiling.panel([CEILING_Y * Vec3::Y, Vec3::X, Vec3::NEG_Z], Rect::new(x, z), &[well]);
+    [walls, frame, floor, ceiling].map(MeshBuilder::build).into()
+}
+
+/// The skylight's well, the window reveals, and the panes.
+fn windows() -> Vec<Mesh> {
+    let mut well = mesh("skylight-well", CEILING);
+    let mut reveals = mesh("window-frames", WOOD);
+    let mut panes = Vec::new();
+    let level = |(x, z): ([f32; 2], [f32; 2]), y: f32| {
+        [[x[0], z[0]], [x[1], z[0]], [x[1], z[1]], [x[0], z[1]]].map(|[x, z]| Vec3::new(x, y, z))
+    };
+    let inwards_of = |centre: Vec3| move |a: Vec3, b: Vec3| centre - 0.5 * (a + b);
+    let to_middle = inwards_of(Vec3::new(2.055, 1.0, -2.255));
+    ring(&mut reveals, &level(WELL, CEILING_Y), &level(WELL, 1.14), to_middle);
+    ring(&mut well, &level(WELL, 1.14), &level(SKYLIGHT, 1.83), to_middle);
+    ring(&mut reveals, &level(SKYLIGHT, 1.83), &level(SKYLIGHT, 1.95), to_middle);
+    let mut pane = mesh("skylight", WINDOW);
+    pane.polygon(&level(SKYLIGHT, 1.95), Vec3::NEG_Y);
+    panes.push(pane);
+    for (x, y) in WINDOWS {
+        let upright =
+            |z: f32| [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|[x, y]| Vec3::new(x, y, z));
+        let middle = Vec3::new(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 5.08);
+        ring(&mut reveals, &upright(5.0), &upright(GLASS_Z), inwards_of(middle));
+        let mut pane = mesh("pane", WINDOW);
+        pane.polygon(&upright(GLASS_Z), Vec3::NEG_Z);
+        panes.push(pane);
+    }
+    panes.extend([well, reveals]);
+    panes.into_iter().map(MeshBuilder::build).collect()
+}
+
+/// Four side faces between two rectangles. `facing` gives the direction of a side from the centres of two
+/// opposite corners.
+fn ring(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], facing: impl Fn(Vec3, Vec3) -> Vec3) {
+    for k in 0..4 {
+        let next = (k + 1) % 4;
+        mesh.polygon(&[from[k], from[next], to[next], to[k]], facing(from[k], to[next]));
+    }
+}
+
+/// Sixteen brick blocks of several heights with wooden tops; a ball lies on one of them.
+fn blocks() -> Vec<Mesh> {
+    const WIDTH: f32 = 0.6575;
+    const CORNER: Vec2 = Vec2::new(1.81, -3.59);
+    /// Heights of the blocks in rows from −z to +z, each from −x to +x. The last block of the first row stays below the eye of
+    /// the view `ceiling`.
+    const TOPS: [[f32; 4]; 4] = [
+        [-0.30, -0.07, -0.80, -0.82],
+        [-0.80, -0.80, -0.80, -0.80],
+        [-0.56, -0.80, -0.90, -0.80],
+        [-0.80, -0.80, -0.80, -0.64],
+    ];
+    const BOARD: f32 = 0.025;
+    let mut bricks = mesh("blocks", BRICKS);
+    let mut tops = mesh("block-tops", DARK_WOOD);
+    for (j, row) in TOPS.iter().enumerate() {
+        for (i, &top) in row.iter().enumerate() {
+            let low = CORNER + WIDTH * Vec2::new(i as f32, j as f32);
+            let min = Vec3::new(low.x, FLOOR_Y - OVERLAP, low.y);
+            let max = Vec3::new(low.x + WIDTH, top, low.y + WIDTH);
+            bricks.cuboid_but(min, max - BOARD * Vec3::Y, &[Vec3::Y, Vec3::NEG_Y]);
+            let min = Vec3::new(min.x, top - BOARD, min.z);
+            tops.cuboid_but(min, max, &[Vec3::NEG_Y]);
+        }
+    }
+    let ball = Vec3::new(2.14, -0.19, -1.92);
+    bricks.cuboid_but(ball - Vec3::new(0.11, 0.38, 0.11), ball + Vec3::new(0.11, -0.22, 0.11), &[Vec3::NEG_Y]);
+    let mut wood = mesh("ball", WOOD);
+    wood.sphere(ball, 0.24, [48, 24]);
+    [bricks, tops, wood].map(MeshBuilder::build).into()
+}
+
+/// The two wooden cylinders of figures 5.1 and 5.4.
+fn cylinders() -> Vec<Mesh> {
+    let cylinder = |name: &str, x: f32, z: f32, height: f32| {
+        let mut wood = mesh(name, WOOD).turned();
+        let foot = Vec3::new(x, FLOOR_Y - OVERLAP, z);
+        wood.cylinder(foot, 0.25, height + OVERLAP, 64);
+        wood.build()
+    };
+    vec![cylinder("tall-cylinder", 4.31, 2.93, 1.0), cylinder("low-cylinder", 2.98, 2.18, 0.62)]
+}
+
+/// A round table with a bowl, a ball and a box on it, and a stool.
+fn table() -> Vec<Mesh> {
+    let middle = Vec3::new(-0.29, FLOOR_Y, 3.17);
+    let mut table = mesh("table", WOOD);
+    table.cylinder(middle + 0.50 * Vec3::Y, 0.60, 0.05, 64);
+    let mut leg = mesh("table-leg", WOOD).turned();
+    leg.revolve(middle - OVERLAP * Vec3::Y, [32, 24], |t| {
+        let foot = 0.24 * (1.0 - t).max(0.0).powi(6);
+        let swell = 0.03 * (3.0 * std::f32::consts::PI * t).sin();
+        Vec2::new(0.07 + foot + swell, 0.54 * t)
+    });
+    let top = middle + 0.55 * Vec3::Y;
+    let bowl = bowl(top + Vec3::new(0.22, 0.0, -0.15));
+    let mut small = mesh("small-things", BRICKS);
+    small.cuboid_but(top + Vec3::new(-0.42, 0.0, -0.12), top + Vec3::new(-0.18, 0.2, 0.08), &[Vec3::NEG_Y]);
+    let mut ball = mesh("table-ball", DARK_WOOD);
+    ball.sphere(top + Vec3::new(0.02, 0.12, 0.22), 0.12, [32, 16]);
+    [table, leg, bowl, small, ball].map(MeshBuilder::build).into()
+}
+
+/// A wooden bowl: outside, rim and inside.
+fn bowl(foot: Vec3) -> MeshBuilder {
+    let side = |radius: f32, floor: f32, turn: f32| {
+        let (sin, cos) = (0.35 + 1.1 * turn).sin_cos();
+        Vec2::new(radius * sin, floor + 0.14 * (0.94 - cos))
+    };
+    let (outer, inner) = (|t: f32| side(0.19, 0.0, t), |t: f32| side(0.175, 0.012, t));
+    let (lip_out, lip_in) = (outer(1.0), inner(1.0));
+    let mut wood = mesh("bowl", DARK_WOOD);
+    wood.revolve(foot, [48, 10], outer);
+    wood.revolve(foot, [48, 1], |t| lip_out.lerp(lip_in, t));
+    wood.revolve(foot, [48, 10], |t| inner(1.0 - t));
+    wood.disc(foot + inner(0.0).y * Vec3::Y, inner(0.0).x, 48, Vec3::Y);
+    wood
+}

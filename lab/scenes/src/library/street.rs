@@ -1,0 +1,409 @@
+//! `street`: a street after rain between two rows of houses, after the first of Schmidt's scenes (2013, section 5.1, figures
+//! 27, 32, 36, 39, 41 and 51a). Signs and a cinema are reflected in wet asphalt, and a parked car stands between these and the
+//! road.
+
+mod house;
+
+use super::builder::{MeshBuilder, Rect};
+use super::fittings::{Face, centred_rect};
+use super::{Finish, car, materials, portrait, probe, thesis_lens, view};
+use crate::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
+use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
+use glam::Vec3;
+use house::{Ground, HouseFront};
+
+const ROAD: usize = 0;
+const PAVEMENT: usize = 1;
+const KERB: usize = 2;
+const BRICKS: usize = 3;
+const TEAL: usize = 4;
+const OCHRE: usize = 5;
+const STONE: usize = 6;
+pub const TRIM: usize = 7;
+pub const DARK_PANE: usize = 8;
+pub const LIT_PANE: usize = 9;
+pub const SHOP: usize = 10;
+pub const DOOR: usize = 11;
+const METAL: usize = 12;
+const LAMP: usize = 13;
+/// The index of the first of two neon colours.
+const NEON_PAINT: usize = 14;
+const RED_PAINT: usize = 16;
+const BLUE_PAINT: usize = 17;
+/// Index of the dark glass of cars and of the cinema's doors.
+pub const DARK_GLASS: usize = 18;
+const RUBBER: usize = 19;
+const TAIL_LAMP: usize = 20;
+const LINE: usize = 21;
+const CINEMA: usize = 22;
+const HOTEL: usize = 23;
+const BAR: usize = 24;
+const CAFE: usize = 25;
+/// The index of the first of two posters.
+const POSTER: usize = 26;
+
+const FINISHES: [Finish; 28] = [
+    Finish::new("road", Pattern::Asphalt, 0.0).reflecting(0.8, 0.05),
+    Finish::new("pavement", Pattern::Slabs, 0.0).reflecting(0.16, 0.1).smoothed(0.5),
+    Finish::paint("kerb", 0.24, 0.23, 0.22).reflecting(0.1, 0.1),
+    Finish::new("bricks", Pattern::Bricks, 0.0),
+    Finish::new("teal", Pattern::Plaster, 0.0).tinted(0.30, 0.52, 0.58),
+    Finish::new("ochre", Pattern::Plaster, 0.0).tinted(1.0, 0.80, 0.50),
+    Finish::new("stone", Pattern::Limestone, 0.0).tinted(0.85, 0.85, 0.88),
+    Finish::paint("trim", 0.46, 0.44, 0.40),
+    Finish::picture("dark-pane", Picture::Pane { lit: false }).reflecting(0.35, 0.0),
+    Finish::picture("lit-pane", Picture::Pane { lit: true }).reflecting(0.1, 0.0),
+    Finish::picture("shop", Picture::Shop).reflecting(0.3, 0.0),
+    Finish::new("door", Pattern::Wood(Wood::Dark), 0.0).reflecting(0.1, 0.1),
+    Finish::paint("metal", 0.05, 0.055, 0.06).reflecting(0.25, 0.08),
+    Finish::paint("lamp", 1.0, 0.93, 0.74),
+    Finish::paint("neon-pink", 1.0, 0.22, 0.52),
+    Finish::paint("neon-cyan", 0.22, 0.90, 1.0),
+    Finish::paint("red-paint", 0.45, 0.02, 0.02).reflecting(0.35, 0.03),
+    Finish::paint("blue-paint", 0.03, 0.07, 0.26).reflecting(0.35, 0.03),
+    Finish::paint("dark-glass", 0.02, 0.024, 0.028).reflecting(0.6, 0.0),
+    Finish::paint("rubber", 0.02, 0.02, 0.021),
+    Finish::paint("tail-lamp", 0.62, 0.02, 0.02).reflecting(0.2, 0.02),
+    Finish::paint("line", 0.55, 0.54, 0.50).reflecting(0.25, 0.08),
+    Finish::picture("cinema", Picture::Sign(&CINEMA_SIGN)),
+    Finish::picture("hotel", Picture::Sign(&HOTEL_SIGN)),
+    Finish::picture("bar", Picture::Sign(&BAR_SIGN)),
+    Finish::picture("cafe", Picture::Sign(&CAFE_SIGN)),
+    Finish::picture("poster-ship", Picture::Painting(Painting::Ship)),
+    Finish::picture("poster-portrait", Picture::Painting(Painting::Portrait)),
+];
+
+const CINEMA_SIGN: Sign = Sign {
+    text: Text { letters: "CINEMA", stacked: false },
+    cut: SignOutline::Plate,
+    ink: Vec3::new(1.0, 0.92, 0.30),
+    ground: Vec3::new(0.30, 0.01, 0.015),
+    bulbs: true,
+    size: [768, 144],
+};
+const HOTEL_SIGN: Sign = Sign {
+    text: Text { letters: "HOTEL", stacked: true },
+    cut: SignOutline::Slant,
+    ink: Vec3::new(0.35, 0.92, 1.0),
+    ground: Vec3::new(0.005, 0.02, 0.09),
+    bulbs: false,
+    size: [128, 512],
+};
+const BAR_SIGN: Sign = Sign {
+    text: Text { letters: "BAR", stacked: false },
+    cut: SignOutline::Arrow,
+    ink: Vec3::new(1.0, 0.35, 0.62),
+    ground: Vec3::new(0.05, 0.0, 0.05),
+    bulbs: false,
+    size: [320, 128],
+};
+const CAFE_SIGN: Sign = Sign {
+    text: Text { letters: "CAFE", stacked: false },
+    cut: SignOutline::Plate,
+    ink: Vec3::new(0.98, 0.95, 0.85),
+    ground: Vec3::new(0.02, 0.22, 0.06),
+    bulbs: false,
+    size: [448, 128],
+};
+
+/// Half the width of the road, the x of the house fronts, and the z of the street's ends.
+const KERB_X: f32 = 4.0;
+const HOUSE_X: f32 = 6.6;
+const ENDS_Z: [f32; 2] = [-8.0, 40.0];
+const KERB_M: f32 = 0.14;
+/// The height of the tallest houses.
+const TOP: f32 = 14.2;
+const CAR: Vec3 = Vec3::new(-2.9, 0.0, 8.4);
+const SECOND_CAR: Vec3 = Vec3::new(2.95, 0.0, 19.5);
+/// Street lamps: x and z of their posts; then the height of their globes and the distance by which the globes hang over the
+/// road.
+const LAMPS: [[f32; 2]; 6] = [[-4.4, 4.4], [4.4, 2.6], [-4.4, 14.5], [4.4, 22.0], [-4.4, 29.0], [4.4, 35.0]];
+const GLOBE: [f32; 2] = [4.3, 0.55];
+const GLOBE_RADIUS: f32 = 0.19;
+/// The cinema's canopy: its extent along the house fronts, its heights, and how far it projects.
+const CANOPY: ([f32; 2], [f32; 2], f32) = ([7.6, 14.4], [3.35, 4.60], 1.6);
+
+/// Builds the scene.
+pub fn scene() -> Scene {
+    let (materials, textures) = materials(&FINISHES);
+    let mut parts = vec![ground(), cinema(), signs(), lamps()];
+    parts.extend(fronts().iter().map(house::build));
+    let paints = [(CAR, RED_PAINT), (SECOND_CAR, BLUE_PAINT)];
+    parts.extend(paints.map(|(place, paint)| car::parked_car(place, &car_materials(paint))));
+    let meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
+    let (min, max) = ([-HOUSE_X, 0.0, ENDS_Z[0]], [HOUSE_X, TOP, ENDS_Z[1]]);
+    let mut scene = Scene {
+        name: "street".to_owned(),
+        meshes,
+        materials,
+        textures,
+        lights: lights(),
+        lens: thesis_lens(),
+        views: vec![
+            view("street", [1.3, 1.6, -4.5], [-0.9, 1.15, 10.0]),
+            view("car", [2.4, 1.55, 3.4], [-3.2, 0.75, 8.8]),
+            view("puddles", [0.9, 0.5, 1.0], [-0.5, 0.2, 12.0]),
+            view("signs", [-1.4, 1.6, 3.0], [4.6, 1.6, 13.0]),
+            view("bonnet", [0.2, 1.45, 12.6], [-3.6, 0.75, 8.6]),
+        ],
+        probes: [("south", -1.0), ("cinema", 11.0), ("north", 27.0)]
+            .map(|(name, z)| probe(name, [0.0, 2.0, z], min, max))
+            .into(),
+        area_lights: area_lights(),
+        ..Scene::default()
+    };
+    add_impostors(&mut scene);
+    scene
+}
+
+fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
+    FINISHES[material].mesh(name, material)
+}
+
+fn car_materials(paint: usize) -> car::Materials {
+    car::Materials { paint, glass: DARK_GLASS, dark: RUBBER, chrome: METAL, tail_lamp: TAIL_LAMP }
+}
+
+/// The house fronts at −x; `a` along them is z.
+fn left() -> Face {
+    Face::new([-HOUSE_X, 0.0, 0.0], Vec3::Z)
+}
+
+/// The house fronts at +x; `a` along them is −z.
+fn right() -> Face {
+    Face::new([HOUSE_X, 0.0, 0.0], Vec3::NEG_Z)
+}
+
+/// The fronts of all houses.
+fn fronts() -> [HouseFront; 8] {
+    let north = Face::new([0.0, 0.0, ENDS_Z[1]], Vec3::X);
+    let south = Face::new([0.0, 0.0, ENDS_Z[0]], Vec3::NEG_X);
+    let front = |name, face, span, height, material: usize, ground| HouseFront {
+        name,
+        face,
+        span,
+        height,
+        wall: FINISHES[material].mesh("", material),
+        ground,
+    };
+    let across = [-HOUSE_X, HOUSE_X];
+    [
+        front("bricks-left", left(), [-8.0, 5.6], 13.6, BRICKS, Ground::Shops),
+        front("cinema", left(), [5.6, 16.4], 11.0, TEAL, Ground::Cinema),
+        front("stone-left", left(), [16.4, 40.0], TOP, STONE, Ground::Shops),
+        front("cafe", right(), [-9.4, 8.0], 11.2, OCHRE, Ground::Shops),
+        front("hotel", right(), [-24.6, -9.4], TOP, BRICKS, Ground::Doors),
+        front("stone-right", right(), [-40.0, -24.6], 11.4, STONE, Ground::Doors),
+        front("north", north, across, 12.4, OCHRE, Ground::Doors),
+        front("south", south, across, 11.0, BRICKS, Ground::Doors),
+    ]
+}
+
+fn lights() -> Vec<Light> {
+    let point = |x: f32, y: f32, z: f32, energy: f32| Light::Point { position: Vec3::new(x, y, z), energy };
+    let globe = |[x, z]: [f32; 2]| point(x - x.signum() * GLOBE[1], GLOBE[0] - 0.55, z, 4.0);
+    let mut all = vec![Light::Directional { direction: Vec3::new(0.30, -0.80, 0.52).normalize(), energy: 0.30 }];
+    all.extend(LAMPS.map(globe));
+    let canopy = -HOUSE_X + CANOPY.2;
+    all.extend([
+        point(canopy + 1.1, 4.0, 9.3, 4.0),
+        point(canopy + 1.1, 4.0, 12.7, 4.0),
+        point(canopy - 0.4, 2.7, 11.0, 3.0),
+        point(5.6, 8.1, 10.7, 3.0),
+        point(5.6, 6.3, 10.7, 3.0),
+        point(-5.6, 3.2, 1.9, 2.0),
+        point(5.3, 3.4, 2.9, 3.0),
+        point(5.3, 3.4, 4.7, 2.0),
+    ]);
+    all
+}
+
+/// The globes of the lamps and the two neon tubes.
+fn area_lights() -> Vec<AreaLight> {
+    let globe = |[x, z]: [f32; 2]| AreaLight {
+        shape: AreaShape::Sphere { centre: Vec3::new(x - x.signum() * GLOBE[1], GLOBE[0], z), radius: GLOBE_RADIUS },
+        radiance: Vec3::new(1.0, 0.93, 0.74),
+    };
+    let mut all = LAMPS.map(globe).to_vec();
+    for (tube, radiance) in NEON.iter().zip([Vec3::new(1.0, 0.22, 0.52), Vec3::new(0.22, 0.90, 1.0)]) {
+        let [a, b] = *tube;
+        all.push(AreaLight { shape: AreaShape::Capsule { a, b, radius: NEON_RADIUS }, radiance });
+    }
+    all
+}
+
+/// The ends of the neon tubes: below the edge of the canopy, and up the corner of the hotel.
+const NEON: [[Vec3; 2]; 2] = [
+    [
+        Vec3::new(-HOUSE_X + CANOPY.2 + 0.05, CANOPY.1[0] - 0.05, CANOPY.0[0]),
+        Vec3::new(-HOUSE_X + CANOPY.2 + 0.05, CANOPY.1[0] - 0.05, CANOPY.0[1]),
+    ],
+    [Vec3::new(HOUSE_X - 0.12, 4.6, 14.0), Vec3::new(HOUSE_X - 0.12, 10.6, 14.0)],
+];
+const NEON_RADIUS: f32 = 0.05;
+
+/// Road with its markings, kerbs and pavements.
+fn ground() -> Vec<MeshBuilder> {
+    let mut road = mesh("road", ROAD);
+    let z = [ENDS_Z[0] - 0.02, ENDS_Z[1] + 0.02];
+    road.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new([-KERB_X, 0.0], z), &[]);
+    // The second lane is turned by a quarter, so that its puddles differ from those of the first lane.
+    let mut lane = mesh("second-lane", ROAD).turned();
+    lane.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new([0.0, KERB_X], z), &[]);
+    let mut pavement = mesh("pavement", PAVEMENT);
+    let mut kerb = mesh("kerbs", KERB);
+    for side in [-1.0, 1.0] {
+        let x = |from: f32, to: f32| [(side * from).min(side * to), (side * from).max(side * to)];
+        let level = Rect::new(x(KERB_X + 0.15, HOUSE_X + 0.3), z);
+        pavement.panel([KERB_M * Vec3::Y, Vec3::X, Vec3::Z], level, &[]);
+        let [low, high] = x(KERB_X, KERB_X + 0.15);
+        let mut from = z[0];
+        while from < z[1] {
+            let to = (from + 1.2).min(z[1]);
+            kerb.cuboid(Vec3::new(low, -0.02, from + 0.006), Vec3::new(high, KERB_M + 0.006, to - 0.006));
+            from = to;
+        }
+    }
+    let mut line = mesh("road-markings", LINE);
+    for k in 0..12 {
+        let from = ENDS_Z[0] + 1.0 + 4.0 * k as f32;
+        let stripe = Rect::new([-0.07, 0.07], [from, from + 1.8]);
+        line.panel([0.004 * Vec3::Y, Vec3::X, Vec3::Z], stripe, &[]);
+    }
+    let mut cover = mesh("manhole-covers", METAL);
+    for (x, z) in [(1.9, 2.6), (-1.3, 15.0), (2.2, 26.0)] {
+        cover.cylinder(Vec3::new(x, -0.02, z), 0.34, 0.026, 32);
+    }
+    vec![road, lane, pavement, kerb, line, cover]
+}
+
+/// The canopy above the cinema's entrance with its sign, the posters below, and the neon tubes.
+fn cinema() -> Vec<MeshBuilder> {
+    let face = left();
+    let (along, heights, out) = CANOPY;
+    let mut canopy = mesh("canopy", METAL);
+    face.block(&mut canopy, Rect::new(along, heights), [-0.05, out - 0.01]);
+    let mut sign = mesh("cinema-sign", CINEMA);
+    face.picture(&mut sign, cinema_rect(), out);
+    let mut ends = mesh("canopy-trim", TRIM);
+    for y in [heights[0] - 0.03, heights[1]] {
+        face.block(&mut ends, Rect::new([along[0] - 0.03, along[1] + 0.03], [y, y + 0.04]), [0.0, out + 0.02]);
+    }
+    let mut parts = vec![canopy, sign, ends];
+    for (k, rect) in poster_rects().into_iter().enumerate() {
+        let mut frame = mesh("poster-frames", METAL);
+        face.border(&mut frame, rect, 0.07, [0.0, 0.06]);
+        let mut poster = mesh(POSTERS[k], POSTER + k);
+        face.picture(&mut poster, rect, 0.03);
+        parts.extend([frame, poster]);
+    }
+    for (k, [a, b]) in NEON.into_iter().enumerate() {
+        let mut tube = mesh("neon", NEON_PAINT + k);
+        tube.tube([12, 1], Vec3::X, |t| (a.lerp(b, t), NEON_RADIUS));
+        tube.sphere(a, NEON_RADIUS, [12, 8]);
+        tube.sphere(b, NEON_RADIUS, [12, 8]);
+        parts.push(tube);
+    }
+    parts
+}
+
+const POSTERS: [&str; 2] = ["poster-ship", "poster-portrait"];
+
+fn cinema_rect() -> Rect {
+    centred_rect(0.5 * (CANOPY.0[0] + CANOPY.0[1]), 0.5 * (CANOPY.1[0] + CANOPY.1[1]), 6.2, 6.2 * 144.0 / 768.0)
+}
+
+fn poster_rects() -> [Rect; 2] {
+    [centred_rect(7.05, 1.75, 1.9, 1.27), centred_rect(14.9, 1.75, 1.2, 1.5)]
+}
+
+/// A sign that projects from the houses across the street: name, material, plane and rectangle.
+struct BladeSign {
+    name: &'static str,
+    material: usize,
+    face: Face,
+    rect: Rect,
+}
+
+fn blades() -> [BladeSign; 2] {
+    let across = |z: f32| Face::new([0.0, 0.0, z], Vec3::X);
+    [
+        BladeSign { name: "hotel-sign", material: HOTEL, face: across(11.4), rect: centred_rect(5.75, 7.2, 1.2, 4.8) },
+        BladeSign { name: "bar-sign", material: BAR, face: across(2.6), rect: centred_rect(-5.55, 3.3, 1.75, 0.7) },
+    ]
+}
+
+fn cafe_rect() -> Rect {
+    centred_rect(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
+}
+
+/// The signs on the houses; signs that project across the street also have a back side.
+fn signs() -> Vec<MeshBuilder> {
+    let mut parts = Vec::new();
+    let mut rods = mesh("sign-rods", METAL);
+    for blade in blades() {
+        let mut front = mesh(blade.name, blade.material);
+        blade.face.picture(&mut front, blade.rect, 0.0);
+        let behind = Face { origin: blade.face.origin + 0.04 * Vec3::Z, right: -blade.face.right };
+        let mirrored = Rect::new([-blade.rect.max.x, -blade.rect.min.x], [blade.rect.min.y, blade.rect.max.y]);
+        let mut back = mesh(format!("{}-back", blade.name), blade.material);
+        behind.picture(&mut back, mirrored, 0.0);
+        let (low, high) = (blade.rect.min, blade.rect.max);
+        let wall = HOUSE_X * low.x.signum();
+        for y in [low.y + 0.3 * (high.y - low.y), high.y - 0.12 * (high.y - low.y)] {
+            let (from, to) = (wall.min(low.x + 0.3), wall.max(high.x - 0.3));
+            let z = blade.face.origin.z + 0.02;
+            rods.cuboid(Vec3::new(from, y - 0.015, z - 0.012), Vec3::new(to, y + 0.015, z + 0.012));
+        }
+        parts.extend([front, back]);
+    }
+    let mut cafe = mesh("cafe-sign", CAFE);
+    right().picture(&mut cafe, cafe_rect(), 0.08);
+    let mut board = mesh("cafe-board", METAL);
+    right().block(&mut board, centred_rect(-3.8, 3.53, 2.0, 0.5), [-0.05, 0.07]);
+    parts.extend([rods, cafe, board]);
+    parts
+}
+
+/// Street lamps: posts with an arm over the road and a globe.
+fn lamps() -> Vec<MeshBuilder> {
+    let mut posts = mesh("lamp-posts", METAL);
+    let mut globes = mesh("lamps", LAMP);
+    for [x, z] in LAMPS {
+        let foot = Vec3::new(x, KERB_M, z);
+        posts.cylinder(foot, 0.09, 0.9, 20);
+        posts.cylinder(foot, 0.055, GLOBE[0], 16);
+        let top = foot + GLOBE[0] * Vec3::Y;
+        let globe = Vec3::new(x - x.signum() * GLOBE[1], GLOBE[0], z);
+        posts.tube([10, 12], Vec3::Z, |t| {
+            let (sin, cos) = (0.5 * std::f32::consts::PI * t).sin_cos();
+            let reach = globe + (GLOBE_RADIUS + 0.04) * Vec3::Y - top;
+            (top + Vec3::new(reach.x * (1.0 - cos), reach.y + 0.35 * sin - 0.35 * (1.0 - cos), 0.0), 0.03)
+        });
+        posts.cylinder(globe + (GLOBE_RADIUS - 0.03) * Vec3::Y, 0.1, 0.05, 16);
+        globes.sphere(globe, GLOBE_RADIUS, [24, 12]);
+    }
+    vec![posts, globes]
+}
+
+/// Adds the impostors from the farthest from the road to the nearest, because Schmidt's listing keeps the last impostor that a
+/// ray hits.
+fn add_impostors(scene: &mut Scene) {
+    for front in fronts().iter().take(5) {
+        let names = house::parts(front.name);
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let rect = Rect::new(front.span, [0.0, front.height]);
+        portrait::add(scene, &names, &front.face.portrait(front.name, rect, 0.0, 320));
+    }
+    for (name, rect) in POSTERS.into_iter().zip(poster_rects()) {
+        portrait::add(scene, &[name], &left().portrait(name, rect, 0.03, 192));
+    }
+    portrait::add(scene, &["cafe-sign"], &right().portrait("cafe sign", cafe_rect(), 0.08, 384));
+    for blade in blades() {
+        portrait::add(scene, &[blade.name], &blade.face.portrait(blade.name, blade.rect, 0.0, 192));
+    }
+    portrait::add(scene, &["cinema-sign"], &left().portrait("cinema sign", cinema_rect(), CANOPY.2, 512));
+    let side = Face::new([CAR.x, 0.0, CAR.z], Vec3::Z);
+    let box_ = Rect::new([-0.52 * car::SIZE.z, 0.52 * car::SIZE.z], [0.0, 1.02 * car::SIZE.y]);
+    portrait::add(scene, &car::PARTS, &side.portrait("car", box_, 0.0, 320));
+}

@@ -1,0 +1,129 @@
+//! Materials of base colour, metalness and roughness, as in glTF and in the PBR keys of MTL files, converted to this program's
+//! materials, by their factors and texel by texel.
+//!
+//! The albedo is the base colour times 1 − metalness, plus the emission. The reflectivity is the luminance of mix(F0, base
+//! colour, metalness) (docs/definitions.md, "glTF").
+
+use super::material_terms;
+use super::texture::{self, Encoding, Texture, luminance};
+use glam::{DVec2, DVec4, Vec3};
+use ssct_ground::math;
+
+/// The factors of a material on which its colours depend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Factors {
+    /// Linear base colour, 0…1.
+    pub(super) base: Vec3,
+    /// Metalness, 0…1.
+    pub(super) metallic: f32,
+    /// Linear emission, at least 0.
+    pub(super) emission: Vec3,
+    /// Reflection at normal incidence of the part that is no metal, before `specular`; values above 1 count as 1.
+    pub(super) f0: Vec3,
+    /// Factor on `f0`, 0…1.
+    pub(super) specular: f32,
+    /// Whether the surface shows its base colour alone.
+    pub(super) unlit: bool,
+}
+
+/// The values of a material's images in a texel; 1 where there is no image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TexelInputs {
+    base: Vec3,
+    metallic: f32,
+    emission: Vec3,
+    specular: f32,
+    tint: Vec3,
+}
+
+impl Default for TexelInputs {
+    fn default() -> Self {
+        Self { base: Vec3::ONE, metallic: 1.0, emission: Vec3::ONE, specular: 1.0, tint: Vec3::ONE }
+    }
+}
+
+impl TexelInputs {
+    pub(super) fn new(base: DVec4, metallic: f64, emission: DVec4) -> Self {
+        Self { base: rgb(base), metallic: metallic as f32, emission: rgb(emission), ..Self::default() }
+    }
+
+    /// Sets factors on the reflection of the part that is no metal.
+    pub(super) fn with_specular(self, specular: f64, tint: DVec4) -> Self {
+        Self { specular: specular as f32, tint: rgb(tint), ..self }
+    }
+}
+
+impl Factors {
+    /// Albedo and emission together, at most 1, and the share of the luminance that is emission.
+    pub(super) fn colour(&self, texel: &TexelInputs) -> (Vec3, f32) {
+        let base = texel.base * self.base;
+        if self.unlit {
+            return (base, 1.0);
+        }
+        let lit = base * (1.0 - texel.metallic * self.metallic);
+        let emitted = texel.emission * self.emission;
+        let share = luminance(emitted) / luminance(lit + emitted);
+        ((lit + emitted).min(Vec3::ONE), if share.is_finite() { share } else { 0.0 })
+    }
+
+    /// The reflectivity, 0…1.
+    pub(super) fn reflectivity(&self, texel: &TexelInputs) -> f32 {
+        let f0 = (self.f0 * texel.tint).min(Vec3::ONE) * self.specular * texel.specular;
+        material_terms::reflectivity(texel.base * self.base, texel.metallic * self.metallic, f0)
+    }
+
+    /// A texel of an sRGB image of the colour, with the share of emission in alpha.
+    pub(super) fn albedo_texel(&self, texel: &TexelInputs) -> [u8; 4] {
+        let (colour, share) = self.colour(texel);
+        let [r, g, b] = colour.to_array().map(math::display_byte);
+        [r, g, b, byte(share)]
+    }
+}
+
+/// An image of the size of the largest input. Each texel is computed from the texels of all inputs at its place; a missing
+/// input is white.
+pub(super) fn texels<const N: usize>(
+    inputs: &[Option<Texture>; N],
+    encoding: Encoding,
+    texel: impl Fn([DVec4; N]) -> [u8; 4],
+) -> Texture {
+    texels_of(&inputs.each_ref().map(Option::as_ref), encoding, texel)
+}
+
+/// Makes an image as [`texels`] does, from borrowed images.
+pub(super) fn texels_of<const N: usize>(
+    inputs: &[Option<&Texture>; N],
+    encoding: Encoding,
+    texel: impl Fn([DVec4; N]) -> [u8; 4],
+) -> Texture {
+    let there = || inputs.iter().flatten();
+    let [width, height] = [there().map(|t| t.width).max(), there().map(|t| t.height).max()].map(|v| v.unwrap_or(1));
+    let name = there().next().map_or_else(String::new, |t| t.name.clone());
+    let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
+    for y in 0..height {
+        for x in 0..width {
+            let uv = DVec2::new((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
+            rgba.extend(texel(inputs.map(|t| t.map_or(DVec4::ONE, |t| texture::bilinear(t, uv)))));
+        }
+    }
+    Texture { name, width, height, rgba, encoding }
+}
+
+/// A white image of one texel.
+pub(super) fn white() -> Texture {
+    Texture { name: "white".into(), width: 1, height: 1, rgba: vec![255; 4], encoding: Encoding::Srgb }
+}
+
+fn rgb(texel: DVec4) -> Vec3 {
+    texel.truncate().as_vec3()
+}
+
+fn byte(unit: f32) -> u8 {
+    (unit.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// An opaque grey texel.
+pub(super) fn grey(unit: f32) -> [u8; 4] {
+    let value = byte(unit);
+    [value, value, value, 255]
+}

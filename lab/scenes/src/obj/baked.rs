@@ -1,0 +1,132 @@
+//! The maps of a material: unchanged images, and images that are baked from several, as for glTF.
+
+use crate::material_terms::roughness_of_perceptual;
+use crate::metallic::{Factors, TexelInputs, grey, texels_of};
+use crate::{Encoding, Material, Texture};
+use glam::{DVec4, Vec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// The material that results from its law.
+#[derive(Debug, Clone)]
+pub(super) struct MaterialReading {
+    /// The material without its name, surface and images.
+    pub material: Material,
+    /// The factors from which images are baked.
+    pub factors: Factors,
+    /// Whether the material has metalness, so that its images change its reflection as in glTF.
+    pub is_metallic: bool,
+    /// The factor on the perceptual roughness in the image of the roughness.
+    pub roughness_factor: f32,
+}
+
+/// The index of an image in the list of images read.
+type Image = usize;
+
+/// The inputs from which an image of the scene is made. Materials with equal inputs share the image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum ImageRecipe {
+    Plain(Image),
+    Albedo { base: Option<Image>, metalness: Option<Image>, emission: Option<Image>, factors: Factors },
+    Reflectivity { base: Option<Image>, metalness: Option<Image>, level: Option<Image>, factors: Factors },
+    Roughness { image: Image, factor: f32 },
+}
+
+/// The images that were read, and the images that the scene's materials need.
+pub(super) struct Textures {
+    read: Vec<Option<Texture>>,
+    made: Vec<ImageRecipe>,
+    /// Index of each recipe in the list, by its text, since numbers of materials have no hash.
+    index: HashMap<String, usize>,
+}
+
+impl Textures {
+    pub(super) fn new(read: Vec<Option<Texture>>) -> Self {
+        Self { read, made: Vec::new(), index: HashMap::new() }
+    }
+
+    pub(super) fn is_there(&self, image: Image) -> bool {
+        self.read[image].is_some()
+    }
+
+    fn add(&mut self, wanted: ImageRecipe) -> usize {
+        *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
+            self.made.push(wanted);
+            self.made.len() - 1
+        })
+    }
+
+    /// Gives a material its maps, as indices into the images of [`Textures::finish`]. `images` are in the order of
+    /// [`MaterialImages`](super::images::MaterialImages).
+    pub(super) fn attach(
+        &mut self,
+        material: &mut Material,
+        reading: Option<&MaterialReading>,
+        images: [Option<Image>; 7],
+    ) {
+        let [base, normal, mask, reflectivity, emission, roughness, metalness] = images;
+        let is_metallic = reading.is_some_and(|r| r.is_metallic);
+        let emits = reading.is_some_and(|r| r.factors.emission != Vec3::ZERO);
+        let is_baked = metalness.is_some() || emits && (base.is_some() || emission.is_some());
+        let mut plain = |image: Option<Image>| image.map(|image| self.add(ImageRecipe::Plain(image)));
+        let as_they_are = [base.filter(|_| !is_baked), normal, mask, reflectivity.filter(|_| !is_metallic)];
+        [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map] =
+            as_they_are.map(&mut plain);
+        let Some(MaterialReading { factors, roughness_factor, .. }) = reading.cloned() else { return };
+        if is_baked {
+            let emission = emission.filter(|_| emits);
+            (material.albedo, material.emission) = (Vec3::ONE, if emits { 1.0 } else { 0.0 });
+            material.albedo_map = Some(self.add(ImageRecipe::Albedo { base, metalness, emission, factors }));
+        }
+        if let Some(image) = roughness {
+            material.roughness = 1.0;
+            material.roughness_map = Some(self.add(ImageRecipe::Roughness { image, factor: roughness_factor }));
+        }
+        let is_tinted = factors.metallic > 0.0 && (base.is_some() || metalness.is_some());
+        if is_metallic && (is_tinted || reflectivity.is_some()) {
+            material.reflectivity = 1.0;
+            let level = reflectivity;
+            material.reflectivity_map = Some(self.add(ImageRecipe::Reflectivity { base, metalness, level, factors }));
+        }
+    }
+
+    /// Makes the images, which will follow `before` other images of the scene, and adds `before` to the materials' indices.
+    /// Images that were read only for baking are dropped.
+    pub(super) fn finish(self, before: usize, materials: &mut [Material]) -> Vec<Texture> {
+        for material in materials {
+            let Material { albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map, .. } = material;
+            let maps = [albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map];
+            maps.into_iter().flatten().for_each(|index| *index += before);
+        }
+        let Self { mut read, made, .. } = self;
+        let baked: Vec<Option<Texture>> = made.par_iter().map(|made| bake(made, &read)).collect();
+        let taken = |(made, baked): (ImageRecipe, Option<Texture>)| match made {
+            ImageRecipe::Plain(image) => read[image].take(),
+            _ => baked,
+        };
+        made.into_iter().zip(baked).filter_map(taken).collect()
+    }
+}
+
+/// Bakes an image from others; `None` for an unchanged one.
+fn bake(made: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
+    let input = |image: Option<Image>| read[image?].as_ref();
+    // A grey image has its numbers in every channel.
+    Some(match *made {
+        ImageRecipe::Plain(_) => return None,
+        ImageRecipe::Albedo { base, metalness, emission, factors } => {
+            texels_of(&[base, metalness, emission].map(input), Encoding::Srgb, |[base, metalness, emission]| {
+                factors.albedo_texel(&TexelInputs::new(base, metalness.x, emission))
+            })
+        }
+        ImageRecipe::Reflectivity { base, metalness, level, factors } => {
+            texels_of(&[base, metalness, level].map(input), Encoding::Linear, |[base, metalness, level]| {
+                let inputs = TexelInputs::new(base, metalness.x, DVec4::ONE).with_specular(level.x, DVec4::ONE);
+                grey(factors.reflectivity(&inputs))
+            })
+        }
+        ImageRecipe::Roughness { image, factor } => texels_of(&[input(Some(image))], Encoding::Linear, |[rough]| {
+            grey(roughness_of_perceptual(factor * rough.x as f32))
+        }),
+    })
+}

@@ -1,0 +1,282 @@
+//! Loads the images of materials: finds the files, decodes them in parallel, and replaces missing ones.
+
+use super::baked::{MaterialReading, Textures};
+use crate::bounded::{self, printable_name};
+use crate::pattern;
+use crate::texture::MAX_TEXELS;
+use crate::{Encoding, Scene, Texture, texture};
+use rayon::prelude::*;
+use ssct_ground::error::{Error, Result};
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+/// An image as an MTL file names it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ImageStatement {
+    /// The file name as written in the statement.
+    pub name: String,
+    /// The MTL file; the image is looked up relative to it.
+    pub mtl_path: PathBuf,
+    /// The line of the statement.
+    pub line: usize,
+    /// The bump multiplier (`-bm`).
+    pub multiplier: f32,
+    /// Whether the statement has `-s`, `-o` or `-t`, which transform texture coordinates.
+    pub transformed: bool,
+}
+
+impl ImageStatement {
+    /// The file and line of the statement.
+    pub(super) fn place(&self) -> String {
+        format!("{}:{}", self.mtl_path.display(), self.line)
+    }
+}
+
+/// The images that a material names.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct MaterialImages {
+    /// `map_Kd`.
+    pub albedo: Option<ImageStatement>,
+    /// `bump`.
+    pub normal: Option<ImageStatement>,
+    /// `map_d`.
+    pub mask: Option<ImageStatement>,
+    /// `map_Ks`.
+    pub reflectivity: Option<ImageStatement>,
+    /// `map_Ke`.
+    pub emission: Option<ImageStatement>,
+    /// Perceptual roughness: `map_Pr`, and in some files `map_Ns`.
+    pub roughness: Option<ImageStatement>,
+    /// Metalness: `map_Pm`, and in some files `refl`.
+    pub metalness: Option<ImageStatement>,
+}
+
+impl MaterialImages {
+    fn all(&self) -> [&Option<ImageStatement>; 7] {
+        let Self { albedo, normal, mask, reflectivity, emission, roughness, metalness } = self;
+        [albedo, normal, mask, reflectivity, emission, roughness, metalness]
+    }
+}
+
+/// The images of a material, with the material that its numbers give; empty for a material without a definition.
+#[derive(Default)]
+pub(super) struct Source {
+    pub images: MaterialImages,
+    pub reading: Option<MaterialReading>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum ImageRole {
+    Albedo,
+    /// A normal map, with the bits of the bump multiplier.
+    Normal(u32),
+    Mask,
+    Reflectivity,
+    Emission,
+    /// Images of numbers: roughness, metalness, the level of specular.
+    Data,
+}
+
+/// An image in one role. Materials that request the same image in the same role share it.
+#[derive(Debug, PartialEq, Eq, Hash, Clone)]
+struct Request {
+    path: PathBuf,
+    role: ImageRole,
+}
+
+/// Loads the images of the scene's materials (`sources[i]` belongs to material i) into the scene.
+///
+/// Each image that is missing or cannot be read adds one warning. A generated image replaces a missing one whose file name
+/// suggests a pattern. Otherwise the material has its plain colour, no normal map, no mask, or the value of its numbers alone.
+pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
+    let mut requests = Requests::default();
+    let wanted: Vec<[Option<usize>; 7]> = sources.iter().map(|source| requests.add_all(source)).collect();
+
+    let bar = bounded::image_bar(requests.list.len());
+    let loaded: Vec<LoadedImage> = requests
+        .within_budget(side)
+        .into_par_iter()
+        .map(|(request, fits)| {
+            let loaded = load(request, fits, side);
+            bar.inc(1);
+            loaded
+        })
+        .collect();
+    bar.finish_and_clear();
+    let mut warned = HashSet::new();
+    let mut index_of = Vec::with_capacity(loaded.len());
+    for (loaded, statement) in loaded.into_iter().zip(&requests.statements) {
+        if let Some(problem) = loaded.problem
+            && warned.insert(loaded.path)
+        {
+            let ImageStatement { name, mtl_path, line, .. } = statement;
+            let instead = loaded.instead;
+            scene.warnings.push(format!(
+                "{}:{line}: image {} {problem}; {instead}",
+                mtl_path.display(),
+                printable_name(name)
+            ));
+        }
+        index_of.push(loaded.texture);
+    }
+    let mut textures = Textures::new(index_of);
+    for ((material, source), wanted) in scene.materials.iter_mut().zip(&sources).zip(wanted) {
+        let images = wanted.map(|w| w.filter(|&i| textures.is_there(i)));
+        textures.attach(material, source.reading.as_ref(), images);
+    }
+    scene.textures.extend(textures.finish(scene.textures.len(), &mut scene.materials));
+    warn_of_transforms(scene, &sources);
+}
+
+fn warn_of_transforms(scene: &mut Scene, sources: &[Source]) {
+    for (source, material) in sources.iter().zip(&scene.materials) {
+        if let Some(image) = source.images.all().into_iter().flatten().find(|i| i.transformed) {
+            let place = image.place();
+            let what = "the options -s, -o and -t of maps are not supported and were ignored";
+            scene.warnings.push(format!("{place}: material {}: {what}", material.name));
+        }
+    }
+}
+
+#[derive(Default)]
+struct Requests {
+    list: Vec<Request>,
+    /// For each request, the statement that made it first.
+    statements: Vec<ImageStatement>,
+    index: HashMap<Request, usize>,
+    found: HashMap<(PathBuf, String), PathBuf>,
+}
+
+impl Requests {
+    /// Adds the images of a material, in the order of [`MaterialImages::all`].
+    fn add_all(&mut self, source: &Source) -> [Option<usize>; 7] {
+        let is_metallic = source.reading.as_ref().is_some_and(|reading| reading.is_metallic);
+        let level = if is_metallic { ImageRole::Data } else { ImageRole::Reflectivity };
+        let normal = source.images.normal.as_ref().map_or(0, |image| image.multiplier.to_bits());
+        let roles = [
+            ImageRole::Albedo,
+            ImageRole::Normal(normal),
+            ImageRole::Mask,
+            level,
+            ImageRole::Emission,
+            ImageRole::Data,
+            ImageRole::Data,
+        ];
+        let mut roles = roles.into_iter();
+        source.images.all().map(|image| {
+            let role = roles.next()?;
+            image.as_ref().map(|image| self.add(image, role))
+        })
+    }
+
+    fn add(&mut self, statement: &ImageStatement, role: ImageRole) -> usize {
+        let folder = statement.mtl_path.parent().unwrap_or(Path::new(""));
+        let key = (folder.to_owned(), statement.name.clone());
+        let path = self.found.entry(key).or_insert_with(|| {
+            // If the image is missing, a path that does not exist takes its place.
+            resolve(folder, &statement.name).unwrap_or_else(|| folder.join(forward_slashes(&statement.name)))
+        });
+        let request = Request { path: path.clone(), role };
+        *self.index.entry(request.clone()).or_insert_with(|| {
+            self.list.push(request);
+            self.statements.push(statement.clone());
+            self.list.len() - 1
+        })
+    }
+
+    /// The requests, each with a flag that says whether its image still fits into [`MAX_TEXELS`] with sides of at most `side`.
+    fn within_budget(&self, side: u32) -> Vec<(&Request, bool)> {
+        let mut texels = 0;
+        let with_size = self.list.iter().map(|request| {
+            if let Ok((width, height)) = image::image_dimensions(&request.path) {
+                texels += texture::texels_within(width, height, side);
+            }
+            (request, texels <= MAX_TEXELS)
+        });
+        with_size.collect()
+    }
+}
+
+/// The result of a request.
+struct LoadedImage {
+    path: PathBuf,
+    texture: Option<Texture>,
+    /// Why the requested image is not used, and `instead` names the replacement.
+    problem: Option<String>,
+    instead: &'static str,
+}
+
+fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
+    let Request { path, role } = request.clone();
+    let problem = if !path.is_file() {
+        "is missing".to_owned()
+    } else if !fits {
+        format!("would exceed the {MAX_TEXELS} texels of a scene")
+    } else {
+        match decode(&path, role, side) {
+            Ok(texture) => return LoadedImage { path, texture: Some(texture), problem: None, instead: "" },
+            Err(error) => format!("cannot be used ({error})"),
+        }
+    };
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let texture = match role {
+        ImageRole::Albedo => pattern::by_name(&name, pattern::Role::Albedo),
+        ImageRole::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
+        ImageRole::Mask | ImageRole::Reflectivity | ImageRole::Emission | ImageRole::Data => None,
+    };
+    let instead = match role {
+        _ if texture.is_some() => "a generated image takes its place",
+        ImageRole::Albedo => "the material's colour takes its place",
+        ImageRole::Normal(_) => "the surface is smooth",
+        ImageRole::Mask => "the surface is opaque",
+        ImageRole::Reflectivity => "white takes its place",
+        ImageRole::Emission | ImageRole::Data => "the material's number takes its place",
+    };
+    LoadedImage { path, texture, problem: Some(problem), instead }
+}
+
+fn decode(path: &Path, role: ImageRole, side: u32) -> Result<Texture> {
+    let decode = |encoding| Ok::<_, Error>(texture::shrink_to_side(texture::decode(path, encoding)?, side));
+    Ok(match role {
+        ImageRole::Albedo | ImageRole::Emission => decode(Encoding::Srgb)?,
+        ImageRole::Data => decode(Encoding::Linear)?,
+        ImageRole::Mask => texture::into_mask(decode(Encoding::Linear)?),
+        ImageRole::Reflectivity => texture::into_reflectivity(decode(Encoding::Linear)?),
+        ImageRole::Normal(bits) => texture::into_normal_map(decode(Encoding::Linear)?, f32::from_bits(bits)),
+    })
+}
+
+fn forward_slashes(name: &str) -> String {
+    name.trim_matches('"').replace('\\', "/")
+}
+
+/// Finds the file that a name refers to, starting from `folder`. Backslashes and slashes separate folders. If the name does not
+/// exist as written, case is ignored. If its folders do not exist, as with a path from the author's own machine, only the last
+/// component is looked up.
+pub(crate) fn resolve(folder: &Path, name: &str) -> Option<PathBuf> {
+    let name = forward_slashes(name);
+    let last = name.rsplit('/').next().unwrap_or(&name);
+    find(folder, &name).or_else(|| find(folder, last))
+}
+
+fn find(folder: &Path, name: &str) -> Option<PathBuf> {
+    let exact = folder.join(name);
+    if exact.is_file() {
+        return Some(exact);
+    }
+    let mut found = if name.starts_with('/') { PathBuf::from("/") } else { folder.to_owned() };
+    for component in name.split('/').filter(|c| !c.is_empty()) {
+        let next = found.join(component);
+        found = if next.exists() { next } else { entry_ignoring_case(&found, component)? };
+    }
+    found.is_file().then_some(found)
+}
+
+fn entry_ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let wanted = name.to_lowercase();
+    let entries = std::fs::read_dir(folder).ok()?.flatten();
+    let matching = entries.filter(|e| e.file_name().to_string_lossy().to_lowercase() == wanted);
+    // The order of a folder's entries is arbitrary, so that the first by name is taken.
+    matching.map(|e| e.path()).min()
+}

@@ -1,0 +1,353 @@
+//! Reads materials from MTL files.
+//!
+//! tobj's own reader panics on a `Kd` with one number and keeps the options of maps in the file name. This
+//! module therefore reads the few statements that matter itself, with line numbers:
+//!
+//! | statement | meaning |
+//! |---|---|
+//! | `Kd` | albedo or base colour, linear, clamped to 0…1; black with a `map_Kd` counts as white, as exporters mean it |
+//! | `Ks`, `Ns`, `Ka`, `Ni`, `illum` | by the law of the exporter ([`laws`]); by Wavefront's `Ks` is the reflectivity (1 if absent) and `Ns` a Phong exponent (absent or ≤ 0: roughness 0, the author's default) |
+//! | `Pr`, `Pm`, `map_Pr`, `map_Pm` | roughness and metalness as those of glTF |
+//! | `Ke`, `map_Ke` | emission |
+//! | `map_Kd`, `map_Ks`, `map_d` | image of the colour, factor on what `Ks` says, alpha mask |
+//! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
+//!
+//! Other statements that change the look of a material are dropped, with a warning for each kind ([`lost_meaning`]).
+//! `sharpness` and unknown statements are ignored.
+
+mod laws;
+mod maps;
+
+use super::images::{ImageStatement, MaterialImages, resolve};
+use super::text::{NO_MATERIAL, stated_number};
+use super::{decode, read_limited};
+use crate::bounded::printable_name;
+use glam::Vec3;
+use ssct_ground::error::{Error, Result};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use laws::{Exporter, Law};
+use maps::image_statement;
+
+/// One `newmtl` block.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Definition {
+    law: Law,
+    diffuse: Option<Vec3>,
+    specular: Option<Vec3>,
+    emission: Option<Vec3>,
+    ambient: Option<Vec3>,
+    exponent: Option<f32>,
+    roughness: Option<f32>,
+    metalness: Option<f32>,
+    /// The index of refraction (`Ni`).
+    ior: Option<f32>,
+    /// The model of illumination (`illum`).
+    model: Option<u32>,
+    images: MaterialImages,
+    /// The images of `map_Ns` and `refl`, whose meaning the law decides.
+    exponent_image: Option<ImageStatement>,
+    reflection_image: Option<ImageStatement>,
+    /// Place of a positive `Tf` that filters no colour, which Blender writes for transparent surfaces.
+    transmission: Option<String>,
+    /// Warnings about dropped statements, with the file and line of the first one.
+    dropped: BTreeMap<&'static str, String>,
+}
+
+impl Definition {
+    /// Adds a warning for each kind of dropped statement.
+    pub(super) fn warn(&self, warnings: &mut Vec<String>) {
+        warnings.extend(self.dropped.iter().map(|(sentence, place)| format!("{place}: {sentence}")));
+    }
+
+    /// The images that the material names.
+    pub(super) fn images(&self) -> MaterialImages {
+        self.images.clone()
+    }
+}
+
+/// Reads the files that the `mtllib` statements of the OBJ file at `obj_path` name. A missing file adds a
+/// warning.
+pub(super) fn read_libraries(
+    obj_path: &Path,
+    statements: &[(usize, String)],
+    warnings: &mut Vec<String>,
+) -> Result<Definitions> {
+    let folder = obj_path.parent().unwrap_or(Path::new(""));
+    let mut definitions = Definitions::default();
+    let mut seen = HashSet::new();
+    for (line, statement) in statements {
+        let files = library_names(folder, statement);
+        for (name, path) in files {
+            if !seen.insert(name.clone()) {
+                continue;
+            }
+            match path {
+                Some(path) => {
+                    let bytes = read_limited(&path)?;
+                    read(&path, &decode(&path, &bytes)?, &mut definitions.named)?;
+                }
+                None => warnings.push(format!(
+                    "{}:{line}: the MTL file {} is missing; its materials are white",
+                    obj_path.display(),
+                    printable_name(&name)
+                )),
+            }
+        }
+    }
+    let bare = definitions.named.keys().map(|name| (without_comment(name).to_owned(), name.clone()));
+    definitions.bare = bare.collect();
+    Ok(definitions)
+}
+
+/// Finds the files that a statement names, each with its path if it exists. The longest run of words that names a file is one
+/// name; a blank after a backslash always belongs to a name.
+fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>)> {
+    /// Greatest number of words in a name that is searched for, unless the whole statement is a name.
+    const MOST_WORDS: usize = 16;
+    let found = |name: &str| Some((name.to_owned(), Some(resolve(folder, name)?)));
+    if let Some(whole) = spellings(statement).iter().find_map(|name| found(name)) {
+        return vec![whole];
+    }
+    // No name contains a line end, which therefore marks a blank that belongs to a name.
+    let marked = without_comment(statement).replace("\\ ", "\n");
+    let words: Vec<String> =
+        marked.split([' ', '\t']).filter(|word| !word.is_empty()).map(|word| word.replace('\n', " ")).collect();
+    let mut names = Vec::new();
+    let mut rest = &words[..];
+    while let Some(first) = rest.first() {
+        let mut counts = (1..=rest.len().min(MOST_WORDS)).rev();
+        let longest = counts.find_map(|count| Some((count, found(&rest[..count].join(" "))?)));
+        let (count, name) = longest.unwrap_or_else(|| (1, (first.clone(), None)));
+        names.push(name);
+        rest = &rest[count..];
+    }
+    names
+}
+
+/// The materials of the MTL files of an OBJ file.
+#[derive(Default)]
+pub(super) struct Definitions {
+    named: HashMap<String, Definition>,
+    /// Names without comments, with the names as written.
+    bare: HashMap<String, String>,
+}
+
+impl Definitions {
+    pub(super) fn is_empty(&self) -> bool {
+        self.named.is_empty()
+    }
+
+    /// The material of a name, with or without a comment after it, which some programs write. A name itself may contain a `#`.
+    pub(super) fn get(&self, name: &str) -> Option<&Definition> {
+        let bare = without_comment(name);
+        let named = |name: &str| self.named.get(name);
+        named(name).or_else(|| named(bare)).or_else(|| named(self.bare.get(bare)?))
+    }
+}
+
+/// A statement without its comment, if a blank precedes the comment.
+fn without_comment(statement: &str) -> &str {
+    let behind_blank = |(offset, _): &(usize, &str)| statement[..*offset].ends_with(char::is_whitespace);
+    let comment = statement.match_indices('#').find(behind_blank);
+    comment.map_or(statement, |(offset, _)| &statement[..offset]).trim_end()
+}
+
+/// The ways to read the rest of a statement as one file name, each once: unchanged and without a comment, then both with each
+/// backslash before a blank removed.
+fn spellings(statement: &str) -> Vec<Cow<'_, str>> {
+    let plain = [statement, without_comment(statement)];
+    let escaped = plain.map(|text| Cow::Owned(text.replace("\\ ", " ")));
+    distinct(plain.map(Cow::Borrowed).into_iter().chain(escaped))
+}
+
+/// The distinct items, in order.
+fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for one in all {
+        if !found.contains(&one) {
+            found.push(one);
+        }
+    }
+    found
+}
+
+/// Adds the materials of one MTL file; if a name occurs twice, the last definition is used.
+fn read(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) -> Result<()> {
+    let separator = if text.contains('\n') { '\n' } else { '\r' };
+    let mut current: Option<(String, Definition)> = None;
+    let mut exporter = Exporter::default();
+    let settled = |current: Option<(String, Definition)>, exporter| {
+        current.map(|(name, mut definition)| {
+            definition.settle(exporter);
+            (name, definition)
+        })
+    };
+    for (index, line) in text.split(separator).enumerate() {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let rest = rest.trim();
+        let place = Place { path, line: index + 1 };
+        if keyword.eq_ignore_ascii_case("newmtl") {
+            definitions.extend(settled(current.take(), exporter));
+            let name = if rest.is_empty() { NO_MATERIAL } else { rest };
+            current = Some((name.to_owned(), Definition::default()));
+        } else if line.starts_with('#') {
+            exporter = Exporter::from_comment(line).unwrap_or(exporter);
+        } else if let Some((_, definition)) = &mut current {
+            statement(&place, &keyword.to_ascii_lowercase(), rest, definition)?;
+        }
+    }
+    definitions.extend(settled(current, exporter));
+    Ok(())
+}
+
+/// The file and line of a statement.
+struct Place<'a> {
+    path: &'a Path,
+    line: usize,
+}
+
+impl std::fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{}:{}", self.path.display(), self.line)
+    }
+}
+
+fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<()> {
+    let image = || image_statement(place, rest);
+    match keyword {
+        "kd" => definition.diffuse = colour(place, keyword, rest, definition)?,
+        "ks" => definition.specular = colour(place, keyword, rest, definition)?,
+        "ns" => definition.exponent = number(place, keyword, rest, definition)?,
+        "pr" => definition.roughness = number(place, keyword, rest, definition)?,
+        "pm" => definition.metalness = finite_number(place, rest, definition),
+        "ke" => definition.emission = usable_colour(place, rest, definition),
+        "ka" => definition.ambient = stated_colour(rest),
+        "ni" => definition.ior = first_number(rest),
+        "illum" => definition.model = first_number(rest).map(|model| model as u32),
+        "map_ke" => definition.images.emission = image(),
+        "map_pr" => definition.images.roughness = image(),
+        "map_pm" => definition.images.metalness = image(),
+        "tf" if first_number(rest).is_some_and(|v| v > 0.0) && lost_meaning(keyword, rest).is_none() => {
+            definition.transmission = Some(place.to_string());
+        }
+        "map_ns" => definition.exponent_image = definition.exponent_image.take().or_else(image),
+        "refl" | "map_refl" => definition.reflection_image = definition.reflection_image.take().or_else(image),
+        "map_kd" => definition.images.albedo = image(),
+        "map_ks" => definition.images.reflectivity = image(),
+        "map_d" | "map_opacity" => definition.images.mask = image(),
+        "bump" | "map_bump" | "norm" => definition.images.normal = image(),
+        _ => {
+            if let Some(sentence) = lost_meaning(keyword, rest) {
+                definition.drop_kind(place, sentence);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Says what is lost because a statement is not read. `None` if nothing is lost, for example if the statement has the default
+/// value.
+fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
+    let numbers = || rest.split_whitespace().map_while(|word| word.parse::<f32>().ok());
+    let is_not = |usual: f32| numbers().any(|v| v != usual);
+    // The option -halo precedes the number.
+    let opacity = rest.strip_prefix("-halo").unwrap_or(rest).split_whitespace().next();
+    match keyword {
+        "d" if opacity.and_then(|word| word.parse::<f32>().ok()).is_some_and(|v| v < 1.0) => Some(TRANSPARENCY),
+        "tr" if is_not(0.0) => Some(TRANSPARENCY),
+        "tf" if is_not(1.0) => Some(TRANSPARENCY),
+        "ps" | "pc" | "aniso" if is_not(0.0) => {
+            Some("sheen, clear coats and anisotropy are not supported and were ignored")
+        }
+        "map_ps" | "map_pc" | "map_pcr" => Some("sheen, clear coats and anisotropy are not supported and were ignored"),
+        "disp" | "map_disp" | "decal" => Some("displacement and decals are not supported and were ignored"),
+        _ => None,
+    }
+}
+
+const TRANSPARENCY: &str = "transparency (d, Tr, Tf) is not supported; the surface is opaque where it has no map_d";
+
+impl Definition {
+    fn drop_kind(&mut self, place: &Place, sentence: &'static str) {
+        self.drop_at(&place.to_string(), sentence);
+    }
+
+    fn drop_at(&mut self, place: &str, sentence: &'static str) {
+        self.dropped.entry(sentence).or_insert_with(|| place.to_owned());
+    }
+}
+
+/// The first number of a statement; `None` if there is no number, or it is not finite.
+fn first_number(rest: &str) -> Option<f32> {
+    rest.split_whitespace().next()?.parse().ok().filter(|v: &f32| v.is_finite())
+}
+
+/// The colour of a statement: three numbers, or one for all channels; `None` if there are no numbers.
+fn stated_colour(rest: &str) -> Option<Vec3> {
+    let number = |word: &str| word.parse().ok().filter(|v: &f32| v.is_finite());
+    let words: Vec<&str> = rest.split_whitespace().take_while(|w| !w.starts_with('#')).take(3).collect();
+    let numbers: Vec<f32> = words.iter().map_while(|word| number(word)).collect();
+    match numbers[..] {
+        [r, g, b] => Some(Vec3::new(r, g, b)),
+        [grey] if words.len() == 1 => Some(Vec3::splat(grey)),
+        _ => None,
+    }
+}
+
+const NO_NUMBER: &str = "a statement with a number that is not finite was ignored";
+
+/// The first number of a statement; `None`, with a warning, if there is no number.
+fn finite_number(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
+    let number = first_number(rest);
+    if number.is_none() {
+        definition.drop_kind(place, NO_NUMBER);
+    }
+    number
+}
+
+/// The colour of a statement; `None`, with a warning, if there is no colour.
+fn usable_colour(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
+    let colour = stated_colour(rest);
+    if colour.is_none() {
+        definition.drop_kind(place, NO_NUMBER);
+    }
+    colour
+}
+
+/// A number; `None`, with a warning, for one that is not finite.
+fn number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<f32>> {
+    let word = rest.split_whitespace().next().unwrap_or("");
+    let stated = stated_number(word).ok_or_else(|| {
+        let message = format!("{keyword} needs a finite number, not {:?}", printable_name(word));
+        Error::malformed(place.path, Some(place.line), message)
+    })?;
+    let number = Some(stated as f32).filter(|v| v.is_finite());
+    if number.is_none() {
+        definition.drop_kind(place, NO_NUMBER);
+    }
+    Ok(number)
+}
+
+/// A colour given as three numbers, or as one number for all three channels; `None` for numbers that are not finite, and for
+/// spectral curves and CIE XYZ, which are not supported.
+fn colour(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<Vec3>> {
+    let words: Vec<&str> = rest.split_whitespace().take_while(|w| !w.starts_with('#')).collect();
+    if matches!(words.first(), Some(&("spectral" | "xyz"))) {
+        definition.drop_kind(place, "colours as spectral curves or CIE XYZ are not supported and were ignored");
+        return Ok(None);
+    }
+    let numbers: Vec<Option<f32>> =
+        words.iter().take(3).map(|w| number(place, keyword, w, definition)).collect::<Result<_>>()?;
+    match numbers[..] {
+        [r, g, b] => Ok(r.zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b))),
+        [grey] => Ok(grey.map(Vec3::splat)),
+        _ => {
+            let message = format!("{keyword} needs three numbers, not {}", numbers.len());
+            Err(Error::malformed(place.path, Some(place.line), message))
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The meaning of a material's numbers, which depends on the program that wrote the file.
+//!
+//! Wavefront's own law has a colour of highlights (`Ks`) and an exponent (`Ns`). Blender's exporter writes other quantities
+//! under these names, and the PBR keys have the meaning of glTF. docs/definitions.md, "Exporters of MTL", has the table and
+//! says how each law was found.
+
+use super::{Definition, TRANSPARENCY};
+use crate::Material;
+use crate::material_terms::{F0, f0_of_ior, roughness_of_exponent, roughness_of_perceptual};
+use crate::metallic::{Factors, TexelInputs};
+use crate::obj::baked::MaterialReading;
+use crate::texture::luminance;
+use glam::Vec3;
+
+/// Blender's exponent of a perfect mirror: `Ns` = 1000 (1 − r)².
+const BLENDER_EXPONENT: f32 = 1000.0;
+
+/// The roughness of Blender's default material.
+const BLENDER_ROUGHNESS: f32 = 0.5;
+
+/// The first version of Blender in which the level of specular is used together with the index of refraction.
+const BLENDER_WITH_IOR: u32 = 4;
+
+/// The program that wrote an MTL file, if it changes the meaning of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Exporter {
+    /// A program whose numbers have Wavefront's meaning, as far as known.
+    #[default]
+    Unknown,
+    /// Blender, of this major version. Files without a version are older than 3.3, and follow other laws.
+    Blender(u32),
+}
+
+impl Exporter {
+    /// Finds the program that wrote a file in one of the file's comments.
+    pub(super) fn from_comment(line: &str) -> Option<Self> {
+        let rest = line.trim_start_matches('#').trim_start().strip_prefix("Blender ")?;
+        let (version, rest) = rest.split_once(' ')?;
+        let major = version.split('.').next()?.parse().ok()?;
+        rest.contains("MTL File").then_some(Self::Blender(major))
+    }
+}
+
+/// The law by which a material's numbers are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Law {
+    /// Wavefront's law: `Ks` is the reflectivity, and `Ns` the exponent of the lobe, unless a roughness is given.
+    #[default]
+    Wavefront,
+    /// Blender's `Ns`, `Ks`, `Ka` and `Ni`, without PBR keys.
+    Blender(u32),
+    /// Metalness and roughness; Blender's `Ks` is the level of specular, and the `Ks` of other programs is ignored.
+    Pbr(Exporter),
+}
+
+impl Definition {
+    /// Chooses the law of the material, after all of its statements were read, and notes what the law drops.
+    pub(super) fn settle(&mut self, exporter: Exporter) {
+        let has_metalness = self.metalness.is_some() || self.images.metalness.is_some();
+        let has_roughness = self.roughness.is_some() || self.images.roughness.is_some();
+        let has_specular = self.specular.is_some() || self.images.reflectivity.is_some();
+        self.law = match exporter {
+            exporter if has_metalness => Law::Pbr(exporter),
+            Exporter::Blender(_) if has_roughness => Law::Pbr(exporter),
+            Exporter::Blender(major) => Law::Blender(major),
+            // A file that gives a roughness and a specular colour, but no metalness, means both.
+            Exporter::Unknown if has_roughness && !has_specular => Law::Pbr(exporter),
+            Exporter::Unknown => Law::Wavefront,
+        };
+        if let (Some(place), Exporter::Blender(_)) = (self.transmission.take(), exporter) {
+            self.drop_at(&place, TRANSPARENCY);
+        }
+        let [exponent, reflection] = [self.exponent_image.take(), self.reflection_image.take()];
+        if let Law::Blender(_) = self.law {
+            (self.images.roughness, self.images.metalness) = (exponent, reflection);
+            return;
+        }
+        if let Some(image) = exponent {
+            self.drop_at(&image.place(), "images of exponents (map_Ns) are not supported and were ignored");
+        }
+        if let Some(image) = reflection {
+            self.drop_at(&image.place(), "reflection maps (refl) are not supported and were ignored");
+        }
+        if let Some(image) = self.images.reflectivity.take_if(|_| self.law == Law::Pbr(Exporter::Unknown)) {
+            self.drop_at(
+                &image.place(),
+                "images of specular colour (map_Ks) do not count beside metalness and roughness",
+            );
+        }
+    }
+
+    /// The material that results from its law.
+    pub(in crate::obj) fn reading(&self) -> MaterialReading {
+        let factors = Factors {
+            base: self.base(),
+            metallic: self.metallic(),
+            emission: self.emitted(),
+            f0: Vec3::splat(self.f0()),
+            specular: 1.0,
+            unlit: false,
+        };
+        let is_metallic = self.law != Law::Wavefront;
+        let (albedo, emission) = factors.colour(&TexelInputs::default());
+        let reflectivity = match is_metallic {
+            true => factors.reflectivity(&TexelInputs::default()),
+            false => self.specular.map_or(1.0, luminance).clamp(0.0, 1.0),
+        };
+        let roughness = self.lobe();
+        let material = Material { albedo, emission, reflectivity, roughness, ..Material::default() };
+        MaterialReading { material, factors, is_metallic, roughness_factor: self.perceptual().unwrap_or(1.0) }
+    }
+
+    /// A black colour together with an image counts as white, as exporters mean it.
+    fn base(&self) -> Vec3 {
+        let base = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
+        if base == Vec3::ZERO && self.images.albedo.is_some() { Vec3::ONE } else { base }
+    }
+
+    fn emitted(&self) -> Vec3 {
+        let stated = self.emission.unwrap_or(Vec3::ZERO).clamp(Vec3::ZERO, Vec3::splat(1e6));
+        if stated == Vec3::ZERO && self.images.emission.is_some() { Vec3::ONE } else { stated }
+    }
+
+    fn metallic(&self) -> f32 {
+        let stated = match self.law {
+            Law::Wavefront => 0.0,
+            // Blender writes the metalness as the ambient colour, and white without metalness. The illumination model of a
+            // mirror is written for metals alone.
+            Law::Blender(_) => {
+                self.ambient.filter(|_| matches!(self.model, Some(3 | 6))).map_or(0.0, |ambient| ambient.x)
+            }
+            Law::Pbr(_) => self.metalness.unwrap_or(0.0),
+        };
+        if stated == 0.0 && self.images.metalness.is_some() { 1.0 } else { stated.clamp(0.0, 1.0) }
+    }
+
+    /// The reflection along the normal of the part that is no metal.
+    fn f0(&self) -> f32 {
+        // Blender writes an index of 1 for materials without an index of refraction.
+        let ior = self.ior.filter(|ior| ior.is_finite() && *ior > 1.0);
+        let of_ior = ior.map_or(F0, f0_of_ior);
+        let has_image = self.images.reflectivity.is_some();
+        let level = |major| {
+            let level = self.specular.map_or(if has_image { 1.0 } else { 0.5 }, luminance).max(0.0);
+            2.0 * level * if major >= BLENDER_WITH_IOR { of_ior } else { F0 }
+        };
+        match self.law {
+            Law::Wavefront => 0.0,
+            Law::Blender(major) | Law::Pbr(Exporter::Blender(major)) => level(major),
+            Law::Pbr(Exporter::Unknown) => of_ior,
+        }
+    }
+
+    /// The perceptual roughness of glTF, or the factor on an image of roughness. Under every law but Blender's it is `None` if the
+    /// material gives no roughness.
+    fn perceptual(&self) -> Option<f32> {
+        if self.images.roughness.is_some() {
+            return Some(self.roughness.filter(|r| *r > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));
+        }
+        let by_exponent = |exponent: f32| 1.0 - (exponent / BLENDER_EXPONENT).clamp(0.0, 1.0).sqrt();
+        match self.law {
+            Law::Blender(_) => Some(self.exponent.map_or(BLENDER_ROUGHNESS, by_exponent)),
+            Law::Wavefront | Law::Pbr(_) => self.roughness.map(|r| r.clamp(0.0, 1.0)),
+        }
+    }
+
+    /// The roughness ϱ, 0…1, without images.
+    fn lobe(&self) -> f32 {
+        match (self.perceptual(), self.law) {
+            (Some(r), _) => roughness_of_perceptual(r),
+            (None, Law::Wavefront) => self.exponent.map_or(0.0, roughness_of_exponent),
+            (None, _) => self.exponent.map_or(roughness_of_perceptual(1.0), roughness_of_exponent),
+        }
+    }
+}

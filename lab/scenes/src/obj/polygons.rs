@@ -1,0 +1,331 @@
+//! Makes triangles with normals, in world space, from the groups and polygons that tobj finds.
+
+use super::text::Statements;
+use super::{Handedness, ObjOptions};
+use crate::assemble::{MeshPart, Triangle, point_behind};
+use crate::{MAX_COORDINATE_M, Vertex};
+use glam::{DVec2, DVec3, Vec3};
+use ssct_ground::error::{Error, Result};
+use std::collections::HashMap;
+use std::io::Read;
+use std::path::Path;
+
+/// A part that is being built; a normal of zero is not yet known.
+struct GroupPart {
+    part: MeshPart,
+    /// Smoothing group of each triangle.
+    smoothing: Vec<u32>,
+}
+
+/// Builds the parts of the file at `path`; errors and warnings name that path.
+pub(super) fn build(
+    path: &Path,
+    statements: Statements,
+    options: &ObjOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<MeshPart>> {
+    let Statements { vertices, faces, material_names, smoothing, .. } = statements;
+    let materials: Vec<_> =
+        (0..material_names.len()).map(|i| tobj::Material { name: i.to_string(), ..Default::default() }).collect();
+    let by_name = materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i));
+    let library = Ok((materials.clone(), by_name.collect()));
+    let how = tobj::LoadOptions { single_index: true, ..Default::default() };
+    let (models, _) = tobj::load_obj_buf(&mut vertices.as_bytes().chain(faces.as_bytes()), &how, |_| library.clone())
+        .map_err(|e| Error::malformed(path, None, format!("cannot be read: {e}")))?;
+    drop((vertices, faces));
+
+    let mut smoothing = smoothing.into_iter();
+    let mut parts = Vec::new();
+    let mut without_area = 0;
+    for tobj::Model { mesh, name } in models.into_iter().filter(|m| !m.mesh.indices.is_empty()) {
+        let corners = world_vertices(path, &mesh, options)?;
+        let material = mesh.material_id.unwrap_or_default();
+        let part = MeshPart { name, material, triangles: Vec::new(), has_tangents: false };
+        let mut part = GroupPart { part, smoothing: Vec::new() };
+        let mut start = 0;
+        let uniform = mesh.face_arities.is_empty().then_some(3);
+        let arities = mesh.face_arities.iter().map(|&n| n as usize);
+        let faces = uniform.map_or(0, |n| mesh.indices.len() / n);
+        for arity in arities.chain(std::iter::repeat_n(3, faces)) {
+            let polygon: Vec<Vertex> =
+                mesh.indices[start..start + arity].iter().map(|&i| corners[i as usize]).collect();
+            start += arity;
+            without_area += part.push(&polygon, smoothing.next().unwrap_or(0), options.handedness);
+        }
+        parts.push(part);
+    }
+    if parts.iter().all(|p| p.part.triangles.is_empty()) {
+        return Err(Error::malformed(path, None, "no face of this file has an area"));
+    }
+    if without_area > 0 {
+        let (plural, were) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
+        warnings.push(format!("{}: {without_area} {plural} without area {were} left out", path.display()));
+    }
+    parts.retain(|p| !p.part.triangles.is_empty());
+    fill_normals(&mut parts);
+    Ok(parts.into_iter().map(|p| p.part).collect())
+}
+
+/// The vertices of a group in world space. A normal that is missing or has no length becomes zero.
+fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Result<Vec<Vertex>> {
+    let mirror = match options.handedness {
+        Handedness::Right => Vec3::new(1.0, 1.0, -1.0),
+        Handedness::Left => Vec3::ONE,
+    };
+    // Adding zero has the same reason as in `fill_normals`.
+    let to_world = |v: &[f32], factor: Vec3| Vec3::new(v[0], v[1], v[2]) * factor + Vec3::ZERO;
+    let positions = mesh.positions.chunks_exact(3);
+    let attributes = mesh.normals.chunks_exact(3).zip(mesh.texcoords.chunks_exact(2));
+    let vertices = positions.zip(attributes).map(|(position, (normal, uv))| {
+        let position = to_world(position, mirror * options.load.scale);
+        if position.abs().max_element() > MAX_COORDINATE_M {
+            let message = format!("a vertex lies more than {MAX_COORDINATE_M:e} m from the origin");
+            return Err(Error::malformed(path, None, message));
+        }
+        let normal = to_world(normal, mirror).as_dvec3().normalize_or_zero().as_vec3();
+        // tobj marks a corner without texture coordinates by NaN.
+        let uv = if uv[0].is_nan() { [0.0, 0.0] } else { [uv[0] + 0.0, 1.0 - uv[1]] };
+        let position = position.to_array();
+        Ok(Vertex { position, normal: normal.to_array(), uv, tangent: [0.0; 4] })
+    });
+    vertices.collect()
+}
+
+impl GroupPart {
+    /// Adds a polygon's triangles, with reversed winding if its stated normals point behind them. Returns the number of
+    /// triangles without area, which are left out.
+    fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
+        let mut without_area = 0;
+        let positions: Vec<DVec3> = polygon.iter().map(position).collect();
+        for [a, b, c] in triangulate(&positions) {
+            let (b, c) = if handedness == Handedness::Right { (c, b) } else { (b, c) };
+            let mut triangle = [polygon[a], polygon[b], polygon[c]];
+            let edges = [1, 2, 0].map(|i| position(&triangle[i]) - position(&triangle[(i + 2) % 3]));
+            let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
+            let cross = twice_area(&triangle);
+            if cross.length() <= 1e-7 * longest {
+                without_area += 1;
+                continue;
+            }
+            if point_behind(&triangle, cross.normalize()) {
+                triangle.swap(1, 2);
+            }
+            self.part.triangles.push(triangle);
+            self.smoothing.push(smoothing);
+        }
+        without_area
+    }
+}
+
+/// Gives every vertex that lacks a normal the normal of its smoothing group or of its face.
+///
+/// Within a group, faces are weighted by their angle at the vertex; weights by area would depend on the diagonal that splits a
+/// quad.
+fn fill_normals(parts: &mut [GroupPart]) {
+    let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
+    let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
+    for part in parts.iter() {
+        for (triangle, &group) in part.part.triangles.iter().zip(&part.smoothing).filter(|(_, g)| **g != 0) {
+            let face = twice_area(triangle).normalize();
+            for (i, vertex) in triangle.iter().enumerate().filter(|(_, v)| v.normal == [0.0; 3]) {
+                *smooth.entry(key(vertex, group)).or_default() += angle(triangle, i) * face;
+            }
+        }
+    }
+    for part in parts {
+        for (triangle, &group) in part.part.triangles.iter_mut().zip(&part.smoothing) {
+            let face = twice_area(triangle).normalize();
+            let stated = *triangle;
+            let fill = |triangle: &mut Triangle, normal_of: &dyn Fn(&Vertex) -> DVec3| {
+                for (vertex, stated) in triangle.iter_mut().zip(&stated).filter(|(_, v)| v.normal == [0.0; 3]) {
+                    // Adding zero turns −0 into 0, so that welding finds equal bits.
+                    vertex.normal = (normal_of(stated).as_vec3().normalize() + Vec3::ZERO).to_array();
+                }
+            };
+            fill(triangle, &|vertex| {
+                let mean = smooth.get(&key(vertex, group)).map_or(face, |n| n.normalize_or_zero());
+                // At a sharp fold, the mean may point behind the face.
+                if mean.dot(face) > 0.0 { mean } else { face }
+            });
+            // If stated normals lean behind the face, a mean along the face could make all three together point to its back.
+            if point_behind(triangle, face) {
+                fill(triangle, &|_| face);
+            }
+        }
+    }
+}
+
+fn position(vertex: &Vertex) -> DVec3 {
+    Vec3::from(vertex.position).as_dvec3()
+}
+
+/// (b − a) × (c − a): the face's normal, scaled to twice the triangle's area.
+fn twice_area(triangle: &Triangle) -> DVec3 {
+    let [a, b, c] = triangle.each_ref().map(position);
+    (b - a).cross(c - a)
+}
+
+/// The angle at a corner, in radians.
+fn angle(triangle: &Triangle, corner: usize) -> f64 {
+    let [apex, next, last] = [0, 1, 2].map(|i| position(&triangle[(corner + i) % 3]));
+    (next - apex).angle_between(last - apex)
+}
+
+/// Cuts a polygon into n − 2 triangles of the same orientation: as a fan if it is convex, and by cutting off ears otherwise. If
+/// a polygon crosses itself, the remainder is cut as a fan.
+fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
+    let fan = |corners: &[usize]| -> Vec<[usize; 3]> {
+        corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]).collect()
+    };
+    let mut corners: Vec<usize> = (0..polygon.len()).collect();
+    if polygon.len() <= 3 {
+        return fan(&corners);
+    }
+    let flat = project(polygon);
+    let turn = |a: usize, b: usize, c: usize| {
+        #[cfg(test)]
+        tests::TURNS.set(tests::TURNS.get() + 1);
+        (flat[b] - flat[a]).perp_dot(flat[c] - flat[b])
+    };
+    let n = polygon.len();
+    if (0..n).all(|i| turn(i, (i + 1) % n, (i + 2) % n) >= 0.0) {
+        return fan(&corners);
+    }
+    let mut triangles = Vec::with_capacity(n - 2);
+    let is_ear = |corners: &[usize], i: usize| {
+        let n = corners.len();
+        let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
+        let inside = |p: usize| {
+            let apart = [a, b, c].iter().all(|&q| flat[q] != flat[p]);
+            apart && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0
+        };
+        turn(a, b, c) > 0.0 && !corners.iter().any(|&p| inside(p))
+    };
+    // In a polygon that does not cross itself, cutting off an ear can change only whether its two neighbours are ears. The work
+    // therefore grows with the square of the number of corners.
+    let mut ears: Vec<bool> = (0..n).map(|i| is_ear(&corners, i)).collect();
+    while corners.len() > 3 {
+        let Some(ear) = ears.iter().position(|&ear| ear) else { break };
+        let n = corners.len();
+        triangles.push([corners[(ear + n - 1) % n], corners[ear], corners[(ear + 1) % n]]);
+        corners.remove(ear);
+        ears.remove(ear);
+        for neighbour in [(ear + n - 2) % (n - 1), ear % (n - 1)] {
+            ears[neighbour] = is_ear(&corners, neighbour);
+        }
+    }
+    triangles.extend(fan(&corners));
+    triangles
+}
+
+/// Projects the polygon to its own plane (with Newell's normal), counter-clockwise.
+fn project(polygon: &[DVec3]) -> Vec<DVec2> {
+    let next = polygon.iter().cycle().skip(1);
+    let normal: DVec3 = polygon.iter().zip(next).map(|(a, b)| (a - polygon[0]).cross(b - polygon[0])).sum();
+    let normal = normal.try_normalize().unwrap_or(DVec3::Z);
+    let (x, y) = normal.any_orthonormal_pair();
+    polygon.iter().map(|p| DVec2::new((p - polygon[0]).dot(x), (p - polygon[0]).dot(y))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    thread_local! {
+        /// Number of times that a cut computed the turn of three corners.
+        pub static TURNS: Cell<u64> = const { Cell::new(0) };
+    }
+
+    /// Tests a triangle with two stated normals that lean behind the face by 111 degrees, which an author may want. The mean at
+    /// the third corner, with two other faces, is almost perpendicular to the face, and all three together would point away by
+    /// 126 degrees.
+    #[test]
+    fn means_do_not_turn_a_face_to_its_back() {
+        let corner =
+            |position: [f32; 3], normal: [f32; 3]| Vertex { position, normal, uv: [0.0; 2], tangent: [0.0; 4] };
+        let (lean, none) = ([0.9950372, 0.0, -0.09950372], [0.0; 3]);
+        let shared = [0.0, 1.0, 0.0];
+        let triangles = vec![
+            [corner([0.0; 3], lean), corner(shared, none), corner([1.0, 1.0, -0.5], lean)],
+            // A face in the same plane, with reversed winding and an angle of a little less than 90 degrees at the shared
+            // corner.
+            [corner(shared, none), corner([0.1, 0.0, -0.05], none), corner([1.0, 1.0, -0.5], none)],
+            // A face perpendicular to both.
+            [corner(shared, none), corner([0.447, 1.0, 0.894], none), corner([0.0, 2.0, 0.0], none)],
+        ];
+        let part = MeshPart { name: String::new(), material: 0, triangles, has_tangents: false };
+        let mut parts = [GroupPart { part, smoothing: vec![1; 3] }];
+        fill_normals(&mut parts);
+        let triangle = &parts[0].part.triangles[0];
+        let face = twice_area(triangle).normalize();
+        assert!(!point_behind(triangle, face), "{triangle:?}");
+        assert_eq!((triangle[0].normal, triangle[2].normal), (lean, lean), "what is stated stays");
+        assert!(Vec3::from(triangle[1].normal).as_dvec3().dot(face) > 0.999, "{triangle:?}");
+    }
+
+    fn area(polygon: &[DVec3], triangles: &[[usize; 3]]) -> (f64, f64) {
+        let cross = |t: &[usize; 3]| (polygon[t[1]] - polygon[t[0]]).cross(polygon[t[2]] - polygon[t[0]]);
+        let sum: DVec3 = triangles.iter().map(cross).sum();
+        (0.5 * triangles.iter().map(|t| cross(t).length()).sum::<f64>(), 0.5 * sum.length())
+    }
+
+    #[test]
+    fn a_concave_polygon_is_covered_once() {
+        let arrow = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]];
+        let polygon = arrow.map(|[x, y]| DVec3::new(x, 3.0, -y));
+        let triangles = triangulate(&polygon);
+        assert_eq!(triangles.len(), 3);
+        let (unsigned, signed) = area(&polygon, &triangles);
+        // The shoelace formula gives 10; overlapping triangles would sum to more.
+        assert!((unsigned - 10.0).abs() < 1e-9 && (signed - 10.0).abs() < 1e-9, "{unsigned} {signed}");
+    }
+
+    #[test]
+    fn a_dart_is_cut_along_its_inner_diagonal() {
+        let dart = [[0.0, 0.0], [2.0, 1.0], [4.0, 0.0], [2.0, 4.0]];
+        for start in 0..4 {
+            let polygon: Vec<_> = (0..4).map(|i| dart[(i + start) % 4]).map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
+            let (unsigned, signed) = area(&polygon, &triangulate(&polygon));
+            assert!((unsigned - signed).abs() < 1e-9, "start {start}: {unsigned} {signed}");
+        }
+    }
+
+    /// A spiral of two arms, which has few ears at any time.
+    fn spiral(corners: usize) -> Vec<DVec3> {
+        let arm = |k: usize, radius: f64| {
+            let angle = k as f64 * 0.2;
+            DVec3::new(angle.cos(), angle.sin(), 0.0) * (radius + 0.3 * angle)
+        };
+        let half = corners / 2;
+        (0..half).map(|k| arm(k, 1.0)).chain((0..half).rev().map(|k| arm(k, 1.5))).collect()
+    }
+
+    #[test]
+    fn a_spiral_of_many_corners_is_covered_once() {
+        let polygon = spiral(1024);
+        let triangles = triangulate(&polygon);
+        assert_eq!(triangles.len(), 1022);
+        let (unsigned, signed) = area(&polygon, &triangles);
+        assert!((unsigned - signed).abs() < 1e-6 * signed, "{unsigned} {signed}");
+    }
+
+    #[test]
+    fn the_work_of_a_cut_grows_with_the_square_of_the_corners() {
+        let [few, many] = [256, 1024].map(|corners| {
+            TURNS.set(0);
+            triangulate(&spiral(corners));
+            TURNS.get()
+        });
+        // Four times the corners take 16 times the work; a cubic algorithm would take 64 times the work.
+        assert!(many < 20 * few, "{few} turns for 256 corners, {many} for 1024");
+    }
+
+    #[test]
+    fn any_polygon_gives_two_fewer_triangles_than_corners() {
+        let crossing = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0], [1.0, 5.0]];
+        let polygon = crossing.map(|[x, y]| DVec3::new(x, y, 0.0));
+        assert_eq!(triangulate(&polygon).len(), 3);
+        assert_eq!(triangulate(&[DVec3::ONE; 6]).len(), 4);
+    }
+}

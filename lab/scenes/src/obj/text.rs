@@ -1,0 +1,364 @@
+//! Checks the statements of an OBJ file and rewrites them into a form that tobj reads reliably.
+//!
+//! tobj reports no line numbers, accepts numbers that are not finite, loses track of corners that lack a texture coordinate or
+//! normal, and fails on short texture coordinates and on vertex colours. tobj therefore gets a plain file: three numbers per
+//! vertex, absolute indices that exist, and, where a corner lacks an attribute, the index of a NaN entry (which no file can
+//! contain itself).
+
+use crate::bounded::printable_name;
+use crate::far_away::far_origin;
+use glam::DVec3;
+use ssct_ground::error::{Error, Result};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write;
+use std::path::Path;
+
+/// The name of the material of faces that precede any `usemtl`.
+pub(super) const NO_MATERIAL: &str = "default";
+
+/// Greatest number of vertices, texture coordinates, normals and triangles that a file may have.
+const MAX_COUNT: usize = 1 << 24;
+
+/// Greatest number of corners that a face may have. The time to triangulate a concave face grows with the square of its
+/// corners.
+const MAX_CORNERS: usize = 1024;
+
+/// A normalised OBJ file, and the information that tobj does not report.
+#[derive(Debug)]
+pub(super) struct Statements {
+    /// The `v`, `vt` and `vn` statements. The first `vt` and the first `vn` are NaN and stand for a missing
+    /// attribute.
+    pub vertices: String,
+    /// The `g`, `usemtl` (by index into `material_names`) and `f` statements.
+    pub faces: String,
+    /// The names of the materials in the order of their first use.
+    pub material_names: Vec<String>,
+    /// The file names in `mtllib` statements, with their line numbers.
+    pub libraries: Vec<(usize, String)>,
+    /// The smoothing group of each face, in file order; 0 is none.
+    pub smoothing: Vec<u32>,
+}
+
+/// Results of a first reading of a file, which the second reading needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct FirstReading {
+    /// Upper bounds of the numbers of vertices, texture coordinates and normals.
+    counts: [usize; 3],
+    /// Offset that is subtracted from every vertex, in units of the file.
+    origin: DVec3,
+}
+
+/// Normalises the text of the file at `path`; errors and warnings name that path. `origin` is subtracted from every vertex, in
+/// units of the file. If it is `None`, and the vertices are too far from the file's origin for their size, `origin` becomes the
+/// centre of the vertices.
+pub(super) fn normalise(
+    path: &Path,
+    text: &str,
+    origin: &mut Option<DVec3>,
+    scale: f32,
+    warnings: &mut Vec<String>,
+) -> Result<Statements> {
+    let read = |known: FirstReading| {
+        let mut scan = Scan::new(path, known);
+        for (line, statement) in logical_lines(text) {
+            scan.line = line;
+            scan.statement(&statement)?;
+        }
+        Ok(scan)
+    };
+    let mut known = FirstReading { counts: [usize::MAX; 3], origin: origin.unwrap_or(DVec3::ZERO) };
+    let mut scan = read(known)?;
+    let scale = f64::from(scale);
+    let far = far_origin(scan.bounds.map(|v| v * scale)).filter(|_| origin.is_none());
+    if let Some(far) = &far {
+        warnings.push(format!("{}: {}", path.display(), far.sentence()));
+        known.origin = far.centre / scale;
+    }
+    *origin = Some(known.origin);
+    let strays = scan.has_strays();
+    if far.is_some() || strays {
+        known.counts = scan.counters.each_ref().map(|c| c.count);
+        scan = read(known)?;
+    }
+    scan.finish(warnings)
+}
+
+/// The lines with their numbers. A line that ends in a backslash is joined with the next, except for statements
+/// that end in a name, because a name may end in a backslash.
+fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let separator = if text.contains('\n') { '\n' } else { '\r' };
+    let mut lines = text.split(separator).enumerate();
+    std::iter::from_fn(move || {
+        let (index, first) = lines.next()?;
+        let mut statement = Cow::Borrowed(first.trim());
+        if matches!(statement.split_whitespace().next(), Some("v" | "vt" | "vn" | "f" | "V" | "VT" | "VN" | "F")) {
+            while let Some(head) = statement.strip_suffix('\\') {
+                let next = lines.next().map_or("", |(_, l)| l.trim());
+                statement = Cow::Owned(format!("{head} {next}"));
+            }
+        }
+        Some((index + 1, statement))
+    })
+}
+
+/// One of the three lists that faces refer to.
+#[derive(Debug, Default)]
+struct Counter {
+    count: usize,
+    /// The highest index that a face uses, and the line of the face.
+    highest: (usize, usize),
+}
+
+struct Scan<'a> {
+    path: &'a Path,
+    known: FirstReading,
+    line: usize,
+    out: Statements,
+    counters: [Counter; 3],
+    /// The least and the greatest coordinates of the vertices, as written in the file.
+    bounds: [DVec3; 2],
+    triangles: usize,
+    smoothing: u32,
+    materials: HashMap<String, usize>,
+    /// Warnings about dropped or replaced statements: one for each kind, with the line of the first.
+    dropped: BTreeMap<&'static str, usize>,
+}
+
+const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+
+/// Statements of free-form curves and surfaces, which have no corners.
+const FREE_FORM: [&str; 21] = [
+    "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
+    "bzp", "bsp", "cdc", "cdp", "res", "mg",
+];
+
+/// Statements about how other programs draw.
+const HINTS: [&str; 9] = ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "call"];
+
+impl<'a> Scan<'a> {
+    fn new(path: &'a Path, known: FirstReading) -> Self {
+        let out = Statements {
+            vertices: "vt NaN NaN\nvn NaN NaN NaN\n".into(),
+            faces: String::from("mtllib all\n"),
+            material_names: Vec::new(),
+            libraries: Vec::new(),
+            smoothing: Vec::new(),
+        };
+        let (counters, materials, dropped) = Default::default();
+        let bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        Self { path, known, line: 0, out, counters, bounds, triangles: 0, smoothing: 0, materials, dropped }
+    }
+
+    fn error(&self, message: impl Into<String>) -> Error {
+        Error::malformed(self.path, Some(self.line), message)
+    }
+
+    /// Notes a dropped statement; the user is told once about each kind.
+    fn drop_kind(&mut self, sentence: &'static str) {
+        let line = self.line;
+        self.dropped.entry(sentence).or_insert(line);
+    }
+
+    fn statement(&mut self, statement: &str) -> Result<()> {
+        let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
+        let keyword = keyword.to_ascii_lowercase();
+        match keyword.as_str() {
+            "v" => self.numbers(0, rest, 3, 3)?,
+            "vt" => self.numbers(1, rest, 1, 2)?,
+            "vn" => self.numbers(2, rest, 3, 3)?,
+            "f" | "fo" => self.face(rest)?,
+            "g" | "o" => {
+                // Writing to a String cannot fail.
+                let _ = writeln!(self.out.faces, "g {}", rest.trim());
+            }
+            "s" => self.smoothing = rest.trim().parse().unwrap_or(0),
+            "usemtl" => self.use_material(rest.trim()),
+            "mtllib" => self.out.libraries.push((self.line, rest.trim().to_owned())),
+            "l" | "p" => self.drop_kind("lines and points are not drawn"),
+            "usemap" | "maplib" => self.drop_kind("usemap and maplib are not supported and were ignored"),
+            _ if keyword.is_empty() || keyword.starts_with('#') || HINTS.contains(&keyword.as_str()) => {}
+            _ if FREE_FORM.contains(&keyword.as_str()) => {
+                self.drop_kind("curves and free-form surfaces are not supported and were left out");
+            }
+            _ => self.drop_kind("a statement is unknown and was ignored"),
+        }
+        Ok(())
+    }
+
+    /// Reads a vertex, texture coordinate or normal. The statement must have at least `needed` numbers, of which `kept` are
+    /// kept; missing ones become 0. Further numbers (weights, colours) are ignored.
+    fn numbers(&mut self, kind: usize, rest: &str, needed: usize, kept: usize) -> Result<()> {
+        let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
+        let mut stated = ["0"; 3];
+        let mut numbers = [0.0_f64; 3];
+        for i in 0..kept {
+            match words.next() {
+                Some(word) => stated[i] = word,
+                None if i >= needed => break,
+                None => {
+                    return Err(self.error(format!("a {} ends after {i} numbers; it needs {needed}", KINDS[kind])));
+                }
+            }
+            numbers[i] = stated_number(stated[i]).ok_or_else(|| {
+                self.error(format!("{:?} in a {} is not a number", printable_name(stated[i]), KINDS[kind]))
+            })?;
+        }
+        if kind == 0 && words.count() >= 3 {
+            self.drop_kind("colours of vertices are not supported and were ignored");
+        }
+        let is_finite = |v: &f64| (*v as f32).is_finite();
+        match numbers.iter().position(|v| !is_finite(v)) {
+            // Without this number, a vertex has no place. Other missing numbers can be replaced.
+            Some(i) if kind == 0 => {
+                let message =
+                    format!("the position of a vertex is not a number: {:?} is not finite", printable_name(stated[i]));
+                return Err(self.error(message));
+            }
+            Some(_) => {
+                stated = ["0"; 3];
+                self.drop_kind(match kind {
+                    1 => "texture coordinates that are not finite count as 0",
+                    _ => "normals that are not finite were made from the faces",
+                });
+            }
+            None => {}
+        }
+        self.write_numbers(kind, &stated[..kept], DVec3::from(numbers));
+        self.counters[kind].count += 1;
+        if self.counters[kind].count > MAX_COUNT {
+            return Err(self.error(format!("there are more than {MAX_COUNT} {} statements", KINDS[kind])));
+        }
+        Ok(())
+    }
+
+    /// Writes a statement unchanged, or a vertex that is moved.
+    fn write_numbers(&mut self, kind: usize, stated: &[&str], numbers: DVec3) {
+        self.out.vertices.push_str(["v", "vt", "vn"][kind]);
+        if kind == 0 {
+            self.bounds = [self.bounds[0].min(numbers), self.bounds[1].max(numbers)];
+        }
+        if kind == 0 && self.known.origin != DVec3::ZERO {
+            let DVec3 { x, y, z } = numbers - self.known.origin;
+            // Writing to a String cannot fail.
+            let _ = write!(self.out.vertices, " {} {} {}", x as f32, y as f32, z as f32);
+        } else {
+            for word in stated {
+                self.out.vertices.push(' ');
+                self.out.vertices.push_str(word);
+            }
+        }
+        self.out.vertices.push('\n');
+    }
+
+    fn face(&mut self, rest: &str) -> Result<()> {
+        if self.out.material_names.is_empty() {
+            self.use_material(NO_MATERIAL);
+        }
+        let mut face = String::with_capacity(rest.len() + 16);
+        let mut corners = 0;
+        for word in rest.split_whitespace().take_while(|w| !w.starts_with('#')) {
+            let [v, vt, vn] = self.corner(word)?;
+            // Texture coordinates and normals are numbered after the NaN entry, which represents a missing one.
+            let _ = write!(face, " {v}/{}/{}", vt + 1, vn + 1);
+            corners += 1;
+        }
+        if corners == 0 {
+            return Err(self.error("a face has no corners"));
+        }
+        if corners > MAX_CORNERS {
+            return Err(self.error(format!("a face has {corners} corners, more than {MAX_CORNERS}")));
+        }
+        if corners < 3 {
+            return Ok(());
+        }
+        self.triangles += corners - 2;
+        if self.triangles > MAX_COUNT {
+            return Err(self.error(format!("there are more than {MAX_COUNT} triangles")));
+        }
+        self.out.faces.push('f');
+        self.out.faces.push_str(&face);
+        self.out.faces.push('\n');
+        self.out.smoothing.push(self.smoothing);
+        Ok(())
+    }
+
+    /// The absolute indices of a corner, counted from 1; 0 for a missing texture coordinate or normal.
+    fn corner(&mut self, word: &str) -> Result<[usize; 3]> {
+        let mut indices = [0; 3];
+        for (kind, index) in word.split('/').enumerate() {
+            if kind > 2 || (kind == 0 && index.is_empty()) {
+                return Err(self.error(format!("{word:?} in a face is not of the form v/vt/vn")));
+            }
+            if index.is_empty() {
+                continue;
+            }
+            let Ok(stated) = index.parse::<i64>() else {
+                return Err(self.error(format!("{word:?} in a face is not of the form v/vt/vn")));
+            };
+            let count = self.counters[kind].count;
+            let absolute = if stated < 0 { stated.saturating_add(count as i64 + 1) } else { stated };
+            let greatest = if kind == 0 { MAX_COUNT } else { self.known.counts[kind] };
+            if absolute < 1 || absolute as u64 > MAX_COUNT.min(greatest) as u64 {
+                if kind == 0 {
+                    return Err(self.out_of_range(kind, stated, count));
+                }
+                self.drop_kind(match kind {
+                    1 => "a face refers to texture coordinates that are not there; they count as 0",
+                    _ => "a face refers to normals that are not there; they were made from the faces",
+                });
+                continue;
+            }
+            indices[kind] = absolute as usize;
+            if indices[kind] > self.counters[kind].highest.0 {
+                self.counters[kind].highest = (indices[kind], self.line);
+            }
+        }
+        Ok(indices)
+    }
+
+    fn out_of_range(&self, kind: usize, stated: i64, count: usize) -> Error {
+        let name = KINDS[kind];
+        self.error(format!("a face refers to {name} {stated}, but there are {count}"))
+    }
+
+    fn use_material(&mut self, name: &str) {
+        let name = if name.is_empty() { NO_MATERIAL } else { name };
+        let names = &mut self.out.material_names;
+        let index = *self.materials.entry(name.to_owned()).or_insert_with(|| {
+            names.push(name.to_owned());
+            names.len() - 1
+        });
+        let _ = writeln!(self.out.faces, "usemtl {index}");
+    }
+
+    /// Whether faces refer to texture coordinates or normals that the file lacks.
+    fn has_strays(&self) -> bool {
+        self.counters[1..].iter().any(|c| c.highest.0 > c.count)
+    }
+
+    fn finish(mut self, warnings: &mut Vec<String>) -> Result<Statements> {
+        let Counter { count, highest: (index, line) } = self.counters[0];
+        if index > count {
+            self.line = line;
+            return Err(self.out_of_range(0, index as i64, count));
+        }
+        if self.out.smoothing.is_empty() {
+            return Err(Error::malformed(self.path, None, "there are no faces in this file"));
+        }
+        let place = self.path.display();
+        warnings.extend(self.dropped.iter().map(|(sentence, line)| format!("{place}:{line}: {sentence}")));
+        Ok(self.out)
+    }
+}
+
+/// The number that a word states, which need not be finite; `None` if the word is no number. Some programs write NaN as Windows
+/// prints it, like `-1.#IND`.
+pub(super) fn stated_number(word: &str) -> Option<f64> {
+    let number = word.parse().ok();
+    number.or_else(|| {
+        let word = word.to_ascii_lowercase();
+        let is_none = ["#ind", "#qnan", "#snan", "#inf", "nan(", "-nan"].iter().any(|mark| word.contains(mark));
+        is_none.then_some(f64::NAN)
+    })
+}

@@ -1,0 +1,150 @@
+//! Files of camera paths (TOML), and the sections of scene files that have a path.
+
+use super::obj::Handedness;
+use super::source_text::{MAX_FILE_BYTES, stem};
+use crate::source_text::{self, SourceText};
+use serde::Deserialize;
+use ssct_ground::error::{Error, Result};
+use std::fmt::Write;
+use std::path::Path;
+use toml::Spanned;
+
+pub use ssct_ground::scene::path::{CameraPath, KeyFrame, VIEWS};
+
+/// Reads a path file: an optional `name`, the `coordinates` of its places (`"right"`, the default, or `"left"`), and `[[key]]` tables
+/// with `eye`, `look_at` and, in all of them or in none, `time` in seconds.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with file and line, if its content is
+/// wrong.
+pub fn load(path: &Path) -> Result<CameraPath> {
+    parse(&source_text::read(path, "a path file", MAX_FILE_BYTES)?, path)
+}
+
+/// Parses the text of a path file. Errors call the file `path`.
+///
+/// # Errors
+/// [`Error::Malformed`] with file and line.
+pub fn parse(text: &str, path: &Path) -> Result<CameraPath> {
+    let source = SourceText { path, text };
+    let file: PathFile = source.deserialized()?;
+    source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0, file.coordinates)
+}
+
+/// The text of a path file, in right-handed coordinates, which scene files use, too.
+pub fn to_toml(path: &CameraPath) -> String {
+    let mut text = format!("name = {}\ncoordinates = \"right\"\n", toml::Value::from(path.name.as_str()));
+    for key in path.keys() {
+        let places = [key.eye, key.look_at].map(|place| Handedness::Right.mirrored(place));
+        let [eye, look_at] = places.map(|p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z));
+        // Writing to a String cannot fail.
+        let _ = write!(text, "\n[[key]]\neye = {eye}\nlook_at = {look_at}\n");
+        if let Some(time) = key.time_s {
+            let _ = writeln!(text, "time = {time:?}");
+        }
+    }
+    text
+}
+
+/// The contents of a path file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PathFile {
+    name: Option<String>,
+    #[serde(default)]
+    coordinates: Handedness,
+    #[serde(default)]
+    key: Vec<Spanned<KeySection>>,
+}
+
+/// The section of a path in a scene file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PathSection {
+    #[serde(default)]
+    pub(super) key: Vec<Spanned<KeySection>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeySection {
+    eye: Spanned<[f32; 3]>,
+    look_at: Spanned<[f32; 3]>,
+    time: Option<f32>,
+}
+
+impl SourceText<'_> {
+    /// Makes a path from the sections of a scene file. Errors name the line of the faulty section.
+    pub(super) fn path(
+        &self,
+        name: &str,
+        sections: &[Spanned<KeySection>],
+        extra_scale: f32,
+        coordinates: Handedness,
+    ) -> Result<CameraPath> {
+        let key = |section: &Spanned<KeySection>| {
+            let KeySection { eye, look_at, time } = section.get_ref();
+            let [eye, look_at] = [self.vector("eye", eye)?, self.vector("look_at", look_at)?]
+                .map(|p| coordinates.mirrored(p) * extra_scale);
+            Ok(KeyFrame { eye, look_at, time_s: *time })
+        };
+        let keys = sections.iter().map(key).collect::<Result<Vec<_>>>()?;
+        CameraPath::joined(name, keys).map_err(|(index, what)| match index.and_then(|i| sections.get(i)) {
+            Some(section) => self.error(section.span(), what),
+            None => Error::malformed(self.path, None, format!("path {name}: {what}")),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn key(eye: [f32; 3], time_s: Option<f32>) -> KeyFrame {
+        let eye = Vec3::from(eye);
+        KeyFrame { eye, look_at: eye + Vec3::Z, time_s }
+    }
+
+    #[test]
+    fn a_written_file_reads_back_equal() {
+        let keys = vec![key([0.1, -2.0, 1e-7], Some(0.0)), key([1.0, 2.0, 3.0], Some(1.5))];
+        for keys in [keys.clone(), keys.into_iter().map(|k| KeyFrame { time_s: None, ..k }).collect()] {
+            let path = CameraPath::new("a \"walk\"", keys).expect("a path");
+            let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
+            std::fs::write(file.path(), to_toml(&path)).expect("written");
+            assert_eq!(load(file.path()).expect("read"), path);
+        }
+    }
+
+    #[test]
+    fn places_are_right_handed_unless_a_file_says_otherwise() {
+        let keys = "[[key]]\neye = [0, 0, 1]\nlook_at = [0, 0, 2]\n[[key]]\neye = [0, 0, 2]\nlook_at = [0, 0, 3]\n";
+        let first_z = |text: &str| parse(text, Path::new("a.toml")).expect("a path").keys()[0].eye.z;
+        let said =
+            ["", "coordinates = \"right\"\n", "coordinates = \"left\"\n"].map(|line| first_z(&format!("{line}{keys}")));
+        assert_eq!(said, [-1.0, -1.0, 1.0]);
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let two = "[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n";
+        let cases = [
+            ("", "at least two key frames, not 0"),
+            (two, "not 1"),
+            ("[[key]]\neye = [0, 0]\n", ":2: "),
+            (&format!("{two}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 0]\n"), ":4: it looks at its own eye"),
+            (&format!("{two}[[key]]\neye = [1, nan, 0]\nlook_at = [1, 0, 0]\n"), ":5: eye must have three finite"),
+            (&format!("{two}{two}"), ":4: it repeats"),
+            (&format!("{two}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1.0\n"), ":4: either every"),
+            (&format!("{two}time = 1\n[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1\n"), ":5: its time"),
+            (&format!("{two}speed = 3\n"), ":4: unknown field"),
+        ];
+        for (text, expected) in cases {
+            let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
+            std::fs::write(file.path(), text).expect("written");
+            let said = load(file.path()).expect_err(text).to_string();
+            assert!(said.contains(expected), "{said}\n{text}");
+        }
+    }
+}

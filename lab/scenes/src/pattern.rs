@@ -1,0 +1,424 @@
+//! Generated images that tile: the surfaces of the built-in scenes, and replacements for the textures of the
+//! thesis's rooms, which were never published.
+//!
+//! Each pattern is one function of relief and albedo (in `designs`). The function is sampled into an sRGB albedo image and the
+//! tangent-space normal map of the same relief. All images are seamless and identical on every machine and at every call.
+
+mod designs;
+mod lettering;
+pub mod pictures;
+
+pub use lettering::Text;
+pub use pictures::{Painting, Picture, Sign, SignOutline};
+pub(crate) use ssct_ground::math::noise::{fractal, smoothstep, unit};
+
+use super::{Encoding, Texture};
+use designs::{Sample, TileLook};
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+/// Side of a generated image in texels.
+pub const SIZE: u32 = 512;
+
+/// Selects one of a pattern's two images.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// sRGB albedo.
+    Albedo,
+    /// Tangent-space normals, green up, linear.
+    Normal,
+}
+
+/// How dark the wood is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wood {
+    /// Ceilings.
+    Pale,
+    /// Furniture and frames.
+    Middle,
+    /// Tops of blocks.
+    Dark,
+}
+
+/// The colour of a cloth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dye {
+    /// Madder red.
+    Red,
+    /// Moss green.
+    Green,
+    /// Woad blue.
+    Blue,
+}
+
+/// A surface that can be generated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pattern {
+    /// Irregular stone wall with mortar.
+    Stones,
+    /// Square floor tiles with grout.
+    Tiles,
+    /// Large floor slabs, rows shifted by half a slab.
+    Slabs,
+    /// Bricks in running bond.
+    Bricks,
+    /// Planks with grain.
+    Wood(Wood),
+    /// Pale cut stone.
+    Limestone,
+    /// Plaster with stains.
+    Plaster,
+    /// Even plaster without stains.
+    Stucco,
+    /// Woven cloth with an ornament.
+    Cloth(Dye),
+    /// Leaves.
+    Foliage,
+    /// A wet road. The hollows of the road are puddles, which reflect.
+    Asphalt,
+    /// Polished squares of white and black marble.
+    Marble,
+    /// Polished cast floor with stone chips, in large fields.
+    Terrazzo,
+}
+
+impl Pattern {
+    /// Width of the surface that one image covers, in metres, for texture coordinates at true scale.
+    pub fn size_m(self) -> f32 {
+        match self {
+            Self::Stones | Self::Slabs | Self::Plaster | Self::Stucco | Self::Marble | Self::Terrazzo => 2.4,
+            Self::Tiles | Self::Wood(_) | Self::Limestone => 1.6,
+            Self::Bricks => 1.5,
+            Self::Cloth(_) | Self::Foliage => 0.8,
+            Self::Asphalt => 3.9,
+        }
+    }
+
+    /// The pattern at a point of the image: (0, 0) is the top left, and the pattern repeats after 1.
+    fn sample(self, uv: Vec2) -> Sample {
+        let size_m = self.size_m();
+        match self {
+            Self::Stones => designs::stones(uv, size_m),
+            Self::Tiles => designs::tiles(uv, size_m, &FLOOR_TILES),
+            Self::Slabs => designs::tiles(uv, size_m, &FLOOR_SLABS),
+            Self::Bricks => designs::bricks(uv, size_m),
+            Self::Wood(wood) => designs::wood(uv, size_m, wood.tone()),
+            Self::Limestone => designs::limestone(uv),
+            Self::Plaster => designs::plaster(uv),
+            Self::Stucco => designs::stucco(uv),
+            Self::Cloth(dye) => designs::cloth(uv, dye.albedo()),
+            Self::Foliage => designs::foliage(uv, size_m),
+            Self::Asphalt => designs::asphalt(uv),
+            Self::Marble => designs::marble(uv, size_m),
+            Self::Terrazzo => designs::terrazzo(uv, size_m),
+        }
+    }
+
+    /// The factor on the reflectivity at a point of the image, if it varies.
+    fn reflectivity(self) -> Option<fn(Vec2) -> f32> {
+        match self {
+            Self::Asphalt => Some(designs::wetness),
+            _ => None,
+        }
+    }
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Stones => "stones",
+            Self::Tiles => "tiles",
+            Self::Slabs => "slabs",
+            Self::Bricks => "bricks",
+            Self::Wood(Wood::Pale) => "wood-pale",
+            Self::Wood(Wood::Middle) => "wood-middle",
+            Self::Wood(Wood::Dark) => "wood-dark",
+            Self::Limestone => "limestone",
+            Self::Plaster => "plaster",
+            Self::Stucco => "stucco",
+            Self::Cloth(Dye::Red) => "cloth-red",
+            Self::Cloth(Dye::Green) => "cloth-green",
+            Self::Cloth(Dye::Blue) => "cloth-blue",
+            Self::Foliage => "foliage",
+            Self::Asphalt => "asphalt",
+            Self::Marble => "marble",
+            Self::Terrazzo => "terrazzo",
+        }
+    }
+}
+
+const FLOOR_TILES: TileLook = TileLook {
+    count: 4,
+    staggered: false,
+    tones: [Vec3::new(0.36, 0.30, 0.22), Vec3::new(0.20, 0.15, 0.105)],
+    grout: Vec3::new(0.11, 0.10, 0.09),
+};
+
+const FLOOR_SLABS: TileLook = TileLook {
+    count: 4,
+    staggered: true,
+    tones: [Vec3::new(0.27, 0.25, 0.21), Vec3::new(0.16, 0.14, 0.115)],
+    grout: Vec3::new(0.075, 0.07, 0.06),
+};
+
+impl Wood {
+    fn tone(self) -> Vec3 {
+        match self {
+            Self::Pale => Vec3::new(0.50, 0.33, 0.18),
+            Self::Middle => Vec3::new(0.42, 0.235, 0.10),
+            Self::Dark => Vec3::new(0.30, 0.13, 0.055),
+        }
+    }
+}
+
+impl Dye {
+    fn albedo(self) -> Vec3 {
+        match self {
+            Self::Red => Vec3::new(0.36, 0.045, 0.035),
+            Self::Green => Vec3::new(0.07, 0.20, 0.06),
+            Self::Blue => Vec3::new(0.04, 0.09, 0.30),
+        }
+    }
+}
+
+/// The pattern that a texture's file name suggests (case and folders are ignored): wood, brick, stone or tile.
+/// Wood is pale if the name contains "ceiling", dark if it contains a 2, and medium otherwise.
+pub fn named(file_name: &str) -> Option<Pattern> {
+    let name = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name).to_lowercase();
+    let has = |word| name.contains(word);
+    if has("wood") {
+        let wood = match () {
+            () if has("ceiling") => Wood::Pale,
+            () if has("2") => Wood::Dark,
+            () => Wood::Middle,
+        };
+        return Some(Pattern::Wood(wood));
+    }
+    [("brick", Pattern::Bricks), ("stone", Pattern::Stones), ("tile", Pattern::Tiles)]
+        .into_iter()
+        .find_map(|(word, pattern)| has(word).then_some(pattern))
+}
+
+/// The generated image that replaces a texture of this file name; `None` if the name suggests no stone, tile,
+/// brick or wood.
+pub fn by_name(file_name: &str, role: Role) -> Option<Texture> {
+    let (albedo, normal) = images(named(file_name)?);
+    Some(match role {
+        Role::Albedo => albedo,
+        Role::Normal => normal,
+    })
+}
+
+/// A pattern's albedo image and normal map, [`SIZE`] × [`SIZE`].
+pub fn images(pattern: Pattern) -> (Texture, Texture) {
+    let samples: Vec<Sample> = (0..SIZE * SIZE)
+        .into_par_iter()
+        .map(|k| {
+            let texel = Vec2::new((k % SIZE) as f32, (k / SIZE) as f32);
+            pattern.sample((texel + 0.5) / SIZE as f32)
+        })
+        .collect();
+    let albedo = samples.par_iter().flat_map_iter(|s| rgba(s.albedo.map(srgb_from_linear))).collect();
+    let texel_m = pattern.size_m() / SIZE as f32;
+    let normal =
+        (0..SIZE * SIZE).into_par_iter().flat_map_iter(|k| rgba(normal_at(&samples, k, texel_m) * 0.5 + 0.5)).collect();
+    let texture = |kind: &str, rgba, encoding| Texture {
+        name: format!("generated {} {kind}", pattern.label()),
+        width: SIZE,
+        height: SIZE,
+        rgba,
+        encoding,
+    };
+    (texture("albedo", albedo, Encoding::Srgb), texture("normal", normal, Encoding::Linear))
+}
+
+/// A pattern's factor on the reflectivity (red, linear), [`SIZE`] × [`SIZE`] texels; `None` if it does not
+/// vary.
+pub fn reflectivity_image(pattern: Pattern) -> Option<Texture> {
+    let factor = pattern.reflectivity()?;
+    let name = format!("generated {} reflectivity", pattern.label());
+    Some(image(name, [SIZE, SIZE], Encoding::Linear, |uv| rgba(Vec3::splat(factor(uv)))))
+}
+
+/// A picture (sRGB with alpha) and, if it has holes, its alpha as a mask (red, linear).
+pub fn picture_images(picture: Picture) -> (Texture, Option<Texture>) {
+    let name = format!("generated {}", picture.label());
+    let colour = image(name.clone(), picture.size(), Encoding::Srgb, |uv| {
+        let sample = picture.sample(uv);
+        let [r, g, b, _] = rgba(sample.truncate().map(srgb_from_linear));
+        [r, g, b, byte(sample.w)]
+    });
+    let mask = picture.has_alpha().then(|| {
+        let grey = |a: &[u8]| [a[3], a[3], a[3], 255];
+        let rgba = colour.rgba.chunks_exact(4).flat_map(grey).collect();
+        Texture { name: format!("{name} mask"), rgba, encoding: Encoding::Linear, ..colour }
+    });
+    (colour, mask)
+}
+
+/// Makes an image by evaluating a function at the centre of each texel.
+fn image(
+    name: String,
+    [width, height]: [u32; 2],
+    encoding: Encoding,
+    texel: impl Fn(Vec2) -> [u8; 4] + Sync,
+) -> Texture {
+    let size = Vec2::new(width as f32, height as f32);
+    let uv = |k: u32| (Vec2::new((k % width) as f32, (k / width) as f32) + 0.5) / size;
+    let rgba = (0..width * height).into_par_iter().flat_map_iter(|k| texel(uv(k))).collect();
+    Texture { name, width, height, rgba, encoding }
+}
+
+/// The unit normal at texel `k` by central differences that wrap; x right, y up, z out.
+fn normal_at(samples: &[Sample], k: u32, texel_m: f32) -> Vec3 {
+    let (x, y) = (k % SIZE, k / SIZE);
+    let height = |x: u32, y: u32| samples[((y % SIZE) * SIZE + x % SIZE) as usize].height_m;
+    let rightward = height(x + 1, y) - height(x + SIZE - 1, y);
+    let downward = height(x, y + 1) - height(x, y + SIZE - 1);
+    Vec3::new(-rightward, downward, 2.0 * texel_m).normalize()
+}
+
+fn rgba(colour: Vec3) -> [u8; 4] {
+    [byte(colour.x), byte(colour.y), byte(colour.z), 255]
+}
+
+fn byte(x: f32) -> u8 {
+    (x.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// The sRGB transfer function (IEC 61966-2-1), linear to encoded.
+fn srgb_from_linear(x: f32) -> f32 {
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+#[allow(clippy::expect_used)]
+mod tests {
+    use super::*;
+    use std::sync::LazyLock;
+
+    const ALL: [Pattern; 17] = [
+        Pattern::Stones,
+        Pattern::Tiles,
+        Pattern::Slabs,
+        Pattern::Bricks,
+        Pattern::Wood(Wood::Pale),
+        Pattern::Wood(Wood::Middle),
+        Pattern::Wood(Wood::Dark),
+        Pattern::Limestone,
+        Pattern::Plaster,
+        Pattern::Stucco,
+        Pattern::Cloth(Dye::Red),
+        Pattern::Cloth(Dye::Green),
+        Pattern::Cloth(Dye::Blue),
+        Pattern::Foliage,
+        Pattern::Asphalt,
+        Pattern::Marble,
+        Pattern::Terrazzo,
+    ];
+
+    /// Every pattern with its two images, generated once for all tests.
+    static IMAGES: LazyLock<Vec<(Pattern, Texture, Texture)>> = LazyLock::new(|| {
+        ALL.into_iter()
+            .map(|pattern| {
+                let (albedo, normal) = images(pattern);
+                (pattern, albedo, normal)
+            })
+            .collect()
+    });
+
+    /// Points spread over the image, none of them on a seam.
+    fn points() -> impl Iterator<Item = Vec2> {
+        (0..400).map(|k| Vec2::new(k as f32 * 0.618_034 + 0.0017, k as f32 * 0.754_878 + 0.0013).fract())
+    }
+
+    #[test]
+    fn every_pattern_has_period_one() {
+        for pattern in ALL {
+            for uv in points() {
+                let here = pattern.sample(uv);
+                for period in [Vec2::X, Vec2::Y] {
+                    let there = pattern.sample(uv + period);
+                    assert!(
+                        (here.height_m - there.height_m).abs() < 1e-4 && here.albedo.abs_diff_eq(there.albedo, 5e-3),
+                        "{pattern:?} at {uv}: {here:?} and {there:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn images_are_as_continuous_across_their_borders_as_inside() {
+        let step = |t: &Texture, a: [u32; 2], b: [u32; 2]| -> f32 {
+            let texel = |[x, y]: [u32; 2]| &t.rgba[((y * SIZE + x) * 4) as usize..][..3];
+            texel(a).iter().zip(texel(b)).map(|(&p, &q)| f32::from(p.abs_diff(q))).sum()
+        };
+        for (_, albedo, normal) in IMAGES.iter() {
+            for image in [albedo, normal] {
+                let between_columns = |x: u32| (0..SIZE).map(|y| step(image, [x, y], [(x + 1) % SIZE, y])).sum::<f32>();
+                let between_rows = |y: u32| (0..SIZE).map(|x| step(image, [x, y], [x, (y + 1) % SIZE])).sum::<f32>();
+                let widest = |f: &dyn Fn(u32) -> f32| (0..SIZE - 1).map(f).fold(0.0, f32::max);
+                assert!(between_columns(SIZE - 1) <= 1.5 * widest(&between_columns), "{image:?}");
+                assert!(between_rows(SIZE - 1) <= 1.5 * widest(&between_rows), "{image:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn colours_are_mid_toned_and_normals_are_unit_and_mostly_straight() {
+        for (pattern, albedo, normal) in IMAGES.iter() {
+            let texels = (SIZE * SIZE) as f32;
+            let brightest = albedo.rgba.chunks(4).flat_map(|c| &c[..3]).max();
+            assert!(brightest < Some(&235), "{pattern:?}: {brightest:?}");
+            let mean = albedo.rgba.chunks(4).map(|c| f32::from(c[1])).sum::<f32>() / texels;
+            assert!((40.0..190.0).contains(&mean), "{pattern:?}: mean green {mean}");
+            let mut up = 0.0;
+            for c in normal.rgba.chunks(4) {
+                let n = Vec3::new(f32::from(c[0]), f32::from(c[1]), f32::from(c[2])) / 127.5 - 1.0;
+                assert!((n.length() - 1.0).abs() < 0.02 && n.z > 0.1, "{pattern:?}: {n}");
+                up += n.z;
+            }
+            assert!(up / texels > 0.85, "{pattern:?}: mean z {}", up / texels);
+        }
+    }
+
+    #[test]
+    fn normals_lean_away_from_the_slope() {
+        // The left edge of a tile rises to the right, so its normal leans left. The upper edge rises downwards
+        // in the image, so its normal leans up.
+        let tiles = IMAGES.iter().find(|(pattern, ..)| *pattern == Pattern::Tiles);
+        let normal = &tiles.expect("tiles").2;
+        let tile = SIZE / 4;
+        let texel = |x: u32, y: u32| &normal.rgba[((y * SIZE + x) * 4) as usize..][..2];
+        assert!(texel(2, tile / 2)[0] < 100);
+        assert!(texel(tile - 3, tile / 2)[0] > 156);
+        assert!(texel(tile / 2, 2)[1] > 156);
+        assert!(texel(tile / 2, tile - 3)[1] < 100);
+        assert_eq!(texel(tile / 2, tile / 2), [128, 128]);
+    }
+
+    #[test]
+    fn names_are_understood_in_any_case_and_with_folders() {
+        for (name, pattern) in [
+            ("StonesColorMap.jpg", Pattern::Stones),
+            ("TilesNormalMap.jpg", Pattern::Tiles),
+            ("Bricks4.jpg", Pattern::Bricks),
+            ("WoodFloor1.jpg", Pattern::Wood(Wood::Middle)),
+            ("WOODFLOOR2.JPG", Pattern::Wood(Wood::Dark)),
+            ("stone\\CeilingWood1.jpg", Pattern::Wood(Wood::Pale)),
+            ("maps/stone.png", Pattern::Stones),
+        ] {
+            assert_eq!(named(name), Some(pattern), "{name}");
+        }
+        assert!(by_name("bricks/white.png", Role::Albedo).is_none());
+        let albedo = by_name("stone.png", Role::Albedo).expect("a stone");
+        let normal = by_name("stone.png", Role::Normal).expect("a stone");
+        assert_eq!((albedo.encoding, normal.encoding), (Encoding::Srgb, Encoding::Linear));
+        assert_eq!(albedo.rgba.len(), (SIZE * SIZE * 4) as usize);
+    }
+
+    #[test]
+    fn images_are_the_same_at_every_call() {
+        let (_, albedo, normal) = &IMAGES[0];
+        assert_eq!(images(Pattern::Stones), (albedo.clone(), normal.clone()));
+    }
+}

@@ -1,0 +1,297 @@
+//! The space that people move in: the floors that they can stand on, and the possible places of captures above these floors.
+//!
+//! A floor is a level surface with head room. A floor counts if all of these conditions hold:
+//!
+//! - The floor is at least half as enclosed as the most enclosed floors. Roofs are less enclosed.
+//! - The surroundings show their fronts. Inside a solid body they show their backs.
+//! - Light reaches the floor. No light reaches a void between two walls.
+
+use super::sees;
+use crate::bvh::WorldRay;
+use crate::{Light, Scene, Surface, Triangles};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use ssct_ground::math::constants;
+use ssct_ground::math::random::Stream;
+
+/// Height of the eyes above the floor, in metres.
+const EYE_M: f64 = 1.5;
+/// Least height above a floor that people can stand on, in metres.
+const HEAD_ROOM_M: f64 = 1.9;
+/// Sizes of people, where 1 is human. If nobody of one size can stand and see the image of a mirror, the next size is tried,
+/// because a scene may have its own units.
+pub const SIZES: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
+/// Least vertical part of a floor's unit normal.
+const LEVEL: f64 = 0.7;
+/// Number of vertical lines that are searched for floors.
+const COLUMNS: u64 = 16384;
+/// Greatest number of floors of one vertical line.
+const STOREYS: usize = 64;
+/// Greatest number of places to stand on.
+const STANDS: usize = 2048;
+/// Number of directions in which a person looks around.
+const DIRECTIONS: usize = 128;
+/// Greatest share of a person's surroundings that may show its back, unless it is exceeded everywhere. Single walls are seen
+/// from both sides, and from inside a solid body everything shows its back.
+const BACKS_MAX: f64 = 0.5;
+/// Least free distance around the eyes of a person of size 1, in metres.
+const FREE_M: f64 = 0.1;
+/// Least enclosure of a place, relative to the enclosure that the best tenth of all places reaches. Enclosure is the share of
+/// upward directions that meet a surface. Roofs have a relative enclosure of 0 to 0.4, streets of 0.85, rooms and arcades of 1.
+const ENCLOSED: f64 = 0.5;
+/// Numbers of other places that are tested for visibility from each place: nearest neighbours, and random places.
+const NEIGHBOURS: [usize; 2] = [16, 32];
+/// Greatest step between neighbouring places of one floor, in metres.
+const STEP_M: f64 = 0.6;
+/// Greatest number of places that get candidates above them.
+const CANDIDATE_STANDS: usize = 256;
+/// Vertical distance of candidates above each other, in metres; a place has at most four candidates.
+const RISE_M: f64 = 1.5;
+/// Least distance of a capture from every surface, in metres: more than twice the distance at which the near plane cuts the
+/// corners of the faces.
+const CLEARANCE_M: f64 = 0.25;
+const SEED: u64 = 0x7374_616e;
+
+/// A place where a person stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StandingPlace {
+    /// Position of the eyes in world space, in metres.
+    pub eye: DVec3,
+    /// Size of the people here, where 1 is human.
+    size: f64,
+    /// Free height above the floor in metres; infinite under the sky.
+    height_m: f64,
+    /// Share of people who stand here, which is the size of the place's floor.
+    pub weight: f64,
+}
+
+/// A place where a capture may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// World position in metres.
+    pub position: DVec3,
+    /// Distance in metres that the candidate must keep from every surface.
+    clearance_m: f64,
+}
+
+/// Surroundings of a person.
+struct Surroundings {
+    /// Share of the upward directions that meet a surface.
+    enclosed: f64,
+    /// Share of the surfaces met that show their backs.
+    backs: f64,
+    nearest_m: f64,
+    /// Whether the person sees the sky, a window or a point light.
+    lit: bool,
+}
+
+/// The places where people of a size can stand; empty if the scene has no floor for them.
+pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<StandingPlace> {
+    let columns: Vec<Vec<StandingPlace>> =
+        (0..COLUMNS).into_par_iter().map(|i| column(triangles, scene, size, i)).collect();
+    let mut found: Vec<StandingPlace> = columns.into_iter().flatten().collect();
+    found.truncate(STANDS);
+    inhabited(triangles, scene, found)
+}
+
+/// The candidates for captures above places to stand on: at the height of the eyes, and higher if there is room.
+pub fn candidates(stands: &[StandingPlace]) -> Vec<Candidate> {
+    let above = |stand: &StandingPlace| {
+        let (eye, clearance_m) = (stand.eye, CLEARANCE_M * stand.size);
+        let room = (stand.height_m / stand.size - EYE_M - RISE_M) / RISE_M;
+        let levels = 1 + (room.max(0.0) as usize).min(3);
+        let rise = RISE_M * stand.size;
+        (0..levels).map(move |k| Candidate { position: eye + k as f64 * rise * DVec3::Y, clearance_m })
+    };
+    stands.iter().take(CANDIDATE_STANDS).flat_map(above).collect()
+}
+
+/// Whether a candidate is far enough from every triangle.
+pub fn is_clear(triangles: &Triangles, candidate: &Candidate) -> bool {
+    let Candidate { position, clearance_m } = *candidate;
+    let (low, high) = ((position - clearance_m).as_vec3(), (position + clearance_m).as_vec3());
+    triangles.all().par_iter().all(|&[a, b, c]| {
+        let apart = a.min(b).min(c).cmpgt(high).any() || a.max(b).max(c).cmplt(low).any();
+        apart || distance([a, b, c], position) >= clearance_m
+    })
+}
+
+/// The distance of a point from a triangle: the distance from the plane if the point lies above the triangle's inside,
+/// otherwise the distance from the nearest edge (Ericson, Real-Time Collision Detection, 5.1.5).
+fn distance([a, b, c]: [Vec3; 3], point: DVec3) -> f64 {
+    let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
+    let edges = [(a, b), (b, c), (c, a)];
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    if normal != DVec3::ZERO && edges.iter().all(|&(p, q)| (q - p).cross(point - p).dot(normal) >= 0.0) {
+        return (point - a).dot(normal).abs();
+    }
+    let to_edge = |&(p, q): &(DVec3, DVec3)| {
+        let along = ((point - p).dot(q - p) / (q - p).length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        point.distance(p.lerp(q, along))
+    };
+    edges.iter().map(to_edge).fold(f64::INFINITY, f64::min)
+}
+
+/// The unit normal of a triangle on the side of its front; zero if it has no area.
+pub fn front([a, b, c]: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// The places to stand on in a vertical line, from above. The lines fill the scene's bounds evenly: they are the
+/// sequence R2 (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
+fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<StandingPlace> {
+    /// The root of x³ = x + 1.
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let bounds = scene.bounds();
+    let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    let n = index as f64 + 1.0;
+    let [u, v] = [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + n * step).fract());
+    let origin = DVec3::new(min.x + u * (max.x - min.x), max.y + 1.0, min.z + v * (max.z - min.z));
+    let mut ray = WorldRay { origin, direction: DVec3::NEG_Y, t_min: 0.0, t_max: f64::INFINITY };
+    let mut stands = Vec::new();
+    let mut above = f64::INFINITY;
+    for _ in 0..STOREYS {
+        let Some(hit) = triangles.closest(&ray) else { break };
+        let floor = ray.point_at(hit.t);
+        let height_m = above - floor.y;
+        if height_m >= HEAD_ROOM_M * size && front(triangles.corners(&hit)).y.abs() > LEVEL {
+            stands.push(StandingPlace { eye: floor + EYE_M * size * DVec3::Y, size, height_m, weight: 1.0 });
+        }
+        above = floor.y;
+        ray.t_min = hit.t + 1e-4;
+    }
+    stands
+}
+
+/// The places that people can reach, with their weights.
+fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) -> Vec<StandingPlace> {
+    let mut places: Vec<(StandingPlace, Surroundings)> =
+        found.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
+    places.retain(|(stand, around)| around.nearest_m >= FREE_M * stand.size);
+    // A file with all triangles reversed shows backs everywhere; its places are not excluded for this reason.
+    if places.iter().any(|(_, around)| around.backs <= BACKS_MAX) {
+        places.retain(|(_, around)| around.backs <= BACKS_MAX);
+    }
+    let mut enclosed: Vec<f64> = places.iter().map(|(_, around)| around.enclosed).collect();
+    enclosed.sort_by(f64::total_cmp);
+    let typical = enclosed.get(enclosed.len() * 9 / 10).copied().unwrap_or(0.0);
+    places.retain(|(_, around)| around.enclosed >= ENCLOSED * typical);
+
+    let sights = sights(triangles, &places.iter().map(|(stand, _)| stand.eye).collect::<Vec<_>>());
+    let rooms = joined(places.len(), sights.iter().flatten().copied());
+    let lit_rooms: Vec<usize> =
+        places.iter().zip(&rooms).filter(|((_, around), _)| around.lit).map(|(_, room)| *room).collect();
+    let level = |i: usize, j: usize| {
+        let size = places[i].0.size;
+        (places[i].0.eye.y - places[j].0.eye.y).abs() < STEP_M * size
+    };
+    let floors = joined(places.len(), sights[0].iter().copied().filter(|&(i, j)| level(i, j)));
+    let mut area = vec![0.0; places.len()];
+    floors.iter().for_each(|floor| area[*floor] += 1.0);
+    let stands = places.iter().zip(floors).map(|((stand, _), floor)| StandingPlace { weight: area[floor], ..*stand });
+    // If no room is lit, all rooms count.
+    stands.zip(rooms).filter(|(_, room)| lit_rooms.is_empty() || lit_rooms.contains(room)).map(|(s, _)| s).collect()
+}
+
+fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surroundings {
+    let shines =
+        |light: &Light| matches!(light, Light::Point { position, .. } if sees(triangles, eye, position.as_dvec3()));
+    let mut around =
+        Surroundings { enclosed: 0.0, backs: 0.0, nearest_m: f64::INFINITY, lit: scene.lights.iter().any(shines) };
+    let (mut met, mut upwards) = (0, 0);
+    for direction in (0..DIRECTIONS).map(sphere) {
+        let hit = triangles.closest(&WorldRay { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY });
+        around.lit |= hit.is_none_or(|h| triangles.surface(&h).0.surface == Surface::Sky);
+        upwards += i32::from(direction.y > 0.0);
+        let Some(hit) = hit else { continue };
+        met += 1;
+        around.nearest_m = around.nearest_m.min(hit.t);
+        around.enclosed += f64::from(direction.y > 0.0);
+        around.backs += f64::from(front(triangles.corners(&hit)).dot(direction) > 0.0);
+    }
+    around.enclosed /= f64::from(upwards);
+    around.backs /= f64::from(met.max(1));
+    around
+}
+
+/// Direction `index` of the [`DIRECTIONS`] that cover the sphere evenly, on a Fibonacci spiral.
+fn sphere(index: usize) -> DVec3 {
+    let y = 1.0 - (2.0 * index as f64 + 1.0) / DIRECTIONS as f64;
+    let (sine, cosine) = (constants::GOLDEN_ANGLE * index as f64).sin_cos();
+    let across = (1.0 - y * y).sqrt();
+    DVec3::new(across * cosine, y, across * sine)
+}
+
+/// Pairs of eyes that see each other: among nearest neighbours, and among random pairs.
+fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
+    let [close, anywhere] = NEIGHBOURS;
+    let seen = |i: usize, others: Vec<usize>| {
+        others.into_iter().filter(move |j| sees(triangles, eyes[i], eyes[*j])).map(move |j| (i, j))
+    };
+    let neighbours = |i: usize| {
+        let mut others: Vec<usize> = (0..eyes.len()).filter(|j| *j != i).collect();
+        let nearer = |a: &usize, b: &usize| {
+            let [a, b] = [*a, *b].map(|j| (eyes[j].distance_squared(eyes[i]), j));
+            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+        };
+        if others.len() > close {
+            others.select_nth_unstable_by(close, nearer);
+            others.truncate(close);
+        }
+        others
+    };
+    let any = |i: usize| {
+        let random = Stream::new(SEED, i as u64);
+        (0..anywhere as u64).map(|k| ((random.uniform(k) * eyes.len() as f64) as usize).min(eyes.len() - 1)).collect()
+    };
+    let all = || (0..eyes.len()).into_par_iter();
+    [all().flat_map_iter(|i| seen(i, neighbours(i))).collect(), all().flat_map_iter(|i| seen(i, any(i))).collect()]
+}
+
+/// The group of each of `count` things that pairs connect, named by one of its members.
+fn joined(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+    fn root(parents: &mut [usize], mut i: usize) -> usize {
+        while parents[i] != i {
+            parents[i] = parents[parents[i]];
+            i = parents[i];
+        }
+        i
+    }
+    let mut parents: Vec<usize> = (0..count).collect();
+    for (i, j) in pairs {
+        let (a, b) = (root(&mut parents, i), root(&mut parents, j));
+        parents[a.max(b)] = a.min(b);
+    }
+    (0..count).map(|i| root(&mut parents, i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_from_a_triangle_is_that_from_its_nearest_point() {
+        let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let distance_to = |x: f64, y: f64, z: f64| distance(triangle, DVec3::new(x, y, z));
+        assert_eq!(distance_to(0.25, 0.25, 3.0), 3.0, "above its inside");
+        assert_eq!(distance_to(0.5, -2.0, 0.0), 2.0, "beside an edge");
+        assert_eq!(distance_to(4.0, 0.0, 4.0), 5.0, "beyond a corner");
+        assert!((distance_to(1.0, 1.0, 0.0) - 0.5_f64.sqrt()).abs() < 1e-12, "beside the long edge");
+        assert_eq!(distance([Vec3::ZERO; 3], DVec3::Z), 1.0, "a triangle that is a point");
+    }
+
+    #[test]
+    fn pairs_join_groups() {
+        let groups = joined(6, [(0, 3), (3, 5), (2, 1)].into_iter());
+        assert!(groups[0] == groups[3] && groups[0] == groups[5] && groups[1] == groups[2]);
+        assert!(groups[0] != groups[1] && groups[4] != groups[0] && groups[4] != groups[1]);
+    }
+
+    #[test]
+    fn directions_fill_the_sphere_evenly() {
+        let sum: DVec3 = (0..DIRECTIONS).map(sphere).sum();
+        assert!(sum.length() < 1.0, "{sum}");
+        assert!((0..DIRECTIONS).all(|i| (sphere(i).length() - 1.0).abs() < 1e-12));
+    }
+}

@@ -1,0 +1,138 @@
+//! Tests of places in rooms of walls, and in the built-in scenes.
+
+use super::*;
+use crate::{Aabb, Material, Mesh, Vertex, View, library};
+
+/// The six sides of a box. `inwards` turns their fronts to the inside, as in the walls of a room; otherwise they face outwards.
+fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
+    let corner = |k: usize| Vec3::new([min.x, max.x][k & 1], [min.y, max.y][k >> 1 & 1], [min.z, max.z][k >> 2]);
+    let quads = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
+    let mut mesh = Mesh { name: "box".into(), ..Mesh::default() };
+    for quad in quads {
+        let [a, b, c, _] = quad.map(corner);
+        let middle = 0.5 * (min + max);
+        let normal = (b - a).cross(c - a).normalize();
+        let turned = (normal.dot(a - middle) > 0.0) == inwards;
+        let side = if turned { -normal } else { normal };
+        let first = mesh.vertices.len() as u32;
+        let vertex = |k| Vertex {
+            position: corner(k).to_array(),
+            normal: side.to_array(),
+            uv: [0.0; 2],
+            tangent: side.any_orthonormal_vector().extend(1.0).to_array(),
+        };
+        mesh.vertices.extend(quad.map(vertex));
+        let order = if turned { [0, 2, 1, 0, 3, 2] } else { [0, 1, 2, 0, 2, 3] };
+        mesh.indices.extend(order.map(|k| first + k));
+    }
+    mesh.bounds = Aabb::around(&mesh.vertices);
+    mesh
+}
+
+fn scene(meshes: Vec<Mesh>) -> Scene {
+    Scene { meshes, materials: vec![Material::default()], ..Scene::default() }
+}
+
+/// A room of 8×3×6 m with a wall across it that leaves a door of 1 m, inside a solid shell of 0.5 m with a flat roof.
+fn two_rooms() -> Scene {
+    scene(vec![
+        cuboid(Vec3::ZERO, Vec3::new(8.0, 3.0, 6.0), true),
+        cuboid(Vec3::new(3.9, 0.0, 0.0), Vec3::new(4.1, 3.0, 5.0), false),
+        cuboid(Vec3::splat(-0.5), Vec3::new(8.5, 3.5, 6.5), false),
+    ])
+}
+
+fn positions(placement: &Placement) -> Vec<Vec3> {
+    placement.captures.iter().map(|c| c.position).collect()
+}
+
+#[test]
+fn two_rooms_get_captures_on_both_sides_of_the_wall() {
+    let placement = place(&two_rooms(), WantedCaptures::Count(2));
+    let places = positions(&placement);
+    let is_inside = |p: &Vec3| p.cmpgt(Vec3::splat(0.25)).all() && p.cmplt(Vec3::new(7.75, 2.75, 5.75)).all();
+    assert!(places.len() == 2 && places.iter().all(is_inside), "{places:?}");
+    assert!((places[0].x < 4.0) != (places[1].x < 4.0), "{places:?}");
+    assert!(placement.seen[0] < placement.seen[1] && placement.seen[1] > 0.85, "{:?}", placement.seen);
+    assert!(placement.stands.iter().all(|s| is_inside(&s.with_y(1.5)) || s.y < 3.0), "nobody on the roof");
+}
+
+#[test]
+fn nobody_stands_on_a_roof_in_a_solid_body_or_in_a_dark_void() {
+    // Beside the rooms, which have a window, there is a larger closed chamber without light.
+    let mut scene = two_rooms();
+    scene.meshes.push(cuboid(Vec3::new(20.0, 0.0, 0.0), Vec3::new(40.0, 3.0, 20.0), true));
+    scene.meshes.push(cuboid(Vec3::new(2.0, 1.0, 5.9), Vec3::new(3.0, 2.0, 6.0), false));
+    scene.meshes.last_mut().unwrap().material = 1;
+    scene.materials.push(Material { surface: crate::Surface::Sky, ..Material::default() });
+    let placement = place(&scene, WantedCaptures::Count(1));
+    assert!(placement.stands.len() > 20);
+    for stand in &placement.stands {
+        assert!(stand.x > 0.0 && stand.x < 8.0 && stand.y == 1.5, "{stand}");
+        assert!(!(3.9..4.1).contains(&stand.x) || stand.z > 5.0, "{stand}");
+    }
+}
+
+#[test]
+fn views_and_threads_have_no_influence() {
+    let scene = two_rooms();
+    let first = place(&scene, WantedCaptures::Count(3));
+    let mut looked_at = scene.clone();
+    looked_at.views.push(View { eye: Vec3::new(1.0, 1.0, 1.0), look_at: Vec3::ONE * 2.0, ..View::default() });
+    assert_eq!(place(&looked_at, WantedCaptures::Count(3)), first);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(pool.install(|| place(&scene, WantedCaptures::Count(3))), first);
+    // More captures are only added after the first ones, which stay the same.
+    let one = place(&scene, WantedCaptures::Count(1));
+    assert_eq!((one.captures[0], one.seen[0]), (first.captures[0], first.seen[0]));
+}
+
+#[test]
+fn auto_stops_where_another_capture_gains_little() {
+    // An empty room is completely visible from anywhere in it.
+    let placement = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0), true)]), WantedCaptures::Auto);
+    assert_eq!((placement.captures.len(), placement.own), (1, 0));
+    assert!(placement.seen[0] > 0.999, "{:?}", placement.seen);
+    let placement = place(&two_rooms(), WantedCaptures::Auto);
+    assert!((2..=AUTO_MOST).contains(&placement.captures.len()), "{:?}", placement.seen);
+}
+
+#[test]
+fn the_captures_of_a_file_come_first() {
+    let mut scene = two_rooms();
+    let own = [1.0, 7.0].map(|x| Capture { resolution: 64, near_m: 0.1, ..Capture::placed_at(Vec3::new(x, 1.0, 3.0)) });
+    scene.captures = own.to_vec();
+    let auto = place(&scene, WantedCaptures::Auto);
+    assert_eq!((auto.captures.as_slice(), auto.own), (&own[..], 2));
+    assert!(auto.seen[0] > 0.2 && auto.seen[1] > auto.seen[0]);
+    let one = place(&scene, WantedCaptures::Count(1));
+    assert_eq!((one.captures.as_slice(), one.own), (&own[..1], 1));
+    let three = with_captures(&mut scene, WantedCaptures::Count(3));
+    assert_eq!((three.own, three.captures.len(), &three.captures), (2, 3, &scene.captures));
+    assert_eq!((three.captures[2].resolution, three.captures[2].near_m), (64, 0.1), "as the file's first");
+}
+
+#[test]
+fn a_small_scene_gets_small_people_and_an_empty_one_nobody() {
+    let tiny = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::splat(0.3), true)]), WantedCaptures::Auto);
+    let [capture] = tiny.captures[..] else { panic!("{:?}", tiny.captures) };
+    assert!(capture.position.cmpgt(Vec3::ZERO).all() && capture.position.cmplt(Vec3::splat(0.3)).all());
+    assert_eq!(place(&Scene::default(), WantedCaptures::Count(4)), Placement::default());
+    assert_eq!(place(&two_rooms(), WantedCaptures::Count(99)).captures.len().min(MAX_CAPTURES + 1), MAX_CAPTURES);
+}
+
+#[test]
+fn on_streets_and_in_halls_captures_stand_above_floors_and_below_roofs() {
+    for (name, roof) in [("atrium", 13.0), ("street", 7.5), ("cathedral", 13.9)] {
+        let scene = library::scene(name).unwrap();
+        let placement = place(&scene, WantedCaptures::Count(4));
+        let triangles = Triangles::new(&scene, &scene.materials);
+        assert_eq!(placement.captures.len(), 4, "{name}");
+        for capture in &placement.captures {
+            let position = capture.position;
+            let down = WorldRay { origin: position.as_dvec3(), direction: DVec3::NEG_Y, t_min: 0.0, t_max: 7.6 };
+            assert!(position.y < roof && triangles.any(&down), "{name}: no floor below {position}");
+        }
+        assert!(placement.seen.is_sorted() && placement.seen[3] > 0.7, "{name}: {:?}", placement.seen);
+    }
+}

@@ -1,0 +1,471 @@
+//! Scene files (`NAME.scene.toml`): they list the OBJ and glTF files of a scene and add data that these formats lack, such as
+//! reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
+
+pub(super) mod captures;
+mod coordinates;
+mod motions;
+mod proxies;
+pub mod seen;
+
+pub use captures::with_captures;
+
+use super::obj::{self, Handedness, ObjFile, ObjOptions};
+use super::path::PathSection;
+use super::{
+    Camera, FieldOfView, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface,
+    View, gltf, viewpoint,
+};
+use crate::far_away::far_origin;
+use crate::source_text::{self, SourceText};
+use glam::{DVec3, Vec3};
+use serde::Deserialize;
+use ssct_ground::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::Spanned;
+
+/// The name for all materials that are not listed, both as a section and in a view's `materials`.
+const DEFAULT: &str = "default";
+
+/// Loads a scene file and the files that it names; their paths are relative to it.
+///
+/// Places, directions and paths are in the coordinates that the key `coordinates` names. Without the key they are in the
+/// coordinates of the OBJ files (`handedness`), and without OBJ files right-handed, as in glTF. The loaded scene has the
+/// program's own left-handed coordinates. A view that sees almost nothing adds a warning ([`Scene::warnings`]).
+///
+/// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and everything that the file states in
+/// metres (views and their clip planes, point lights, probes, impostors, area lights, captures). The square of the scale
+/// multiplies the energies of point lights, which are squared lengths.
+///
+/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets the lights or views of its glTF
+/// files, or else the defaults of an OBJ file. Without a `[[probe]]` it gets a probe at the centre of its bounds. A
+/// `[path.NAME]` with `[[path.NAME.key]]` tables is a camera path ([`super::path`]), and a `[motion.NAME]` with
+/// `[[motion.NAME.key]]` tables moves meshes. A material's section overrides the MTL file; `[material.default]` applies to all
+/// materials without a section of their own. A section for a material that no mesh has adds a warning.
+///
+/// # Errors
+/// The errors of [`obj::load`] and [`gltf::load`], and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
+/// numbers out of range.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    options.check()?;
+    let extra_scale = options.scale;
+    let text = source_text::read(path, "a scene file", source_text::MAX_FILE_BYTES)?;
+    let source = SourceText { path, text: &text };
+    let sections: Sections = source.deserialized()?;
+    let coordinates = sections.coordinates();
+    let scale = match &sections.scale {
+        Some(scale) => source.positive("scale", scale)?,
+        None => 1.0,
+    };
+    let metre = Lens::default();
+    let metre = metre.scaled(extra_scale);
+    let lens = source.lens(&sections.camera, (metre, extra_scale), 0..0)?;
+    let lights = sections.light.iter().map(|l| source.light(l, extra_scale)).collect::<Result<Vec<_>>>()?;
+    let note = sections.note(path);
+    let views = source.views(sections.view, lens, extra_scale)?;
+    let seen = views.len();
+    let paths = sections.path.iter().map(|(name, p)| source.path(name, &p.key, extra_scale, coordinates));
+    let paths = paths.collect::<Result<Vec<_>>>()?;
+    let changes = source.changes(sections.material)?;
+    let files = source.meshes(sections.mesh)?;
+    let mut probes = sections.probe.iter().map(|p| source.probe(p)).collect::<Result<Vec<_>>>()?;
+    let mut area_lights = sections.area_light.iter().map(|l| source.area_light(l)).collect::<Result<Vec<_>>>()?;
+    let captures = source.captures(&sections.capture, extra_scale)?;
+    let images = sections.impostor.iter().map(|i| source.impostor(i)).collect::<Result<Vec<_>>>()?;
+
+    let scale = scale * extra_scale;
+    let load = LoadOptions { scale, ..*options };
+    let (gltf_files, obj_files): (Vec<_>, Vec<_>) = files.into_iter().partition(|f| gltf::is_named(&f.path));
+    let mut scene = match obj_files[..] {
+        [] => Scene::default(),
+        _ => {
+            let handedness = sections.handedness.unwrap_or_default();
+            obj::load_unlit(&obj_files, &ObjOptions { handedness, load }, Some(DVec3::ZERO))?
+        }
+    };
+    for file in &gltf_files {
+        append(&mut scene, gltf::load_plain(&file.path, &load, Some(DVec3::ZERO))?, file.surface);
+    }
+    let bounds = scene.bounds();
+    if let Some(far) = far_origin([bounds.min, bounds.max].map(|v| v.as_dvec3())) {
+        scene.warnings.push(format!("{}: {}", path.display(), far.warning()));
+    }
+    scene.lens = viewpoint::lens(scene.bounds());
+    scene.name = sections.name.unwrap_or_else(|| source_text::stem(path));
+    if sections.camera != LensSection::default() || !views.is_empty() {
+        scene.lens = lens;
+    }
+    if !lights.is_empty() || scene.lights.is_empty() {
+        let lights: Vec<Light> = lights.into_iter().map(|light| coordinates.light(light)).collect();
+        scene.lights = if lights.is_empty() { vec![viewpoint::default_light()] } else { lights };
+    }
+    if !views.is_empty() || scene.views.is_empty() {
+        let views: Vec<View> = views.into_iter().map(|view| coordinates.view(view)).collect();
+        scene.views = if views.is_empty() { vec![viewpoint::default_view(&scene)] } else { views };
+    }
+    scene.paths = paths;
+    for (name, section) in &sections.motion {
+        let motion = source.motion(name, section, &scene, (extra_scale, coordinates))?;
+        scene.motions.push(motion);
+    }
+    if probes.is_empty() {
+        scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
+    }
+    probes.iter_mut().for_each(|p| p.scale(extra_scale));
+    area_lights.iter_mut().for_each(|l| l.shape.scale(extra_scale));
+    scene.probes.extend(probes.into_iter().map(|probe| coordinates.probe(probe)));
+    scene.area_lights = area_lights.into_iter().map(|light| coordinates.area_light(light)).collect();
+    scene.captures = captures.into_iter().map(|capture| coordinates.capture(capture)).collect();
+    for (mut impostor, texture) in images {
+        impostor.scale(extra_scale);
+        impostor.texture = scene.textures.len();
+        scene.textures.push(texture);
+        scene.impostors.push(coordinates.impostor(impostor));
+    }
+    apply_changes(path, &changes, &mut scene);
+    let unsaid = sections.coordinates.is_none().then_some(coordinates);
+    let warnings = seen::warnings(&scene, seen, unsaid);
+    scene.warnings.extend(warnings.into_iter().map(|warning| format!("{}: {warning}", path.display())));
+    scene.notes.extend(note);
+    Ok(scene)
+}
+
+/// The coordinates in which a scene file states places, for code that writes places into it.
+///
+/// # Errors
+/// The errors of [`load`] about the text.
+pub fn coordinates(path: &Path) -> Result<Handedness> {
+    let text = source_text::read(path, "a scene file", source_text::MAX_FILE_BYTES)?;
+    Ok(SourceText { path, text: &text }.deserialized::<Sections>()?.coordinates())
+}
+
+/// Adds the contents of a glTF file to a scene.
+fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
+    let (materials, textures) = (scene.materials.len(), scene.textures.len());
+    other.meshes.iter_mut().for_each(|m| m.material += materials);
+    for m in &mut other.materials {
+        m.surface = surface;
+        let maps =
+            [&mut m.albedo_map, &mut m.normal_map, &mut m.alpha_mask, &mut m.reflectivity_map, &mut m.roughness_map];
+        maps.into_iter().flatten().for_each(|map| *map += textures);
+    }
+    scene.meshes.append(&mut other.meshes);
+    scene.materials.append(&mut other.materials);
+    scene.textures.append(&mut other.textures);
+    scene.lights.append(&mut other.lights);
+    scene.views.append(&mut other.views);
+    scene.motions.append(&mut other.motions);
+    scene.warnings.append(&mut other.warnings);
+    scene.notes.append(&mut other.notes);
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sections {
+    name: Option<String>,
+    handedness: Option<Handedness>,
+    coordinates: Option<Handedness>,
+    scale: Option<Spanned<f32>>,
+    #[serde(default)]
+    mesh: Vec<MeshSection>,
+    #[serde(default)]
+    material: BTreeMap<String, ChangeSection>,
+    #[serde(default)]
+    light: Vec<Spanned<LightSection>>,
+    #[serde(default)]
+    camera: LensSection,
+    #[serde(default)]
+    view: BTreeMap<String, Spanned<ViewSection>>,
+    #[serde(default)]
+    path: BTreeMap<String, PathSection>,
+    #[serde(default)]
+    motion: BTreeMap<String, motions::MotionSection>,
+    #[serde(default)]
+    probe: Vec<proxies::ProbeSection>,
+    #[serde(default)]
+    impostor: Vec<proxies::ImpostorSection>,
+    #[serde(default)]
+    area_light: Vec<Spanned<proxies::AreaLightSection>>,
+    #[serde(default)]
+    capture: Vec<Spanned<captures::CaptureSection>>,
+}
+
+impl Sections {
+    /// The coordinates of the file's places.
+    fn coordinates(&self) -> Handedness {
+        Handedness::of_places(self.coordinates, self.handedness, self.has_obj())
+    }
+
+    fn has_obj(&self) -> bool {
+        self.mesh.iter().any(|mesh| !gltf::is_named(Path::new(mesh.file.get_ref())))
+    }
+
+    /// A note about a scene file that calls its OBJ files right-handed and does not name the coordinates of its places, which
+    /// were left-handed before the key existed.
+    fn note(&self, path: &Path) -> Option<String> {
+        let has_places = !(self.view.is_empty() && self.light.is_empty() && self.path.is_empty());
+        let is_unsaid = self.has_obj() && self.coordinates.is_none() && self.handedness == Some(Handedness::Right);
+        (has_places && is_unsaid).then(|| {
+            let path = path.display();
+            let (right, left) = (Handedness::Right.key(), Handedness::Left.key());
+            format!(
+                "{path}: its places are read as right-handed, as its OBJ files are; write {right} if that is right, or {left} if they are left-handed"
+            )
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeshSection {
+    file: Spanned<String>,
+    #[serde(default)]
+    surface: SurfaceName,
+}
+
+#[derive(Deserialize, Default, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum SurfaceName {
+    #[default]
+    Lit,
+    Sky,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChangeSection {
+    reflectivity: Option<Spanned<f32>>,
+    roughness: Option<Spanned<f32>>,
+    normal_deviation: Option<Spanned<f32>>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum LightKind {
+    Point,
+    Directional,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LightSection {
+    kind: LightKind,
+    position: Option<Spanned<[f32; 3]>>,
+    direction: Option<Spanned<[f32; 3]>>,
+    energy: Spanned<f32>,
+}
+
+#[derive(Deserialize, Default, Clone, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct LensSection {
+    fov_y_deg: Option<Spanned<f32>>,
+    orthographic_height_m: Option<Spanned<f32>>,
+    near: Option<Spanned<f32>>,
+    far: Option<Spanned<f32>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ViewSection {
+    eye: Spanned<[f32; 3]>,
+    look_at: Spanned<[f32; 3]>,
+    fov_y_deg: Option<Spanned<f32>>,
+    orthographic_height_m: Option<Spanned<f32>>,
+    near: Option<Spanned<f32>>,
+    far: Option<Spanned<f32>>,
+    #[serde(default)]
+    materials: BTreeMap<String, ChangeSection>,
+}
+
+impl SourceText<'_> {
+    fn positive(&self, what: &str, value: &Spanned<f32>) -> Result<f32> {
+        let number = *value.get_ref();
+        if number.is_finite() && number > 0.0 {
+            return Ok(number);
+        }
+        Err(self.error(value.span(), format!("{what} must be a number > 0, not {number}")))
+    }
+
+    fn unit(&self, what: &str, value: &Option<Spanned<f32>>) -> Result<Option<f32>> {
+        match value {
+            Some(v) if !(0.0..=1.0).contains(v.get_ref()) => {
+                Err(self.error(v.span(), format!("{what} must lie in 0 to 1, but is {}", v.get_ref())))
+            }
+            value => Ok(value.as_ref().map(|v| *v.get_ref())),
+        }
+    }
+
+    pub(super) fn vector(&self, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
+        let vector = Vec3::from(*value.get_ref());
+        if vector.is_finite() {
+            return Ok(vector);
+        }
+        Err(self.error(value.span(), format!("{what} must have three finite numbers, not {vector}")))
+    }
+
+    /// A position in metres, scaled and checked against [`MAX_COORDINATE_M`].
+    pub(super) fn place(&self, what: &str, value: &Spanned<[f32; 3]>, scale: f32) -> Result<Vec3> {
+        let place = self.vector(what, value)? * scale;
+        if place.abs().max_element() <= MAX_COORDINATE_M {
+            return Ok(place);
+        }
+        let message = format!("{what} lies more than {MAX_COORDINATE_M:e} m from the origin");
+        Err(self.error(value.span(), message))
+    }
+
+    /// The lens `base` with the changes of a section; `scale` multiplies the section's planes and its height. `span` is the
+    /// section's place in the file, for errors.
+    fn lens(&self, section: &LensSection, (base, scale): (Lens, f32), span: std::ops::Range<usize>) -> Result<Lens> {
+        let mut lens = base;
+        if let Some(fov) = &section.fov_y_deg {
+            let degrees = self.positive("fov_y_deg", fov)?;
+            if degrees >= 180.0 {
+                let message = format!("fov_y_deg must lie between 0 and 180, but is {degrees}");
+                return Err(self.error(fov.span(), message));
+            }
+            lens.opening = FieldOfView::Angle(degrees.to_radians());
+        }
+        if let Some(height) = &section.orthographic_height_m {
+            if section.fov_y_deg.is_some() {
+                let message = "fov_y_deg and orthographic_height_m are two projections: one of them is too many";
+                return Err(self.error(height.span(), message));
+            }
+            lens.opening = FieldOfView::Height(self.positive("orthographic_height_m", height)? * scale);
+        }
+        if let Some(near) = &section.near {
+            lens.near_m = self.positive("near", near)? * scale;
+        }
+        if let Some(far) = &section.far {
+            lens.far_m = self.positive("far", far)? * scale;
+        }
+        if lens.far_m <= lens.near_m {
+            let span = section.far.as_ref().or(section.near.as_ref()).map_or(span, Spanned::span);
+            let message = format!("far ({}) must be greater than near ({})", lens.far_m, lens.near_m);
+            return Err(self.error(span, message));
+        }
+        if !Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0).is_sound() {
+            let Lens { opening, near_m, far_m } = lens;
+            let opening = match opening {
+                FieldOfView::Angle(fov) => format!("fov_y_deg {}", fov.to_degrees()),
+                FieldOfView::Height(height) => format!("orthographic_height_m {height}"),
+            };
+            let message = format!(
+                "a lens with {opening}, near {near_m} and far {far_m} is beyond the precision of the projection"
+            );
+            return Err(self.error(span, message));
+        }
+        Ok(lens)
+    }
+
+    fn light(&self, section: &Spanned<LightSection>, extra_scale: f32) -> Result<Light> {
+        let LightSection { kind, position, direction, energy } = section.get_ref();
+        let energy = self.positive("energy", energy)?;
+        match (kind, position, direction) {
+            (LightKind::Point, Some(position), None) => {
+                let position = self.place("position", position, extra_scale)?;
+                Ok(Light::Point { position, energy: energy * extra_scale * extra_scale })
+            }
+            (LightKind::Directional, None, Some(direction)) => {
+                let unit = self.vector("direction", direction)?.as_dvec3().normalize_or_zero().as_vec3();
+                if unit == Vec3::ZERO {
+                    return Err(self.error(direction.span(), "direction must not be zero"));
+                }
+                Ok(Light::Directional { direction: unit, energy })
+            }
+            (LightKind::Point, ..) => Err(self.error(section.span(), "a point light has a position and no direction")),
+            (LightKind::Directional, ..) => {
+                Err(self.error(section.span(), "a directional light has a direction and no position"))
+            }
+        }
+    }
+
+    /// The views, in the order of the file.
+    fn views(
+        &self,
+        sections: BTreeMap<String, Spanned<ViewSection>>,
+        base: Lens,
+        extra_scale: f32,
+    ) -> Result<Vec<View>> {
+        let mut sections: Vec<_> = sections.into_iter().collect();
+        sections.sort_by_key(|(_, section)| section.span().start);
+        sections.into_iter().map(|(name, section)| self.view(name, section, base, extra_scale)).collect()
+    }
+
+    fn view(&self, name: String, section: Spanned<ViewSection>, base: Lens, extra_scale: f32) -> Result<View> {
+        let span = section.span();
+        let ViewSection { eye, look_at, fov_y_deg, orthographic_height_m, near, far, materials } = section.into_inner();
+        let look_at_span = look_at.span();
+        let eye = self.place("eye", &eye, extra_scale)?;
+        let look_at = self.place("look_at", &look_at, extra_scale)?;
+        if (look_at - eye).try_normalize().is_none() {
+            let message = format!("view {name:?} looks at its own eye; look_at must be another point");
+            return Err(self.error(look_at_span, message));
+        }
+        let own = LensSection { fov_y_deg, orthographic_height_m, near, far };
+        let lens =
+            if own == LensSection::default() { None } else { Some(self.lens(&own, (base, extra_scale), span)?) };
+        let materials = self.changes(materials)?.into_iter().collect();
+        Ok(View { name, eye, look_at, lens, materials })
+    }
+
+    fn changes(&self, sections: BTreeMap<String, ChangeSection>) -> Result<BTreeMap<String, MaterialChange>> {
+        let change = |(name, section): (String, ChangeSection)| {
+            let change = MaterialChange {
+                reflectivity: self.unit("reflectivity", &section.reflectivity)?,
+                roughness: self.unit("roughness", &section.roughness)?,
+                normal_deviation: self.unit("normal_deviation", &section.normal_deviation)?,
+            };
+            Ok((name, change))
+        };
+        sections.into_iter().map(change).collect()
+    }
+
+    fn meshes(&self, sections: Vec<MeshSection>) -> Result<Vec<ObjFile>> {
+        if sections.is_empty() {
+            return Err(Error::malformed(self.path, None, "a scene file needs at least one [[mesh]]"));
+        }
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let file = |section: MeshSection| {
+            let name = section.file.get_ref();
+            let Some(path) = obj::resolve(folder, name) else {
+                return Err(self.error(section.file.span(), format!("there is no file {name:?}")));
+            };
+            let surface = match section.surface {
+                SurfaceName::Lit => Surface::Lit,
+                SurfaceName::Sky => Surface::Sky,
+            };
+            Ok(ObjFile { path, surface })
+        };
+        sections.into_iter().map(file).collect()
+    }
+}
+
+/// Applies the file's material sections to the scene, expands `default` in the views to the materials that it stands for, and
+/// warns about names that no material has.
+fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene: &mut Scene) {
+    for material in &mut scene.materials {
+        if let Some(change) = changes.get(&material.name).or(changes.get(DEFAULT)) {
+            change.apply(material);
+        }
+    }
+    let names: Vec<String> = scene.materials.iter().map(|m: &Material| m.name.clone()).collect();
+    let unknown = |name: &String| name != DEFAULT && !names.contains(name);
+    let place = path.display();
+    for name in changes.keys().filter(|n| unknown(n)) {
+        scene.warnings.push(format!("{place}: [material.{name}] changes nothing: no mesh has this material"));
+    }
+    for view in &mut scene.views {
+        for (name, _) in view.materials.iter().filter(|(n, _)| unknown(n)) {
+            let what = format!("changes material {name}, which no mesh has");
+            scene.warnings.push(format!("{place}: [view.{}] {what}", view.name));
+        }
+        let default = view.materials.iter().position(|(n, _)| n == DEFAULT).map(|i| view.materials.remove(i).1);
+        if let Some(change) = default {
+            let mut others: Vec<String> = names.clone();
+            others.retain(|n| view.materials.iter().all(|(m, _)| m != n));
+            others.sort();
+            others.dedup();
+            view.materials.extend(others.into_iter().map(|name| (name, change)));
+        }
+    }
+}

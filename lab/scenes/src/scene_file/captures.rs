@@ -1,0 +1,145 @@
+//! The section of a scene file with the captures ([`crate::capture`]), and the list of a folder of captures, which has
+//! this section alone ([`crate::capture_file`]).
+
+use crate::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
+use crate::obj::Handedness;
+use crate::source_text::{self, SourceText};
+use crate::{Aabb, gltf};
+use serde::Deserialize;
+use ssct_ground::error::{Error, Result};
+use std::path::Path;
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ListOfCaptures {
+    /// The least and the greatest corner of the scene's bounds.
+    bounds: Option<Spanned<[[f32; 3]; 2]>>,
+    #[serde(default)]
+    capture: Vec<Spanned<CaptureSection>>,
+}
+
+/// Reads the captures of a file with at least one `[[capture]]` table, all with one near plane. `bounds` before the tables is a
+/// box outside of which there is no surface; the default is [`Aabb::ALL`].
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line if known, for any other fault.
+pub(crate) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
+    let text = source_text::read(path, "a list of captures", crate::source_text::MAX_FILE_BYTES)?;
+    let source = SourceText { path, text: &text };
+    let list: ListOfCaptures = source.deserialized()?;
+    let captures = source.captures(&list.capture, 1.0)?;
+    let Some(first) = captures.first() else {
+        return Err(Error::malformed(path, None, "it lists no captures"));
+    };
+    if let Some((other, section)) = captures.iter().zip(&list.capture).find(|(c, _)| c.near_m != first.near_m) {
+        let message = format!(
+            "all captures of a folder have one near plane: this one has {} m, the first has {} m",
+            other.near_m, first.near_m
+        );
+        return Err(source.error(section.span(), message));
+    }
+    let between = |given: &Spanned<[[f32; 3]; 2]>| {
+        let message = "bounds must be the least and the greatest corner of a box, of finite numbers";
+        Aabb::between(*given.get_ref()).ok_or_else(|| source.error(given.span(), message))
+    };
+    let bounds = list.bounds.as_ref().map_or(Ok(Aabb::ALL), between)?;
+    Ok((captures, bounds))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CaptureSection {
+    place: Spanned<[f32; 3]>,
+    resolution: Option<Spanned<u32>>,
+    near: Option<Spanned<f32>>,
+}
+
+/// The text of a scene file with other captures: its `[[capture]]` tables are replaced by tables of `captures` at the end, in
+/// the coordinates of the file. The other text is not changed. `path` names the file in errors.
+///
+/// # Errors
+/// [`Error::Malformed`] if the text is no TOML, is the list of a folder of captures, or has captures in another form than
+/// tables.
+pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<String> {
+    let source = SourceText { path, text };
+    let rest = |text: &str| {
+        let mut table: toml::Table = toml::from_str(text)?;
+        table.remove("capture");
+        Ok(table)
+    };
+    let before = rest(text).map_err(|e| source.syntax_error(&e))?;
+    if before.contains_key("bounds") {
+        let message =
+            "it is the list of a folder of captures, whose images stay where they were captured; name another file";
+        return Err(Error::malformed(path, None, message));
+    }
+    let mut is_capture = false;
+    let mut kept = String::new();
+    for line in text.lines() {
+        if line.trim_start().starts_with('[') {
+            is_capture = line.replace(char::is_whitespace, "").starts_with("[[capture]]");
+        }
+        if !is_capture {
+            kept.push_str(line);
+            kept.push('\n');
+        }
+    }
+    let coordinates = coordinates(&before);
+    let tables = captures.iter().map(|c| coordinates.capture(*c).to_toml()).collect::<Vec<_>>().join("\n");
+    let made = if kept.trim().is_empty() { tables } else { format!("{}\n\n{tables}", kept.trim_end()) };
+    if rest(&made).ok() != Some(before) {
+        let message = "it names captures by other tables than [[capture]], which cannot be replaced";
+        return Err(Error::malformed(path, None, message));
+    }
+    Ok(made)
+}
+
+/// The coordinates of the places in a scene file, whose other contents may be faulty.
+fn coordinates(file: &toml::Table) -> Handedness {
+    let said = |key: &str| file.get(key).and_then(|value| value.clone().try_into().ok());
+    let meshes = file.get("mesh").and_then(toml::Value::as_array).into_iter().flatten();
+    let mut files = meshes.filter_map(|mesh| mesh.get("file").and_then(toml::Value::as_str));
+    Handedness::of_places(said("coordinates"), said("handedness"), files.any(|name| !gltf::is_named(Path::new(name))))
+}
+
+impl SourceText<'_> {
+    /// The captures, in the order of the file.
+    pub(super) fn captures(&self, sections: &[Spanned<CaptureSection>], extra_scale: f32) -> Result<Vec<Capture>> {
+        let mut captures: Vec<Capture> = Vec::new();
+        for section in sections {
+            let span = || section.get_ref().resolution.as_ref().map_or(section.span(), Spanned::span);
+            let capture = self.capture(section.get_ref(), extra_scale)?;
+            if captures.len() == MAX_CAPTURES {
+                return Err(self.error(section.span(), format!("a scene has at most {MAX_CAPTURES} captures")));
+            }
+            if let Some(first) = captures.first().map(|c| c.resolution).filter(|r| *r != capture.resolution) {
+                let message = format!(
+                    "all captures of a scene have one resolution: this one has {}, the first has {first}",
+                    capture.resolution
+                );
+                return Err(self.error(span(), message));
+            }
+            captures.push(capture);
+        }
+        Ok(captures)
+    }
+
+    fn capture(&self, section: &CaptureSection, extra_scale: f32) -> Result<Capture> {
+        let resolution = match &section.resolution {
+            Some(given) if !(1..=MAX_RESOLUTION).contains(given.get_ref()) => {
+                let message = format!("resolution must lie in 1 to {MAX_RESOLUTION}, but is {}", given.get_ref());
+                return Err(self.error(given.span(), message));
+            }
+            given => given.as_ref().map_or(Capture::RESOLUTION, |r| *r.get_ref()),
+        };
+        let mut near_m = Capture::NEAR_M * extra_scale;
+        if let Some(near) = &section.near {
+            near_m = self.positive("near", near)? * extra_scale;
+            if !near_m.is_finite() {
+                return Err(self.error(near.span(), format!("near is too large: {}", near.get_ref())));
+            }
+        }
+        Ok(Capture { position: self.place("place", &section.place, extra_scale)?, near_m, resolution })
+    }
+}

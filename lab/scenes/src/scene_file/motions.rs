@@ -1,0 +1,97 @@
+//! Motions in a scene file: a mesh is moved and turned from key frame to key frame.
+
+use crate::motion::{Changes, Interpolation, Keys, Motion, Mover, MovingNode, Rest};
+use crate::obj::Handedness;
+use crate::source_text::SourceText;
+use crate::{Aabb, Scene};
+use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
+use serde::Deserialize;
+use ssct_ground::error::Result;
+use std::sync::Arc;
+use toml::Spanned;
+
+/// Greatest turn, exclusive, from one key frame to the next, since turns go the shorter way.
+const HALF_TURN_DEG: f32 = 180.0;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MotionSection {
+    /// Name of the meshes that move.
+    mesh: Spanned<String>,
+    /// Point that the meshes turn about; by default the middle of their bounds.
+    pivot: Option<Spanned<[f32; 3]>>,
+    /// Axis of the turns; by default +y.
+    axis: Option<Spanned<[f32; 3]>>,
+    #[serde(default)]
+    key: Vec<Spanned<KeySection>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct KeySection {
+    time: f32,
+    offset: Option<Spanned<[f32; 3]>>,
+    turn_deg: Option<f32>,
+}
+
+impl SourceText<'_> {
+    /// The motion of a section, in a scene whose meshes are loaded.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) with file and line.
+    pub(super) fn motion(
+        &self,
+        name: &str,
+        section: &MotionSection,
+        scene: &Scene,
+        (extra_scale, coordinates): (f32, Handedness),
+    ) -> Result<Motion> {
+        let MotionSection { mesh, pivot, axis, key } = section;
+        let moved = || scene.meshes.iter().filter(|m| m.name == *mesh.get_ref());
+        if moved().next().is_none() {
+            return Err(
+                self.error(mesh.span(), format!("motion {name} moves {:?}, and no mesh has this name", mesh.get_ref()))
+            );
+        }
+        let bounds = moved().fold(Aabb::default(), |all, m| all.union(m.bounds));
+        let pivot = match pivot {
+            Some(pivot) => coordinates.mirrored(self.place("pivot", pivot, extra_scale)?),
+            None => 0.5 * (bounds.min + bounds.max),
+        };
+        let axis = match axis {
+            Some(axis) => match self.vector("axis", axis)?.try_normalize() {
+                Some(unit) => coordinates.mirrored(unit),
+                None => return Err(self.error(axis.span(), "axis must not be zero")),
+            },
+            None => Vec3::Y,
+        };
+        let mut frames: Vec<(f32, Vec3, f32)> = Vec::new();
+        for section in key {
+            let KeySection { time, offset, turn_deg } = section.get_ref();
+            let offset = offset.as_ref().map(|o| self.place("offset", o, extra_scale)).transpose()?.unwrap_or_default();
+            let degrees = turn_deg.unwrap_or(0.0);
+            if frames.last().is_some_and(|(.., before)| (degrees - before).abs() >= HALF_TURN_DEG) {
+                let message = "turn_deg must change by less than 180 from one key frame to the next";
+                return Err(self.error(section.span(), message));
+            }
+            frames.push((*time, coordinates.mirrored(offset), degrees));
+        }
+        let times: Vec<f32> = frames.iter().map(|(time, ..)| *time).collect();
+        let offsets = frames.iter().map(|(_, offset, _)| (*offset + pivot).to_array()).collect();
+        let turn = |degrees: f32| Quat::from_axis_angle(axis, coordinates.turn(degrees.to_radians())).to_array();
+        let turns = frames.iter().map(|(.., degrees)| turn(*degrees)).collect();
+        let span = key.first().map_or(mesh.span(), Spanned::span);
+        let wrong = |why: &str| self.error(span.clone(), format!("motion {name} {why}"));
+        let offsets = Keys::new(times.clone(), offsets, Interpolation::Linear).map_err(wrong)?;
+        let turns = Keys::new(times, turns, Interpolation::Linear).map_err(wrong)?;
+        let nodes = vec![
+            MovingNode {
+                rest: Rest::Parts(DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE),
+                changes: Changes { offset: Some(Arc::new(offsets)), turn: Some(Arc::new(turns)), size: None },
+            },
+            MovingNode::still(Rest::Matrix(DMat4::from_translation(-pivot.as_dvec3()))),
+        ];
+        let mover = Mover { meshes: vec![mesh.get_ref().clone()], root: DMat4::IDENTITY, nodes, rest: DMat4::IDENTITY };
+        Ok(Motion { name: name.to_owned(), movers: vec![mover] })
+    }
+}

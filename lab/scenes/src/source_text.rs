@@ -1,0 +1,166 @@
+//! Texts that people write (scene files, camera paths, maps of G-buffers, manifests of methods): read within a limit of size,
+//! and with the line in every error.
+
+use super::{bounded, encoding};
+use serde::de::DeserializeOwned;
+use ssct_ground::error::{Error, Result};
+use std::borrow::Cow;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::de::{DeTable, DeValue, Deserializer};
+
+/// The largest file of a scene or of a camera path that can be read, in bytes.
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// Greatest number of unknown keys that one error names.
+const MOST_UNKNOWN_KEYS: usize = 32;
+
+/// A text with its path, for errors that name the line.
+#[derive(Clone, Copy)]
+pub struct SourceText<'a> {
+    /// Path of the file.
+    pub path: &'a Path,
+    /// Contents of the file.
+    pub text: &'a str,
+}
+
+impl SourceText<'_> {
+    /// An error at a byte range of the text.
+    pub fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
+        Error::malformed(self.path, Some(self.line(span)), message)
+    }
+
+    /// The line, from 1, in which a byte range begins.
+    pub fn line(&self, span: Range<usize>) -> usize {
+        line_of(self.text.as_bytes(), span.start)
+    }
+
+    /// Reads the text as TOML.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with the line. One error names all unknown keys, and the first other fault.
+    pub fn deserialized<T: DeserializeOwned>(&self) -> Result<T> {
+        let syntax = |e: toml::de::Error| self.syntax_error(&e);
+        let mut table = DeTable::parse(self.text).map_err(syntax)?;
+        let mut wrong: Vec<toml::de::Error> = Vec::new();
+        loop {
+            let error = match T::deserialize(Deserializer::from(table.clone())) {
+                Ok(read) if wrong.is_empty() => return Ok(read),
+                Ok(_) => break,
+                Err(error) => error,
+            };
+            // The unknown key is removed, so that the keys after it are read, too.
+            let is_removed =
+                names_unknown_key(&error) && error.span().is_some_and(|span| remove_key(table.get_mut(), &span));
+            wrong.push(error);
+            if !is_removed || wrong.len() == MOST_UNKNOWN_KEYS {
+                break;
+            }
+        }
+        Err(self.all_errors(&mut wrong))
+    }
+
+    /// Joins several errors into one, at the place of the first.
+    fn all_errors(&self, errors: &mut [toml::de::Error]) -> Error {
+        errors.sort_by_key(|e| (!names_unknown_key(e), e.span().map_or(0, |span| span.start)));
+        let [first, others @ ..] = errors else { return Error::malformed(self.path, None, "cannot be read") };
+        let sentence = |e: &toml::de::Error| {
+            let line = e.span().map_or(String::new(), |span| format!("line {}: ", self.line(span)));
+            format!("; {line}{}", clause(e))
+        };
+        let message = clause(first) + &others.iter().map(sentence).collect::<String>();
+        match first.span() {
+            Some(span) => self.error(span, message),
+            None => Error::malformed(self.path, None, message),
+        }
+    }
+
+    /// An error about the syntax or the types of a TOML text.
+    pub fn syntax_error(&self, error: &toml::de::Error) -> Error {
+        let message = clause(error);
+        match error.span() {
+            Some(span) => self.error(span, message),
+            None => Error::malformed(self.path, None, message),
+        }
+    }
+}
+
+/// Whether an error is about a key that is not allowed in its table.
+fn names_unknown_key(error: &toml::de::Error) -> bool {
+    error.message().starts_with("unknown field")
+}
+
+/// The message of an error, in one line.
+fn clause(error: &toml::de::Error) -> String {
+    error.message().trim().replace('\n', "; ")
+}
+
+/// Removes the key at a byte range of a text from its table; `false` if no key is there.
+fn remove_key(table: &mut DeTable, place: &Range<usize>) -> bool {
+    let found = table.iter().find(|(key, _)| key.span() == *place).map(|(key, _)| key.get_ref().to_string());
+    if let Some(key) = found {
+        return table.remove(key.as_str()).is_some();
+    }
+    table.iter_mut().any(|(_, value)| remove_key_within(value.get_mut(), place))
+}
+
+fn remove_key_within(value: &mut DeValue, place: &Range<usize>) -> bool {
+    match value {
+        DeValue::Table(table) => remove_key(table, place),
+        DeValue::Array(all) => all.iter_mut().any(|value| remove_key_within(value.get_mut(), place)),
+        _ => false,
+    }
+}
+
+/// Reads a text of at most `most` bytes, without its byte-order mark. `what` names the expected content in errors, as in "a
+/// scene file".
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Malformed`] for a longer text, and, with the line, for a text that is not UTF-8.
+pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
+    let bytes = bounded::read(path, what, most)?;
+    if let Some(name) = encoding::wide_encoding(&bytes) {
+        return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
+    }
+    String::from_utf8(encoding::without_mark(&bytes).to_vec()).map_err(|e| {
+        let line = line_of(e.as_bytes(), e.utf8_error().valid_up_to());
+        Error::malformed(path, Some(line), format!("{what} must be UTF-8 text"))
+    })
+}
+
+/// Reads a text as [`read`] does, but bytes that are not UTF-8 count as Latin-1, since comments in programs may have any bytes.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Malformed`] for a longer text, and for a text with more than a byte for each character.
+pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
+    let bytes = bounded::read(path, what, most)?;
+    decode(path, &bytes).map(Cow::into_owned)
+}
+
+/// Decodes a text without its byte-order mark. Text that is not UTF-8 is read as Latin-1, so that different names stay
+/// different.
+///
+/// # Errors
+/// [`Error::Malformed`] for a text with more than a byte for each character.
+pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
+    if let Some(name) = encoding::wide_encoding(bytes) {
+        return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
+    }
+    let bytes = encoding::without_mark(bytes);
+    Ok(match std::str::from_utf8(bytes) {
+        Ok(text) => text.into(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
+    })
+}
+
+/// The line of a byte, counted from 1.
+fn line_of(text: &[u8], offset: usize) -> usize {
+    1 + text[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count()
+}
+
+/// The file name without `.scene.toml` or `.toml`.
+pub fn stem(path: &Path) -> String {
+    let name = PathBuf::from(path.file_stem().unwrap_or_default());
+    let stem = if name.extension().is_some_and(|e| e == "scene") { name.with_extension("") } else { name };
+    stem.to_string_lossy().into_owned()
+}
