@@ -128,7 +128,14 @@ const float AGREES_ABOVE = 0.75;
 const float AGREED_RAYS = 8.0;        // Own rays that the cells around a pixel stand for if all show its surface.
 // A pixel with a wide lobe also gets own rays if a ray around it ended nearer than this, in widths of a pixel there.
 const float CONTACT = 10.0;
-const float ENDED_NEAR = 2.0;         // Added to the fade of a cell's ray that ended nearer on the screen than NEAR_HIT.
+// Where a thing stands on a rough surface, cells that are close to each other see alike and others do not. There the 3 x 3 cells around a
+// cell count more: the cell itself by this weight times (1 - roughness)^2, those beside it by a half and those across by a quarter of
+// that (docs/unified.md).
+const float CONTACT_WEIGHT = 12.0;
+// These weights fall from a ray that ended nearer than NEAR_HIT to one that ended as far away as this, in widths of a pixel.
+const float CONTACT_END = 20.0;
+// Added to the density of a cell's ray that ended nearer on the screen than NEAR_HIT, on another surface. No density is as great.
+const float NEAR_MARK = 256.0;
 const float LOG_DENSITY_BIAS = 64.0;  // Makes the logarithm to base 2 of any lobe's density positive.
 const float CELL_REACH = 4.0;         // Pixels along an axis from a cell's ray to where the ray's weight would be 0.
 const float GREATEST_HALF = 65504.0;  // The greatest 16-bit float.

@@ -83,10 +83,11 @@ void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 o
     for (int y = -1; y <= 1; ++y)
         for (int column = 0; column < 5; ++column) {
             NeighbourRay ray = RayInRow(cell.x, cell.y + 2 * outward.y * y, outward.x, column);
-            GatherRay(sum, centre, ray);
+            float closeness = column == 2 ? 1.0 : (column & 1) != 0 ? 0.5 : 0.0;
+            GatherRay(sum, centre, ray, y == 0 ? closeness : 0.0);
             if (y < 1) {
                 NeighbourRay other = RayInRow(cell.x, cell.y - outward.y * (1 + 2 * y), outward.x, column);
-                GatherRay(sum, centre, RayFromNeighbour(ray, other, outward.y));
+                GatherRay(sum, centre, RayFromNeighbour(ray, other, outward.y), 0.5 * closeness);
             }
         }
 }

@@ -40,37 +40,38 @@ NeighbourRay LoadCellRay(ivec2 cell) {
     return LoadCellRay(clamped_cell, IsDrawn(clamped_cell));
 }
 
-// Gathers a ray, and the ray that the other cell of the block along y has in its place.
-void GatherWithNeighbour(inout CellSum sum, GatherPoint centre, NeighbourRay ray, int outward) {
-    GatherRay(sum, centre, ray);
-    GatherRay(sum, centre, RayFromNeighbourY(ray, outward));
+// Gathers a ray, and the ray that the other cell of the block along y has in its place, each with its closeness.
+void GatherWithNeighbour(inout CellSum sum, GatherPoint centre, NeighbourRay ray, int outward, vec2 closeness) {
+    GatherRay(sum, centre, ray, closeness.x);
+    GatherRay(sum, centre, RayFromNeighbourY(ray, outward), closeness.y);
 }
 
 // The rays of a row, the first of which is two cells inwards, and those that the other cell of the block along y has in their places.
-void GatherTwoRows(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward) {
+// `closeness` is that of the middle of both rows.
+void GatherTwoRows(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward, vec2 closeness) {
     // The other cell of the block along x hands on the rays between those that are loaded.
     NeighbourRay inner = LoadCellRay(cell - ivec2(2 * outward.x, 0));
     NeighbourRay middle = LoadCellRay(cell);
-    GatherWithNeighbour(sum, centre, inner, outward.y);
-    GatherWithNeighbour(sum, centre, RayFromNeighbourX(middle, outward.x), outward.y);
-    GatherWithNeighbour(sum, centre, middle, outward.y);
-    GatherWithNeighbour(sum, centre, RayFromNeighbourX(inner, outward.x), outward.y);
-    GatherWithNeighbour(sum, centre, LoadCellRay(cell + ivec2(2 * outward.x, 0)), outward.y);
+    GatherWithNeighbour(sum, centre, inner, outward.y, vec2(0.0));
+    GatherWithNeighbour(sum, centre, RayFromNeighbourX(middle, outward.x), outward.y, 0.5 * closeness);
+    GatherWithNeighbour(sum, centre, middle, outward.y, closeness);
+    GatherWithNeighbour(sum, centre, RayFromNeighbourX(inner, outward.x), outward.y, 0.5 * closeness);
+    GatherWithNeighbour(sum, centre, LoadCellRay(cell + ivec2(2 * outward.x, 0)), outward.y, vec2(0.0));
 }
 
 // The rows are gathered one by one without a loop, which SwiftShader of Chromium 156 would compile for minutes in
 // gigabytes.
 void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward) {
     ivec2 y = ivec2(0, 2 * outward.y);
-    GatherTwoRows(sum, centre, cell - y, outward);
-    GatherTwoRows(sum, centre, cell, outward);
+    GatherTwoRows(sum, centre, cell - y, outward, vec2(0.0, 0.5));
+    GatherTwoRows(sum, centre, cell, outward, vec2(1.0, 0.5));
     NeighbourRay inner = LoadCellRay(cell + y - ivec2(2 * outward.x, 0));
     NeighbourRay middle = LoadCellRay(cell + y);
-    GatherRay(sum, centre, inner);
-    GatherRay(sum, centre, RayFromNeighbourX(middle, outward.x));
-    GatherRay(sum, centre, middle);
-    GatherRay(sum, centre, RayFromNeighbourX(inner, outward.x));
-    GatherRay(sum, centre, LoadCellRay(cell + 2 * outward));
+    GatherRay(sum, centre, inner, 0.0);
+    GatherRay(sum, centre, RayFromNeighbourX(middle, outward.x), 0.0);
+    GatherRay(sum, centre, middle, 0.0);
+    GatherRay(sum, centre, RayFromNeighbourX(inner, outward.x), 0.0);
+    GatherRay(sum, centre, LoadCellRay(cell + 2 * outward), 0.0);
 }
 
 void main() {

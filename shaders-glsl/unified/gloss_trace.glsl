@@ -172,15 +172,6 @@ uvec4 TraceNarrowPixel(ivec2 pixel, out uvec2 ray_end) {
 
 #else
 
-#if defined(AMONG_TRIANGLES) || defined(CONFIRMED)
-const bool MARKS_NEAR = false;
-#else
-#include "triangles/own_rays.glsl"
-// A recorded place that was put far away no longer says that the ray ended near. A mark says so instead, since it
-// decides whether pixels get own rays.
-const bool MARKS_NEAR = OWN_RAYS > 0;
-#endif
-
 // How a unit vector turns from texel to texel: the differences along both axes within a block of 2 x 2, right less left
 // and lower less upper. The file that includes this one defines it. Every thread of a block must call it.
 void BlockDifferences(vec3 unit, out vec3 across, out vec3 along);
@@ -218,9 +209,10 @@ CellRay TraceWideCell(ivec2 cell) {
         float common_part = 0.5 * (LobeOverlap(turn_x, lobe.power) + LobeOverlap(turn_y, lobe.power));
         RayEnd end;
         LobeSample lobe_sample = TraceLobeSample(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
-        traced = CellRay(vec4(RecordedPlace(point, end), lobe_sample.is_hit ? lobe_sample.density : -lobe_sample.density),
+        // A recorded place that was put far away no longer says that the ray ended near. A mark says so instead.
+        float marked = lobe_sample.density + (end.touches ? NEAR_MARK : 0.0);
+        traced = CellRay(vec4(RecordedPlace(point, end), lobe_sample.is_hit ? marked : -lobe_sample.density),
                          lobe_sample.color, PackRayEnd(point, lobe_sample, end));
-        traced.color.a += MARKS_NEAR && end.touches ? ENDED_NEAR : 0.0;
     }
     return traced;
 }

@@ -45,26 +45,31 @@ struct GatherPoint {
 // The rays that a cell gathers.
 struct CellSum {
     RaySum rays;
-    float nearest; // squared distance to the nearest hit
+    vec4 closest;  // colours of the 3 x 3 cells around it alone, weighted by their closeness as well, and the sum of these weights
+    float nearest; // squared distance to the nearest hit of the closest cells, or of all if pixels may get own rays
 };
 
 // Adds a ray as a sample of the lobe here. The weight is lobe f over density q, bounded as 2 f / (f + q). It is f / q
 // where f and q agree, and never above 2, however small q is (the balance heuristic between the two pixels; Veach and
 // Guibas 1995). Densities of different roughness can be compared as they are. Only the weight keeps rays of other
-// surfaces out.
-void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray) {
-    float density = ray.key.w;
+// surfaces out. `closeness` is 1 for the ray of the cell itself and 0 for that of a cell that is two cells away.
+void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray, float closeness) {
+    bool ended_near = ray.key.w > 0.75 * NEAR_MARK;
+    float density = ray.key.w - (ended_near ? NEAR_MARK : 0.0);
     vec3 to = density > 0.0 ? ray.key.xyz - centre.point : ray.key.xyz;
     // For wide lobes the cosine gives the angle precisely enough.
     float log_cos = LogCos(1.0 - dot(to, centre.lobe.mirror) * inversesqrt(dot(to, to)));
     float weight = 2.0 / (1.0 + exp2(abs(density) - centre.peak - LOG2_E * (centre.lobe.power - 1.0) * log_cos));
     weight = density != 0.0 ? max(weight, LEAST_WEIGHT) : 0.0;
-    vec4 color = ray.color;
-    bool ended_near = OWN_RAYS > 0 && color.a > 0.75 * ENDED_NEAR;
-    color.a -= ended_near ? ENDED_NEAR : 0.0;
+    bool hit = density > 0.0 && dot(to, centre.lobe.normal) > 0.0;
     // A colour that was handed on may be a last bit below 0.
-    AddRay(sum.rays, weight, density > 0.0 && dot(to, centre.lobe.normal) > 0.0, max(color, 0.0));
-    sum.nearest = density > 0.0 ? min(sum.nearest, ended_near ? 0.0 : dot(to, to)) : sum.nearest;
+    vec4 color = max(ray.color, 0.0);
+    AddRay(sum.rays, weight, hit, color);
+    if (closeness > 0.0)
+        sum.closest += closeness * vec4((hit ? weight : 0.0) * color.rgb, weight);
+    // Only own rays ask about more than the closest cells.
+    if ((OWN_RAYS > 0 || closeness > 0.0) && density > 0.0)
+        sum.nearest = min(sum.nearest, ended_near ? 0.0 : dot(to, to));
 }
 
 // Gathers the rays of the 5 x 5 cells around a cell. 3 x 3 of these cells lie an even number of cells from the cell
@@ -73,11 +78,31 @@ void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray) {
 // in its place, so that few rays are held at a time. The file that includes this one defines the function.
 void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward);
 
+// The width of a pixel at a point, at the height of its view.
+float PixelWidth(vec3 point) {
+    return 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : point.z);
+}
+
 // Whether a ray ended so near that the pixels around a point see different things. A thing that stands so near hides
 // other things from one pixel than from the next, which no weight of a neighbour's ray takes into account.
 bool IsContact(vec3 point, float squared_distance) {
-    float pixel = 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : point.z);
+    float pixel = PixelWidth(point);
     return squared_distance < CONTACT * CONTACT * pixel * pixel;
+}
+
+// The weight by which the cell itself counts more, for the squared distance to the nearest hit. It falls with the distance, so that
+// nothing jumps where a hit is just far enough, and with the roughness, since a wider lobe needs more rays.
+float ContactWeight(vec3 point, float roughness, float squared_distance) {
+    float pixels = sqrt(squared_distance) / PixelWidth(point);
+    float near = clamp((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT), 0.0, 1.0);
+    return CONTACT_WEIGHT * (1.0 - roughness) * (1.0 - roughness) * near;
+}
+
+// What a cell gathered, with the colours of the closest cells counted once more by a weight. The fade is even enough as it is.
+RaySum WeightedSum(CellSum sum, float weight) {
+    vec4 both = vec4(sum.rays.color.rgb, sum.rays.weight) + weight * sum.closest;
+    sum.rays.color.rgb = both.rgb * (sum.rays.weight / max(both.a, 1e-30));
+    return sum.rays;
 }
 
 ResolvedCell ResolveCell(ivec2 cell) {
@@ -89,12 +114,13 @@ ResolvedCell ResolveCell(ivec2 cell) {
     Lobe lobe = MakeLobe(point, normal, wide.roughness);
     GatherPoint centre = GatherPoint(point, lobe, LogDensity(lobe.power, 0.0));
     ivec2 outward = DirectionOutOfBlock(cell);
-    CellSum sum = CellSum(NO_RAYS, FAR_SKY * FAR_SKY);
+    CellSum sum = CellSum(NO_RAYS, vec4(0.0), FAR_SKY * FAR_SKY);
     GatherNeighbours(sum, centre, cell, outward);
     bool shows = wide.roughness > 0.0;
     float z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
     z = OWN_RAYS > 0 && (wide.is_mixed || IsContact(point, sum.nearest)) ? -z : z;
-    return ResolvedCell(shows ? ReflectionFromSum(sum.rays) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
+    RaySum rays = WeightedSum(sum, ContactWeight(point, wide.roughness, sum.nearest));
+    return ResolvedCell(shows ? ReflectionFromSum(rays) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
 }
 
 #endif

@@ -141,8 +141,8 @@ impl UnifiedGlossPass {
                     gpu,
                     (trace, halves),
                     || [PLACE, LIT_COLOR],
-                    |_| TraceWideConstants { strip, oracle, followed, tells, own_rays, orthographic },
-                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, tells, own_rays, orthographic },
+                    |_| TraceWideConstants { strip, oracle, followed, tells, orthographic },
+                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, tells, orthographic },
                 )?),
                 Some(reading) if screen => {
                     let fragment = |_| {

@@ -3,11 +3,15 @@
 //! The shaders exchange loaded values within a block of 2 × 2 by derivatives: value ± derivative is the neighbour's value up to
 //! its last bits. The twin uses the same subtraction and addition ([`ray_from_neighbour`]), so that the results do not differ.
 
-use super::gloss_trace::NeighbourRay;
+use super::gloss_trace::{FAR_SKY, NEAR_HIT, NEAR_MARK, NeighbourRay};
 use super::lobe::{LEAST_WEIGHT, LOG2_E, Lobe, inverse_sqrt, log_cos, log_density};
 use super::{Gloss, half, sound};
 use crate::reference::Level;
 use glam::{IVec2, Vec3, Vec4};
+use ssct_ground::math::constants;
+
+const CONTACT_WEIGHT: f32 = constants::CONTACT_WEIGHT as f32;
+const CONTACT_END: f32 = constants::CONTACT_END as f32;
 
 /// `RaySum` of `gathered.glsl`.
 #[derive(Default)]
@@ -67,12 +71,30 @@ struct GatherPoint {
     peak: f32,
 }
 
+/// `CellSum`: the rays that a cell gathers.
+struct CellSum {
+    rays: RaySum,
+    closest: Vec4,
+    nearest: f32,
+}
+
+impl CellSum {
+    /// Twin of `WeightedSum`.
+    fn with_closest(self, weight: f32) -> RaySum {
+        let Self { rays, closest, .. } = self;
+        let both = rays.color.truncate().extend(rays.weight) + weight * closest;
+        let color = both.truncate() * (rays.weight / both.w.max(1e-30));
+        RaySum { color: color.extend(rays.color.w), ..rays }
+    }
+}
+
 impl GatherPoint {
     /// Twin of `GatherRay` for wide lobes.
-    fn gather_ray(&self, sum: &mut RaySum, ray: NeighbourRay) {
-        let density = ray.key.w;
+    fn gather_ray(&self, sum: &mut CellSum, ray: NeighbourRay, closeness: f32) {
+        let ended_near = ray.key.w > 0.75 * NEAR_MARK;
+        let density = ray.key.w - if ended_near { NEAR_MARK } else { 0.0 };
         if density == 0.0 {
-            return sum.add_ray(0.0, false, Vec4::ZERO);
+            return;
         }
         let key = ray.key.truncate();
         let to = if density > 0.0 { key - self.point } else { key };
@@ -80,7 +102,15 @@ impl GatherPoint {
         let exponent = density.abs() - self.peak - LOG2_E * (self.lobe.power - 1.0) * log_cos;
         let weight = 2.0 / (1.0 + exponent.exp2());
         let is_hit = density > 0.0 && to.dot(self.lobe.normal) > 0.0;
-        sum.add_ray(weight.max(LEAST_WEIGHT), is_hit, ray.color.max(Vec4::ZERO));
+        let (weight, color) = (weight.max(LEAST_WEIGHT), ray.color.max(Vec4::ZERO));
+        sum.rays.add_ray(weight, is_hit, color);
+        if closeness > 0.0 {
+            let seen = if is_hit { weight } else { 0.0 } * color.truncate();
+            sum.closest += closeness * seen.extend(weight);
+            if density > 0.0 {
+                sum.nearest = sum.nearest.min(if ended_near { 0.0 } else { to.dot(to) });
+            }
+        }
     }
 }
 
@@ -141,12 +171,22 @@ impl Gloss<'_> {
             let other = self.row(rays, neighbour, y);
             std::array::from_fn(|i| ray_from_neighbour(own[i], other[i]))
         };
-        let mut sum = RaySum::default();
-        for row in [above, exchanged(middle, 0), middle, exchanged(above, -1), below] {
-            row.into_iter().for_each(|ray| centre.gather_ray(&mut sum, ray));
+        let mut sum = CellSum { rays: RaySum::default(), closest: Vec4::ZERO, nearest: FAR_SKY * FAR_SKY };
+        // The rows lie from two cells inwards to two cells outwards, and so do the rays in a row.
+        const CLOSENESS: [f32; 5] = [0.0, 0.5, 1.0, 0.5, 0.0];
+        let rows = [above, exchanged(middle, 0), middle, exchanged(above, -1), below];
+        for (row, along) in rows.into_iter().zip(CLOSENESS) {
+            for (ray, across) in row.into_iter().zip(CLOSENESS) {
+                centre.gather_ray(&mut sum, ray, along * across);
+            }
         }
+        let pixel_width = 2.0 * p.pixel_to_view.y * if p.kind.is_orthographic() { 1.0 } else { point.z };
+        let pixels = sum.nearest.sqrt() / pixel_width;
+        let near = ((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT)).clamp(0.0, 1.0);
+        let narrow = 1.0 - self.roughness(pixel);
+        let rays = sum.with_closest(CONTACT_WEIGHT * narrow * narrow * near);
         let z = if p.kind.is_orthographic() { 1.0 } else { point.z.min(super::GREATEST) };
-        ResolvedCell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(z) }
+        ResolvedCell { reflection: rays.reflection(self.is_over), surface: lobe.normal.extend(z) }
     }
 
     /// Twin of `Row`.

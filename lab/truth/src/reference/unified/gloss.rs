@@ -120,6 +120,11 @@ impl<'a> Gloss<'a> {
         })
     }
 
+    /// Whether the pixel of a hit shows the surface that reflects; `ray` is that of [`Self::sample_screen_hit`].
+    pub(super) fn hits_reflector(&self, hit: &Hit, ray: [Vec3; 3]) -> bool {
+        self.traversal.make_visibility_test(ray, hit.pixel).is_reflector
+    }
+
     /// The colour of a hit, over a footprint as wide as the texels of a level: `SampleScreenHit` in level 0 and
     /// `SampleColorChain` in others, without the sky along the ray. `ray` has the point where the ray begins, the normal there,
     /// and the direction.

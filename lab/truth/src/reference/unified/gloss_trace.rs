@@ -9,9 +9,10 @@ use ssct_ground::math::constants;
 const NARROW_PART: f32 = constants::NARROW_PART as f32;
 const NARROW_FOOTPRINTS: f32 = constants::NARROW_FOOTPRINTS as f32;
 const WIDE_FOOTPRINTS: f32 = constants::WIDE_FOOTPRINTS as f32;
-const NEAR_HIT: f32 = constants::NEAR_HIT as f32;
+pub(super) const NEAR_HIT: f32 = constants::NEAR_HIT as f32;
+pub(super) const NEAR_MARK: f32 = constants::NEAR_MARK as f32;
 const FAR_AWAY: f32 = constants::FAR_AWAY as f32;
-const FAR_SKY: f32 = constants::FAR_SKY as f32;
+pub(super) const FAR_SKY: f32 = constants::FAR_SKY as f32;
 
 /// A ray before it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,7 +122,9 @@ impl Gloss<'_> {
         let away = (hit.position - aim.pixel.as_vec2() - 0.5).abs();
         let is_near = away.x.max(away.y) < NEAR_HIT;
         let place = if is_near { aim.point + FAR_AWAY * (there - aim.point) } else { there };
-        NeighbourRay { key: place.extend(aim.density), color }
+        let touches = is_near && !self.hits_reflector(&hit, [aim.point, aim.lobe.normal, aim.direction]);
+        let marked = aim.density + if touches { NEAR_MARK } else { 0.0 };
+        NeighbourRay { key: place.extend(marked), color }
     }
 }
 

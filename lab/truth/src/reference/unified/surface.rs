@@ -15,7 +15,7 @@ pub(super) struct VisibilityTest {
     beside: f32,
     own: f32,
     apart: f32,
-    is_reflector: bool,
+    pub(super) is_reflector: bool,
 }
 
 impl Traversal<'_> {
