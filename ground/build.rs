@@ -1,21 +1,14 @@
-//! Declares in Rust the constants of `constants.glsl`, which shaders and host share, so that no number is declared twice. The file is
-//! a link to `shaders-glsl/common/constants.glsl`, which a package holds as a file.
+//! Declares in Rust the constants of `constants.glsl`, which shaders and host share, so that no number is declared twice. In the
+//! repository the file is a link to `shaders-glsl/common/constants.glsl`; in a package it is a file.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
 const CONSTANTS: &str = "constants.glsl";
 
-fn main() {
+fn main() -> Result<(), String> {
     println!("cargo:rerun-if-changed={CONSTANTS}");
     println!("cargo:rerun-if-changed=build.rs");
-    if let Err(message) = run() {
-        eprintln!("{message}");
-        std::process::exit(1);
-    }
-}
-
-fn run() -> Result<(), String> {
     let out = PathBuf::from(std::env::var("OUT_DIR").map_err(|e| e.to_string())?);
     let source = std::fs::read_to_string(CONSTANTS).map_err(|e| format!("{CONSTANTS}: {e}"))?;
     std::fs::write(out.join("constants.rs"), declared(&source)?).map_err(|e| format!("constants.rs: {e}"))

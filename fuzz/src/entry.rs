@@ -3,7 +3,7 @@
 
 use exr::meta::MetaData;
 use glam::Vec3;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_lab::custom;
 use ssct_lab::report::{library, run_folder};
 use ssct_lab::study::engine;
@@ -130,9 +130,8 @@ pub fn method(data: &[u8]) -> bool {
         write(folder, "a.comp", compute);
         match custom::check(folder) {
             // A manifest may name any file as a shader, and so does the error.
-            Err(ssct::Error::File(Error::Io { .. })) => false,
-            Err(ssct::Error::File(error)) => judged(Err(error), |()| ()),
-            checked => judged(checked.map_err(|e| Error::Usage(e.to_string())), |()| ()),
+            Err(Error::Io { .. }) => false,
+            checked => judged(checked, |()| ()),
         }
     })
 }
@@ -171,7 +170,7 @@ pub fn run(data: &[u8]) -> bool {
             Ok(input) => input,
             Err(error) => {
                 let is_malformed =
-                    matches!(error, ssct_lab::error::Error::Renderer(ssct::Error::File(Error::Malformed { .. })));
+                    matches!(error, ssct_lab::error::Error::Ssct(ssct::Error::File(Error::Malformed { .. })));
                 assert!(is_malformed && error.to_string().contains("run"), "{error}");
                 return false;
             }

@@ -1,8 +1,8 @@
-//! Plain data that every package of the repository shares, without Vulkan: scenes, parameters, conventions, and the mathematics of
-//! both. It is made for `ssct` and for the laboratory, and promises nothing to others.
+//! Plain data that every package of the repository shares, without Vulkan: scenes, parameters, conventions, and
+//! mathematics. It is made for `ssct` and for the laboratory, and promises nothing to others.
 
 pub mod conventions;
-pub mod error;
+mod error;
 pub mod math;
 pub mod parameter;
 pub mod scene;

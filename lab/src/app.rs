@@ -162,9 +162,10 @@ fn report_end(done: anyhow::Result<()>) -> ExitCode {
                 ExitCode::from(exit_status(&own))
             }
             Err(e) => {
-                match e.is::<std::io::Error>() {
-                    true => eprintln!("ssct: cannot print: {e}"),
-                    false => eprintln!("ssct: {}", printable(&format!("{e:#}"))),
+                if e.is::<std::io::Error>() {
+                    eprintln!("ssct: cannot print: {e}");
+                } else {
+                    eprintln!("ssct: {}", printable(&format!("{e:#}")));
                 }
                 ExitCode::FAILURE
             }
@@ -172,7 +173,7 @@ fn report_end(done: anyhow::Result<()>) -> ExitCode {
     }
 }
 
-/// The error of any of our packages as the laboratory's; the same error again if it is nobody's of us.
+/// Turns an error of any of our packages into one of the laboratory; gives another one back.
 fn own(error: anyhow::Error) -> anyhow::Result<Error> {
     error
         .downcast()
@@ -188,7 +189,7 @@ fn printable(sentence: &str) -> String {
 /// The exit status: 2 for wrong arguments, 128 + n for signal n, else 1.
 fn exit_status(error: &Error) -> u8 {
     match error {
-        Error::Renderer(ssct::Error::Usage(_)) | Error::Unfinished { .. } => 2,
+        Error::Ssct(ssct::Error::Usage(_)) | Error::Unfinished { .. } => 2,
         Error::Stopped { signal, .. } => 128 + signal,
         _ => 1,
     }

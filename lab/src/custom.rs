@@ -30,10 +30,10 @@ mod values;
 pub use includes::allow as allow_includes;
 use manifest::Manifest;
 use method::CustomMethod;
-use ssct::error::{Error, Result};
 use ssct::gpu::Gpu;
 use ssct::methods::{self, Added, Method, MethodInfo, MethodRequest};
 use ssct_ground::parameter::{Choices, Parameter, Preset};
+use ssct_ground::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -69,8 +69,8 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 /// Reads a folder's manifest, compiles its shaders, and adds the method to the known methods; returns its row.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io), and [`Malformed`](ssct_ground::Error::Malformed) with file and line for what is wrong in the manifest or in a shader.
-/// [`Usage`](ssct_ground::Error::Usage) if there is a method of its name.
+/// [`Io`](ssct_ground::Error::Io), and [`Malformed`](ssct_ground::Error::Malformed) with file and line for what is wrong in the
+/// manifest or in a shader, and if there is a method of its name.
 pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     // Compiles once here, so that errors appear before a device is opened.
     let (manifest, parameters) = read(folder)?;
@@ -79,16 +79,14 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     let (fades, takes_captures) = (manifest.reads_value("fade"), manifest.captures);
     let added: &'static FolderMethod = Box::leak(Box::new(FolderMethod { manifest, parameters }));
     let info = MethodInfo { fades, takes_captures, ..MethodInfo::added(name, summary, source, added) };
-    methods::add(info).map_err(|e| match e {
-        Error::Usage(message) => ssct_ground::Error::malformed(folder.join(MANIFEST), None, message).into(),
-        other => other,
-    })
+    methods::add(info).map_err(|e| Error::malformed(folder.join(MANIFEST), None, e.to_string()))
 }
 
 /// Reads a folder's manifest, compiles its shaders and checks them against the manifest, as [`add`] does, but adds no method.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io), and [`Malformed`](ssct_ground::Error::Malformed) with file and line for what is wrong in the manifest or in a shader.
+/// [`Io`](ssct_ground::Error::Io), and [`Malformed`](ssct_ground::Error::Malformed) with file and line for what is wrong in the
+/// manifest or in a shader.
 pub fn check(folder: &Path) -> Result<()> {
     read(folder).map(|_| ())
 }
@@ -112,11 +110,11 @@ impl Added for FolderMethod {
         self.parameters.clone()
     }
 
-    fn create(&self, gpu: &Gpu, request: &MethodRequest) -> Result<Box<dyn Method>> {
+    fn create(&self, gpu: &Gpu, request: &MethodRequest) -> ssct::Result<Box<dyn Method>> {
         let preset = request.setup.values.preset;
         if preset != Preset::default() {
             let (name, preset) = (&self.manifest.name, preset.name());
-            return Err(Error::Usage(format!(
+            return Err(ssct::Error::Usage(format!(
                 "the preset {preset} does not change {name}, whose values are those of its manifest: name it without a preset"
             )));
         }

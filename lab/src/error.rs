@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 /// What can go wrong. The text of each variant is one sentence that says what and where.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Arguments, plain data or files are wrong, or the renderer failed.
+    /// The crate `ssct` reports it, or the packages below it: wrong arguments, plain data or files, or a call of Vulkan that failed.
     #[error(transparent)]
-    Renderer(#[from] ssct::Error),
+    Ssct(#[from] ssct::Error),
 
     /// No window can be opened, or none can be drawn to.
     #[error("no window: {0}")]
@@ -45,7 +45,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl From<ssct_ground::Error> for Error {
     fn from(error: ssct_ground::Error) -> Self {
-        Self::Renderer(error.into())
+        Self::Ssct(error.into())
     }
 }
 

@@ -129,8 +129,8 @@ const float AGREED_RAYS = 8.0;        // Own rays that the cells around a pixel 
 // A pixel with a wide lobe also gets own rays if a ray around it ended nearer than this, in widths of a pixel there.
 const float CONTACT = 10.0;
 // Where a thing stands on a rough surface, cells that are close to each other see alike and others do not. There the 3 x 3 cells around a
-// cell count more: the cell itself by this weight times (1 - roughness)^2, those beside it by a half and those across by a quarter of
-// that (docs/unified.md).
+// cell count more: the cell itself by this weight times (1 - roughness)^2, those beside it by a half of that, and those at its corners by
+// a quarter (docs/unified.md).
 const float CONTACT_WEIGHT = 12.0;
 // These weights fall from a ray that ended nearer than NEAR_HIT to one that ended as far away as this, in widths of a pixel.
 const float CONTACT_END = 20.0;

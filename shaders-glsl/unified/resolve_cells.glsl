@@ -98,7 +98,8 @@ float ContactWeight(vec3 point, float roughness, float squared_distance) {
     return CONTACT_WEIGHT * (1.0 - roughness) * (1.0 - roughness) * near;
 }
 
-// What a cell gathered, with the colours of the closest cells counted once more by a weight. The fade is even enough as it is.
+// What a cell gathered, with the colours of the closest cells counted once more by a weight. The fade stays that of all 25, since it
+// hardly differs between them.
 RaySum WeightedSum(CellSum sum, float weight) {
     vec4 both = vec4(sum.rays.color.rgb, sum.rays.weight) + weight * sum.closest;
     sum.rays.color.rgb = both.rgb * (sum.rays.weight / max(both.a, 1e-30));

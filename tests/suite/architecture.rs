@@ -11,9 +11,9 @@ use crate::common::sources::{GLSL, texts};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A package: where its sources are, and the modules at its root, each with those of the same package that it may import. Which packages
-/// it may import, its manifest says, and `packages_need_what_the_map_says` holds that. The modules of some packages are all beside each
-/// other, and not listed: that they import each other in no circle is enough.
+/// A package: where its sources are, and the modules at its root, each with those of the same package that it may import. The manifest says
+/// which packages it may import (`packages_need_what_the_map_says`). Packages whose modules all stand beside each other list none; their
+/// modules import each other in no circle.
 struct Package {
     sources: &'static str,
     layers: &'static [(&'static str, &'static [&'static str])],
@@ -334,15 +334,6 @@ fn packages_need_what_the_map_says() {
         assert_eq!(ours, *needs, "what {name} needs");
         let is_plain = matches!(&**name, "ssct-ground" | "ssct-scenes" | "ssct-truth");
         assert!(!is_plain || !manifest["dependencies"].as_table().unwrap().contains_key("ash"), "{name} knows Vulkan");
-    }
-}
-
-#[test]
-fn every_module_is_listed_in_its_package() {
-    for s in sources() {
-        let Package { layers, .. } = PACKAGES.iter().find(|p| p.sources == s.package).unwrap();
-        let is_listed = layers.is_empty() || layers.iter().any(|(name, _)| *name == module(&s.path));
-        assert!(is_listed, "{} is in {}", s.path, s.package);
     }
 }
 

@@ -8,7 +8,7 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameReport, Gpu, Pixels};
 use ssct::methods::unified::FirstTraced;
 use ssct::methods::{MethodInfo, Setup, Wants, find};
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use ssct_ground::scene::tree::{BuildTrees, MovingTriangles, Tree, Trees, TriangleRecords, most_levels};
 use ssct_lab::stage::{Shot, Stage, gbuffer};
 use ssct_scenes::{Placement, Scene};

@@ -59,7 +59,7 @@ impl Folder {
         self.load("a.obj", &LEFT).unwrap()
     }
 
-    fn load(&self, name: &str, options: &ObjOptions) -> ssct_ground::error::Result<Scene> {
+    fn load(&self, name: &str, options: &ObjOptions) -> ssct_ground::Result<Scene> {
         obj::load(&[ObjFile::from(self.path(name))], options)
     }
 

@@ -1,7 +1,7 @@
 //! Limits on the cost of a file: the number of bytes that are read, and the size that it may claim to unpack to.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::io::Read;
 use std::path::Path;
 

@@ -36,7 +36,7 @@ use super::gbuffer_file::{MAX_BYTES, reversed_depth};
 use super::{Aabb, Capture, GBufferData, Surface, bounded, scene_file};
 use exr::meta::header::LayerAttributes;
 use glam::Vec3;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 

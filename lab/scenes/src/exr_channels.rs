@@ -9,7 +9,7 @@ use exr::meta::attribute::{ChannelDescription, SampleType};
 use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage, read};
 use glam::Vec3;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;

@@ -9,7 +9,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, SampleType};
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers, read};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;

@@ -16,7 +16,7 @@ use exr::meta::attribute::AttributeValue;
 use exr::meta::header::LayerAttributes;
 use exr::prelude::Text;
 use glam::{Mat4, Vec3};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::path::Path;
 
 /// Encodes a G-buffer as the bytes of a file.

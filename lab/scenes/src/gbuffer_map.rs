@@ -31,7 +31,7 @@ use glam::DVec2;
 use keys::{MapKeys, MapSection};
 use normals::MapNormals;
 use serde::Deserialize;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::path::{Path, PathBuf};
 use surface::{MapColour, MapReflectivity, MapRoughness, MapSky};
 

@@ -18,7 +18,7 @@ mod vertices;
 use super::{LoadOptions, Probe, Scene, bounded, viewpoint};
 use data::Data;
 use glam::DVec3;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -73,11 +73,11 @@ pub fn is_named(path: &Path) -> bool {
 /// Each unsupported feature adds one sentence to [`Scene::warnings`], however often it occurs.
 ///
 /// # Errors
-/// [`Error::Io`](ssct_ground::error::Error::Io) if the file cannot be read. [`Error::Malformed`](ssct_ground::error::Error::Malformed) for
+/// [`Error::Io`](ssct_ground::Error::Io) if the file cannot be read. [`Error::Malformed`](ssct_ground::Error::Malformed) for
 /// buffers that cannot be read, for files that are not glTF 2.0, and for extensions that the file requires and this loader
-/// lacks. [`Error::Malformed`](ssct_ground::error::Error::Malformed) also for accessors that leave their buffers, positions that are
+/// lacks. [`Error::Malformed`](ssct_ground::Error::Malformed) also for accessors that leave their buffers, positions that are
 /// not finite, files without a triangle, more than [`MAX_TRIANGLES`] and files larger than [`MAX_FILE_BYTES`].
-/// [`Error::Usage`](ssct_ground::error::Error::Usage) for options out of range.
+/// [`Error::Usage`](ssct_ground::Error::Usage) for options out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = load_plain(path, options, None)?;
     if let Some(chosen) = chosen(&scene) {

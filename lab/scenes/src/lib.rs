@@ -34,7 +34,7 @@ mod viewpoint;
 pub use ssct_ground::scene::*;
 pub use triangles::Triangles;
 
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 
 /// Options that change a scene while its file is loaded.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -20,7 +20,7 @@ use super::{Aabb, Lens, LoadOptions, Material, Probe, Scene, Surface, Texture, V
 use builder::MeshBuilder;
 use glam::Vec3;
 use rayon::prelude::*;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use std::path::Path;
 
 /// The names of the scenes that studies use.

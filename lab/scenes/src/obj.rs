@@ -14,7 +14,7 @@ mod text;
 use super::source_text::decode;
 use super::{LoadOptions, Material, Probe, Scene, Surface, assemble, bounded, material_terms, viewpoint};
 use glam::DVec3;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::path::{Path, PathBuf};
 
 pub(super) use images::resolve;

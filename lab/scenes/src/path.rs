@@ -4,7 +4,7 @@ use super::obj::Handedness;
 use super::source_text::{MAX_FILE_BYTES, stem};
 use crate::source_text::{self, SourceText};
 use serde::Deserialize;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::fmt::Write;
 use std::path::Path;
 use toml::Spanned;

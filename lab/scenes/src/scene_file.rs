@@ -19,7 +19,7 @@ use crate::far_away::far_origin;
 use crate::source_text::{self, SourceText};
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;

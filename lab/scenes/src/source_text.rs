@@ -3,7 +3,7 @@
 
 use super::{bounded, encoding};
 use serde::de::DeserializeOwned;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};

@@ -359,7 +359,7 @@ fn findings(
 /// `unified` in both stages and with a history.
 fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPrograms> {
     let compiler = match other_devices::compiler(gpu) {
-        Err(Error::Renderer(ssct::Error::NoDevice(why))) => return Ok(CompiledPrograms::Unknown(why)),
+        Err(Error::Ssct(ssct::Error::NoDevice(why))) => return Ok(CompiledPrograms::Unknown(why)),
         opened => opened?,
     };
     let setup = Setup::new(plan.size);
@@ -417,7 +417,7 @@ fn compare_with_kept(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) 
 /// The messages of the validation layers about every method, where the layers are installed.
 fn layer_messages(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<LayerMessages> {
     let watched = match other_devices::validated(gpu) {
-        Err(Error::Renderer(ssct::Error::Usage(why))) => return Ok(LayerMessages::Unknown(why)),
+        Err(Error::Ssct(ssct::Error::Usage(why))) => return Ok(LayerMessages::Unknown(why)),
         opened => opened?,
     };
     for spec in specs {

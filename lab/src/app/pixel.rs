@@ -34,7 +34,7 @@ pub fn parse(text: &str) -> std::result::Result<[u32; 2], String> {
 /// Refuses a pixel outside of a picture.
 ///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) with the last column and row that there are.
+/// [`Usage`](ssct::Error::Usage) with the last column and row that there are.
 pub fn check([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Result<()> {
     if x < width && y < height {
         return Ok(());
@@ -81,7 +81,7 @@ impl<'a> Judge<'a> {
     /// Explains a pixel.
     ///
     /// # Errors
-    /// [`Usage`](ssct_ground::Error::Usage) for a pixel outside of the picture.
+    /// [`Usage`](ssct::Error::Usage) for a pixel outside of the picture.
     pub fn explained(&self, pixel: [u32; 2]) -> Result<PixelReport> {
         let GBufferData { width, height, .. } = self.inspection.gbuffer;
         explain(&self.inspection, self.made, &self.world, self.method, pixel)

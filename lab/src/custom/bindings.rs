@@ -9,7 +9,7 @@ use super::source::ImageSource;
 use super::values::{Feed, FilledField, FrameState};
 use super::{inputs, kinds};
 use ssct::gpu::Sampler;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_scenes::ProjectionKind;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -18,13 +18,13 @@ use std::ops::Range;
 ///
 /// # Errors
 /// [`Malformed`](ssct_ground::Error::Malformed) with file and line.
-pub fn check(manifest: &Manifest) -> ssct::Result<()> {
+pub fn check(manifest: &Manifest) -> Result<()> {
     let mut unfed = Vec::new();
     for pass in &manifest.passes {
         let compiled = shader::compile(manifest, pass)?;
         unfed.push((pass, PassBindings::read(manifest, pass, &compiled)?.1));
     }
-    Ok(check_fed(manifest, unfed)?)
+    check_fed(manifest, unfed)
 }
 
 /// # Errors

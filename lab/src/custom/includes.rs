@@ -2,7 +2,7 @@
 //! own shaders. The depth, the number and the size of includes are bounded.
 
 use super::built_in;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_scenes::source_text;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -14,7 +14,7 @@ use super::source::ImageSource;
 use ash::vk;
 use passes::KnownNames;
 use sections::{BufferSection, OutputSection, ParameterSection, Sections};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_scenes::source_text::{self, SourceText};
 use std::collections::BTreeMap;
 use std::ops::Range;

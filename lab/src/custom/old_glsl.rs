@@ -1,7 +1,7 @@
 //! Finds GLSL that Vulkan's compiler does not take, before that compiler is asked: its own messages about such texts do not say what
 //! to write.
 
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::path::Path;
 
 /// Names of GLSL before version 140, each with advice on what to write in its place.
@@ -22,8 +22,8 @@ pub const NAMES: [(&str, &str); 11] = [
 /// Refuses GLSL that is too old for Vulkan's compiler, or made for Shadertoy.
 ///
 /// # Errors
-/// [`Malformed`](ssct_ground::Error::Malformed) for a `#version` that is too old, with its line and advice on each old name. A text without `#version`, or with
-/// `mainImage` and no `main`, is refused as well.
+/// [`Malformed`](ssct_ground::Error::Malformed) for a `#version` that is too old, with its line and advice on each old name. A text
+/// without `#version`, or with `mainImage` and no `main`, is refused as well.
 pub fn check(path: &Path, source: &str) -> Result<()> {
     let text = without_comments(source);
     let wrong = |line: Option<usize>, message: String| Err(Error::malformed(path, line, message));

@@ -9,11 +9,10 @@ use super::old_glsl;
 use super::reflect::{ShaderInterface, VariableKind, reflect};
 use sha2::{Digest, Sha256};
 use shaderc::{CompileOptions, Compiler, OptimizationLevel, ResolvedInclude, ShaderKind, TargetEnv};
-use ssct::error::Result;
 use ssct::gpu::interface::{Interface, PushBlock, StageBinding};
 use ssct::gpu::loose;
 use ssct::gpu::shader::Shader;
-use ssct_ground::Error;
+use ssct_ground::{Error, Result};
 use ssct_scenes::{bounded, source_text};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -39,8 +38,8 @@ struct CompiledCode {
 /// Compiles the shader of a pass.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io) if there is no file. [`Malformed`](ssct_ground::Error::Malformed) with the line of the compiler's first message, and for files outside of the
-/// allowed folders.
+/// [`Io`](ssct_ground::Error::Io) if there is no file. [`Malformed`](ssct_ground::Error::Malformed) with the line of the compiler's
+/// first message, and for files outside of the allowed folders.
 pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
     let (path, method) = (&pass.shader, &manifest.name);
     includes::check_shader(path, &manifest.folder)?;
@@ -52,7 +51,8 @@ pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
     // The digest distinguishes the code from all other code whose pipelines a device keeps.
     let digest = Sha256::digest(&spirv).iter().take(8).map(|b| format!("{b:02x}")).collect::<String>();
     let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let shader = loose::shader(format!("{method}/{file}#{digest}"), spirv, &bound(&interface))?;
+    let shader = loose::shader(format!("{method}/{file}#{digest}"), spirv, &bound(&interface))
+        .map_err(|e| Error::malformed(path, None, e.to_string()))?;
     Ok(CompiledPass { shader, interface, own: compiled.own, files: compiled.files })
 }
 
@@ -91,7 +91,7 @@ fn binary(path: &Path) -> Result<CompiledCode> {
     let is_code =
         bytes.len() >= 20 && bytes.len().is_multiple_of(4) && bytes.starts_with(&0x0723_0203_u32.to_le_bytes());
     if !is_code {
-        return Err(Error::malformed(path, None, "is not SPIR-V").into());
+        return Err(Error::malformed(path, None, "is not SPIR-V"));
     }
     let words = bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
     Ok(CompiledCode { words, own: Vec::new(), files: vec![path.to_path_buf()] })
@@ -114,7 +114,7 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
     // The compiler's binding panics on a NUL character.
     let has_nul = |text: &String| text.contains('\0');
     if has_nul(&source) || pass.defines.iter().any(has_nul) {
-        return Err(wrong("a shader's text and its defines must not hold a NUL character".to_owned()).into());
+        return Err(wrong("a shader's text and its defines must not hold a NUL character".to_owned()));
     }
     let compiler = COMPILER.as_ref().map_err(|e| wrong(format!("the compiler cannot be started: {e}")))?;
     let included = RefCell::new(Includes::new(&manifest.folder, &manifest.include, path));

@@ -6,7 +6,7 @@ use super::{files, tables};
 use crate::study::compare::{self, ImageComparison, Side, TOTAL, TimeComparison};
 use crate::study::names::one_line;
 use ssct::gpu::{DeviceInfo, Pixels};
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use ssct_ground::math::display_byte;
 use ssct_scenes::inside::PathInFolder;
 use ssct_truth::metrics::bootstrap::{MIN_SAMPLES, Verdict};

@@ -2,7 +2,7 @@
 //! under names without a path.
 
 use crate::study::names::safe_word;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_scenes::inside::PathInFolder;
 use std::collections::BTreeMap;
 
@@ -32,7 +32,8 @@ pub fn check_name(name: &str) -> std::result::Result<(), String> {
 /// Checks the files of a folder that [`copy_files`] would copy, before anything is written.
 ///
 /// # Errors
-/// [`Malformed`](ssct_ground::Error::Malformed) for a file that may not be copied, [`Io`](ssct_ground::Error::Io) for a folder that cannot be read.
+/// [`Malformed`](ssct_ground::Error::Malformed) for a file that may not be copied, [`Io`](ssct_ground::Error::Io) for a folder that
+/// cannot be read.
 pub fn check(folder: &PathInFolder) -> Result<()> {
     for listed in folder.list()? {
         let place = folder.join(&listed.name);

@@ -64,7 +64,7 @@ const SSLR_LEVELS: usize = 5;
 /// Draws a figure.
 ///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) if the method does not make the images that the figure shows.
+/// [`Usage`](ssct::Error::Usage) if the method does not make the images that the figure shows.
 pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
     match figure {
         Figure::VisibilityChain => chain(all, "visibility", 1..usize::MAX, lens),

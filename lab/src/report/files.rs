@@ -7,8 +7,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use ssct::gpu::DeviceInfo;
 use ssct::methods::{self, EffectParams, MethodInfo};
-use ssct_ground::error::{Error, Result};
 use ssct_ground::parameter::{Parameter, Parameters};
+use ssct_ground::{Error, Result};
 use ssct_scenes::inside::PathInFolder;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -48,8 +48,8 @@ pub fn read_records<R: DeserializeOwned>(file: &PathInFolder) -> Result<Vec<R>> 
 /// columns.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if there are no rows, or with the line of a row that lacks a column or has
-/// a time that is no finite number ≥ 0.
+/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if there are no rows, or with
+/// the line of a row that lacks a column or has a time that is no finite number ≥ 0.
 pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
     let (path, text) = (&file.path(), file.bytes()?);
     let mut rows = Vec::new();
@@ -120,7 +120,8 @@ fn subject(
 /// The device of a time.json, from its first record; `None` if there is no such file.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the file exists and can't be read, [`Malformed`](ssct_ground::Error::Malformed) if it holds no record with a device.
+/// [`Io`](ssct_ground::Error::Io) if the file exists and can't be read, [`Malformed`](ssct_ground::Error::Malformed) if it holds no
+/// record with a device.
 pub fn read_device(file: &PathInFolder) -> Result<Option<DeviceInfo>> {
     let Some(text) = file.read()? else { return Ok(None) };
     let path = &file.path();

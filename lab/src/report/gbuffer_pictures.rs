@@ -15,7 +15,7 @@ use ssct_scenes::Camera;
 /// Positions span their own range in each picture: black is their least x, y and z, white the greatest.
 ///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) if an intermediate is missing.
+/// [`Usage`](ssct::Error::Usage) if an intermediate is missing.
 pub fn rows(all: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
     let find = |stem: &str, kind: Content| {
         let found = all.iter().find(|(s, k, _)| s == stem && *k == kind).map(|(_, _, p)| p);

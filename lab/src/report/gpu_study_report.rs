@@ -14,7 +14,7 @@ use crate::study::table;
 use serde_json::{Value, json};
 use ssct::gpu::DeviceInfo;
 use ssct::methods::setup::Stage;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use ssct_ground::parameter::Choices;
 use ssct_scenes::inside::PathInFolder;
 

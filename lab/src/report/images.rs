@@ -4,8 +4,8 @@ use crate::study::compare::LinearImage;
 use ssct::gpu::Pixels;
 use ssct::passes::Content;
 use ssct::passes::PathCode;
-use ssct_ground::error::{Error, Result};
 use ssct_ground::math::{display_byte, linear_to_srgb, srgb_to_linear};
+use ssct_ground::{Error, Result};
 use ssct_scenes::Lens;
 use ssct_scenes::bounded;
 use ssct_scenes::gbuffer_file::{MAX_BYTES, check_claims};
@@ -105,8 +105,9 @@ const MOST_PIXELS: u64 = 1 << 26;
 /// linear, 8 bits a channel. Alpha is left out.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, or has more than [`MAX_EXTENT`] pixels on a side
-/// or more than 2²⁶ in all. For an `.exr`, the size is checked before memory is taken for the pixels.
+/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, or
+/// has more than [`MAX_EXTENT`] pixels on a side or more than 2²⁶ in all. For an `.exr`, the size is checked before memory is taken for
+/// the pixels.
 pub fn read_image(path: &Path) -> Result<LinearImage> {
     if is(path, "exr") {
         return read_exr(path);
@@ -136,8 +137,9 @@ fn read_exr(path: &Path) -> Result<LinearImage> {
 /// without a fourth name.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, lacks a channel, or has more than [`MAX_EXTENT`]
-/// pixels on a side or more than 2²⁶ in all. The size is checked before memory is taken for the pixels.
+/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, lacks
+/// a channel, or has more than [`MAX_EXTENT`] pixels on a side or more than 2²⁶ in all. The size is checked before memory is taken for
+/// the pixels.
 pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     exr_channels(&bounded::read(path, "an image", MAX_BYTES)?, path, names, fourth)
 }

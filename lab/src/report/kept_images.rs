@@ -6,7 +6,7 @@ use super::images::{exr_channels, write_exr};
 use crate::study::agreement::DeviceImage;
 use ssct::gpu::{DeviceInfo, Pixels};
 use ssct::methods::MethodInfo;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_scenes::inside::PathInFolder;
 use ssct_scenes::{GBufferData, gbuffer_file};
 
@@ -32,7 +32,8 @@ pub fn write_device(folder: &PathInFolder, device: &DeviceInfo) -> Result<()> {
 /// Reads the device that made the images.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io) for a file that cannot be read, [`Malformed`](ssct_ground::Error::Malformed) for a file that names no device.
+/// [`Io`](ssct_ground::Error::Io) for a file that cannot be read, [`Malformed`](ssct_ground::Error::Malformed) for a file that names no
+/// device.
 pub fn read_device(folder: &PathInFolder) -> Result<DeviceInfo> {
     let path = folder.join("device.json");
     let wrong = |why: String| Error::malformed(path.path(), None, format!("names no device{why}"));

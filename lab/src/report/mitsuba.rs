@@ -11,7 +11,7 @@ use crate::study::names::json_text;
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_scenes::bvh::{TriangleHit, WorldRay};
 use ssct_scenes::inside::PathInFolder;
 use ssct_scenes::{Camera, Encoding, Light, Material, Mesh, Scene, Surface};

@@ -12,7 +12,7 @@ use crate::study::columns::Columns;
 use crate::study::engine::Row;
 use crate::study::exhibit::{Content, ExtraFile, Sheet, Table};
 use ssct::gpu::{DeviceInfo, Pixels};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_scenes::inside::PathInFolder;
 use std::path::{Path, PathBuf};
 

@@ -82,7 +82,7 @@ pub fn framed(picture: &Rgb, part: Part) -> Rgb {
 /// The absolute difference of two display images, times a factor.
 ///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) if they differ in size.
+/// [`Usage`](ssct::Error::Usage) if they differ in size.
 pub fn difference(a: &Rgb, b: &Rgb, times: u8) -> Result<Rgb> {
     if (a.width, a.height) != (b.width, b.height) {
         return Err(Error::usage(format!("{}x{} and {}x{} can't be compared", a.width, a.height, b.width, b.height)));

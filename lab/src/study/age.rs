@@ -144,7 +144,7 @@ impl AgeStudy {
     /// Refuses methods that use no captures.
     ///
     /// # Errors
-    /// [`Usage`](ssct_ground::Error::Usage) with the method.
+    /// [`Usage`](ssct::Error::Usage) with the method.
     pub fn check(&self) -> Result<()> {
         let effect = self.setup.effect();
         let takes = |method: &MethodInfo| {

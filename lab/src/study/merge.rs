@@ -64,8 +64,8 @@ pub struct ResultKind {
 /// Puts runs together. Where several runs measured a cell on one device, the first of these runs counts.
 ///
 /// # Errors
-/// [`Malformed`](ssct_ground::Error::Malformed) with the first folder that does not fit those before it: it is of another study, or it has other
-/// figures for a cell that one of them measured, too. [`Usage`](ssct_ground::Error::Usage) without any run.
+/// [`Malformed`](ssct_ground::Error::Malformed) with the first folder that does not fit those before it: it is of another study, or it
+/// has other figures for a cell that one of them measured, too. [`Usage`](ssct::Error::Usage) without any run.
 pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     let Some(first) = inputs.first() else {
         return Err(Error::usage("nothing to merge: name the folders of some shards".into()));

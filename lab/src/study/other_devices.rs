@@ -18,7 +18,7 @@ pub fn others(base: &Gpu, validation: bool) -> Result<Vec<Gpu>> {
 /// Opens a device once more, under the validation layers.
 ///
 /// # Errors
-/// Errors of opening a device; [`Usage`](ssct_ground::Error::Usage) where the layers are not installed.
+/// Errors of opening a device; [`Usage`](ssct::Error::Usage) where the layers are not installed.
 pub fn validated(gpu: &Gpu) -> Result<Gpu> {
     open(gpu.index(), true, false)
 }

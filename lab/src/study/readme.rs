@@ -135,7 +135,7 @@ pub struct MeasuredRecords<'a> {
 /// comparison. On a CPU each runs in its default stage, as it did for the README.
 ///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) if there is no such method.
+/// [`Usage`](ssct::Error::Usage) if there is no such method.
 pub fn variants(extent: [u32; 2], is_cpu: bool) -> Result<Vec<Variant>> {
     let plain = Setup::new(extent);
     let stage = if is_cpu { plain.effect().stage } else { Stage::Compute };
@@ -200,7 +200,7 @@ fn is_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
 /// The README's numbers, one for each view.
 ///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) if the file cannot be read, which a test excludes.
+/// [`Usage`](ssct::Error::Usage) if the file cannot be read, which a test excludes.
 pub fn quoted_numbers() -> Result<Vec<QuotedNumber>> {
     let read = csv::Reader::from_reader(QUOTED.as_bytes()).into_deserialize().collect::<csv::Result<_>>();
     read.map_err(|e| Error::usage(format!("the README's numbers: {e}")))

@@ -222,7 +222,7 @@ impl Study for ShadersStudy {
 /// Compiles the programs that frames of a variant run, on a stage of a scene and a device that compiles only.
 ///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) on a device that was opened for something else, and errors of the driver.
+/// [`Usage`](ssct::Error::Usage) on a device that was opened for something else, and errors of the driver.
 pub fn compiled(
     stage: &mut Stage,
     (scene, view): (&Scene, &View),

@@ -159,7 +159,7 @@ impl Change {
 /// Films every variant, frame by frame in turn. `go_on` is called between two steps, and its error ends the filming.
 ///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) if there are too few frames or rays; errors of the device and of `go_on`.
+/// [`Usage`](ssct::Error::Usage) if there are too few frames or rays; errors of the device and of `go_on`.
 fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoRecord>, Films)> {
     if spec.study.frames < 2 || spec.study.rays < 2 {
         return Err(Error::usage("a film needs at least two frames, and its reference two rays a pixel".into()));

@@ -31,7 +31,7 @@ impl Animation {
     /// Adds a frame.
     ///
     /// # Errors
-    /// [`Usage`](ssct_ground::Error::Usage) if its size differs from that of the first frame.
+    /// [`Usage`](ssct::Error::Usage) if its size differs from that of the first frame.
     pub fn add(&mut self, screen: &Pixels) -> Result<()> {
         let rgb = display(screen);
         let is_first = self.frames.is_empty();

@@ -30,6 +30,7 @@ use ssct_lab::app::{self, resolve};
 use ssct_lab::{custom, report, stage, study};
 
 use animation::Animation;
+use ash::vk;
 use clap::Args;
 use options::{TwoMethods, ViewOptions};
 use path::PathEditor;
@@ -87,6 +88,12 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
         validation: common.device.validation,
         instance_extensions: swapchain::instance_extensions(&events)?,
         ..DeviceQuery::default()
+    });
+    let gpu = gpu.map_err(|error| match error {
+        ssct::Error::Vulkan { result: vk::Result::ERROR_EXTENSION_NOT_PRESENT, .. } => {
+            Error::NoWindow("no Vulkan driver here can present to this window system".into())
+        }
+        error => error.into(),
     })?;
     let state = state(options, &scene, view, globals, sides);
     let is_png = options.screenshot.as_ref().is_some_and(|p| ends_with(p, "png"));

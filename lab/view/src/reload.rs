@@ -38,7 +38,7 @@ impl ShaderWatch {
     /// Starts from the current state of a folder; later changes are reported.
     ///
     /// # Errors
-    /// [`Usage`](ssct_ground::Error::Usage) if the folder contains no shaders.
+    /// [`Usage`](ssct::Error::Usage) if the folder contains no shaders.
     pub fn new(root: &Path) -> Result<Self> {
         let compiled_from = Sources::open(root, "--shaders")?;
         let (sources, last) = (HashMap::new(), HashMap::new());

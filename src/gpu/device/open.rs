@@ -69,12 +69,8 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
         info = info.push_next(&mut features).push_next(&mut messenger);
     }
     // SAFETY: the names and structures live through the call.
-    let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
-        vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
-            Error::NoDevice("no driver here can present to this window system".into())
-        }
-        result => no_driver_fits(result).unwrap_or_else(|| no_driver::failed("vkCreateInstance")(result)),
-    })?;
+    let instance = unsafe { entry.create_instance(&info, None) }
+        .map_err(|result| no_driver_fits(result).unwrap_or_else(|| no_driver::failed("vkCreateInstance")(result)))?;
     Ok((entry, instance, has_debug))
 }
 

@@ -67,7 +67,7 @@ fn wrong_arguments_are_usage_errors() {
     let folder = square("f 1 2 3\n");
     for scale in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let error = folder.load("a.obj", &ObjOptions { load: scaled(scale), ..LEFT }).unwrap_err();
-        assert!(matches!(error, ssct_ground::error::Error::Usage(_)), "{error}");
+        assert!(matches!(error, ssct_ground::Error::Usage(_)), "{error}");
         assert_eq!(error.to_string(), format!("the scale must be a positive number, not {scale}"));
     }
     assert_eq!(obj::load(&[], &LEFT).unwrap_err().to_string(), "a scene needs at least one OBJ file");

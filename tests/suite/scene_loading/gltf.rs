@@ -7,7 +7,7 @@ use base64::prelude::BASE64_STANDARD;
 use glam::Quat;
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use ssct_scenes::{Lens, Light, Material, Texture};
 use ssct_scenes::{gltf, material_terms::roughness_of_perceptual};
 

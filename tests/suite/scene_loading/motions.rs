@@ -94,7 +94,7 @@ fn animations_that_cannot_be_played_leave_the_scene_with_a_sentence() {
 
 const MESH: &str = "[[mesh]]\nfile = \"a.obj\"\n";
 
-fn of_file(text: &str) -> ssct_ground::error::Result<Scene> {
+fn of_file(text: &str) -> ssct_ground::Result<Scene> {
     let folder = square("o flag\nf 1 2 3\nf 1 3 4\n");
     folder.write("test.scene.toml", format!("{MESH}{text}").as_bytes());
     scene_file::load(&folder.path("test.scene.toml"), &LoadOptions::default())

@@ -1,7 +1,7 @@
 //! `NAME.scene.toml`.
 
 use super::*;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use ssct_scenes::{Aabb, AreaLight, AreaShape, Capture, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file};
 
 fn folder(text: &str) -> Folder {
@@ -428,7 +428,7 @@ fn files_that_cannot_be_scene_files_are_refused() {
     assert!(error(&folder).starts_with("test.scene.toml: a scene file of 2097152 bytes is too large"));
     std::fs::remove_file(folder.path("test.scene.toml")).unwrap();
     assert!(error(&folder).starts_with("cannot read test.scene.toml: "));
-    assert!(matches!(load(&folder, -1.0).unwrap_err(), ssct_ground::error::Error::Usage(_)));
+    assert!(matches!(load(&folder, -1.0).unwrap_err(), ssct_ground::Error::Usage(_)));
 }
 
 #[test]

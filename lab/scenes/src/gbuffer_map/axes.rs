@@ -3,7 +3,7 @@
 use super::keys::MapKeys;
 use glam::{DMat3, DMat4, DVec3};
 use ssct_ground::conventions::{Axes, ClipY, MatrixOrder};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 
 /// The conventions of a map. The default is this program's conventions.
 #[derive(Debug, Clone, Copy)]

@@ -10,8 +10,8 @@ use crate::projection::ReadProjection;
 use crate::{Camera, FieldOfView, Lens, Projection, ProjectionKind};
 use glam::camera::lh::view::look_to_mat4;
 use glam::{DMat3, DMat4, DVec4, Mat4};
+use ssct_ground::Result;
 use ssct_ground::conventions::ClipY;
-use ssct_ground::error::Result;
 
 /// The camera section of a map.
 #[derive(Debug, Clone)]
@@ -145,7 +145,7 @@ impl MapCamera {
     /// The camera, with the coding of depth in the files.
     ///
     /// # Errors
-    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) with the line of numbers that give no camera; the errors of
+    /// [`Error::Malformed`](ssct_ground::Error::Malformed) with the line of numbers that give no camera; the errors of
     /// [`MapNumbers::get`].
     pub fn get(
         &self,

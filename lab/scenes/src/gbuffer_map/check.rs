@@ -10,7 +10,7 @@ use super::readings::readings;
 use super::source::{MapSource, SourceRules};
 use crate::{Camera, GBufferData};
 use glam::{DVec3, Vec3};
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use std::path::Path;
 
 /// Share of pixels that may disagree without a message, as at edges and with normal maps.

@@ -6,8 +6,8 @@ use super::keys::MapKeys;
 use super::source::{MapPlanes, MapSource, SourceRules};
 use crate::{Camera, ProjectionKind};
 use glam::DVec3;
+use ssct_ground::Result;
 use ssct_ground::conventions::ClipDepth;
-use ssct_ground::error::Result;
 
 /// Reversed depth as a function of view-space z.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,7 +142,7 @@ impl MapDepth {
     /// Reversed depth of every pixel, 0 for sky, from the channel with a coding.
     ///
     /// # Errors
-    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) for the first pixel whose depth is out of range or nearer
+    /// [`Error::Malformed`](ssct_ground::Error::Malformed) for the first pixel whose depth is out of range or nearer
     /// than the near plane.
     pub fn reversed(
         &self,

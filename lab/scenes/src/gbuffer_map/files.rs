@@ -6,7 +6,7 @@ use crate::gbuffer_file::MAX_BYTES;
 use crate::{bounded, texture};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::magic_number;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

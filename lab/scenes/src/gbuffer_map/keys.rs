@@ -4,7 +4,7 @@
 use super::files::AttributeName;
 use super::numbers::{MapNumbers, NumbersFrom};
 use crate::source_text::SourceText;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::collections::BTreeMap;
 use toml::{Spanned, Value};
 

@@ -6,8 +6,8 @@ use super::keys::MapKeys;
 use super::source::{MapPlanes, MapSource, SourceRules};
 use crate::Camera;
 use glam::{DMat3, DVec2, DVec3, Vec3};
+use ssct_ground::Result;
 use ssct_ground::conventions::NormalEncoding;
-use ssct_ground::error::Result;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum MapEncoding {
@@ -59,7 +59,7 @@ impl MapNormals {
     /// View-space normals, zero where `depth` is 0 (sky). Normals that are `signed` keep their length.
     ///
     /// # Errors
-    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a normal that is not finite.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a normal that is not finite.
     pub fn read<'a>(
         &'a self,
         files: &mut MapFiles<'a>,

@@ -2,7 +2,7 @@
 
 use super::files::{AttributeName, MapFiles};
 use exr::meta::attribute::AttributeValue;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 
 /// Source of a number or of a matrix.
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ impl MapNumbers {
     /// The [`Self::count`] numbers.
     ///
     /// # Errors
-    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) for an attribute that is not [`Self::count`] finite
+    /// [`Error::Malformed`](ssct_ground::Error::Malformed) for an attribute that is not [`Self::count`] finite
     /// numbers; the errors of [`MapFiles::attribute`].
     pub fn get(&self, files: &mut MapFiles) -> Result<Vec<f64>> {
         let name = match &self.from {

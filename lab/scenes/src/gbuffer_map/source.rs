@@ -2,8 +2,8 @@
 
 use super::files::{ChannelSource, MapFiles};
 use super::keys::MapKeys;
-use ssct_ground::error::{Error, Result};
 use ssct_ground::math;
+use ssct_ground::{Error, Result};
 use std::path::Path;
 
 /// Source of the values of a section, one or several a pixel, and their decoding.

@@ -6,7 +6,7 @@ use super::source::{MapPlanes, MapSource, SourceRules};
 use crate::material_terms::{self, roughness_of_alpha, roughness_of_exponent, roughness_of_perceptual};
 use crate::{Surface, texture};
 use glam::Vec3;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 
 /// Greatest distance of a value outside 0 to 1 that is clamped; filters and lossy compressions overshoot by about as much.
 const OVERSHOOT: f64 = 0.01;
@@ -66,7 +66,7 @@ impl MapRoughness {
     /// Roughness ϱ of every pixel, 0 where `depth` is 0 (sky).
     ///
     /// # Errors
-    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a value out of range.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         let planes = self.source.read(files)?;
         each(depth, |i| {
@@ -117,7 +117,7 @@ impl MapReflectivity {
     /// Reflectivity of every pixel, which is the luminance if it is given as a colour; 0 where `depth` is 0 (sky).
     ///
     /// # Errors
-    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a value out of range.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         match self {
             Self::Given(source) => {
@@ -164,7 +164,7 @@ impl MapColour {
     /// The sum of the terms for every pixel, including sky; components below 0 become 0.
     ///
     /// # Errors
-    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a value that is not finite.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value that is not finite.
     pub fn read_sum<'a>(terms: &'a [Self], files: &mut MapFiles<'a>) -> Result<Vec<Vec3>> {
         let mut sum = vec![[0.0_f64; 3]; files.pixels()];
         for term in terms {

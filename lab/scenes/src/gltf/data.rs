@@ -15,7 +15,7 @@ use gltf::json::accessor::sparse::Sparse;
 use gltf::json::validation::Checked;
 use gltf::{Accessor, Document, Semantic};
 use percent_encoding::percent_decode_str;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -11,7 +11,7 @@ use gltf::Document;
 use gltf::json::validation::{Checked, Error as Fault, Validate};
 use gltf::json::{Path as JsonPath, Root, texture::WrappingMode};
 use serde_json::{Map, Value};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::path::Path;
 
 /// The extension for images as WebP.

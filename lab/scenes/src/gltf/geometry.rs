@@ -8,7 +8,7 @@ use crate::assemble::{self, MeshPart, Triangle};
 use glam::{DVec3, Vec3};
 use gltf::Semantic;
 use gltf::mesh::{Mode, Primitive};
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 
 /// Sums over the primitives that were read.
 pub(super) struct Tally {

@@ -22,7 +22,7 @@ use gltf::material::AlphaMode;
 use gltf::texture::{Info, WrappingMode};
 use rayon::prelude::*;
 use serde_json::Value;
-use ssct_ground::error::Error;
+use ssct_ground::Error;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};

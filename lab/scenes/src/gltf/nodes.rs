@@ -18,7 +18,7 @@ use gltf::scene::Transform;
 use gltf::{Camera as GltfCamera, Node, Skin};
 pub(super) use instances::{INSTANCING, VISIBILITY};
 use serde_json::Value;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use std::collections::HashMap;
 
 /// Places the meshes, views and lights of the file's scene in `scene`. Returns the materials in use, by their index in the file
@@ -158,7 +158,7 @@ pub(super) struct Nodes<'a> {
 
 impl<'a> Nodes<'a> {
     /// # Errors
-    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) for a node with several parents, or a cycle of nodes.
+    /// [`Error::Malformed`](ssct_ground::Error::Malformed) for a node with several parents, or a cycle of nodes.
     fn new(data: &Data<'a>, scale: f32) -> Result<Self> {
         let document = data.document;
         let all: Vec<Node> = document.nodes().collect();

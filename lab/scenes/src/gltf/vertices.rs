@@ -8,7 +8,7 @@ use bytemuck::Zeroable;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use gltf::Semantic;
 use gltf::mesh::Primitive;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -177,7 +177,7 @@ impl<'a> MeshVertices<'a> {
     /// Places a vertex in the world.
     ///
     /// # Errors
-    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) for an index without a vertex, and for a position that is not
+    /// [`Error::Malformed`](ssct_ground::Error::Malformed) for an index without a vertex, and for a position that is not
     /// finite or out of range.
     pub(super) fn place(&self, i: usize, notes: &mut Notes) -> Result<PlacedVertex> {
         let wrong = |what: String| self.data.error(format!("mesh {}: {what}", bounded::printable_name(self.mesh.name)));

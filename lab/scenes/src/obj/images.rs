@@ -6,7 +6,7 @@ use crate::pattern;
 use crate::texture::MAX_TEXELS;
 use crate::{Encoding, Scene, Texture, texture};
 use rayon::prelude::*;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 

@@ -23,7 +23,7 @@ use super::text::{NO_MATERIAL, stated_number};
 use super::{decode, read_limited};
 use crate::bounded::printable_name;
 use glam::Vec3;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use super::{Handedness, ObjOptions};
 use crate::assemble::{MeshPart, Triangle, point_behind};
 use crate::{MAX_COORDINATE_M, Vertex};
 use glam::{DVec2, DVec3, Vec3};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;

@@ -8,7 +8,7 @@
 use crate::bounded::printable_name;
 use crate::far_away::far_origin;
 use glam::DVec3;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;

@@ -6,7 +6,7 @@ use crate::obj::Handedness;
 use crate::source_text::{self, SourceText};
 use crate::{Aabb, gltf};
 use serde::Deserialize;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::path::Path;
 use toml::Spanned;
 

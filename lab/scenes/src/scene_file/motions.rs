@@ -6,7 +6,7 @@ use crate::source_text::SourceText;
 use crate::{Aabb, Scene};
 use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
 use serde::Deserialize;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use std::sync::Arc;
 use toml::Spanned;
 
@@ -38,7 +38,7 @@ impl SourceText<'_> {
     /// The motion of a section, in a scene whose meshes are loaded.
     ///
     /// # Errors
-    /// [`Error::Malformed`](ssct_ground::error::Error::Malformed) with file and line.
+    /// [`Error::Malformed`](ssct_ground::Error::Malformed) with file and line.
     pub(super) fn motion(
         &self,
         name: &str,

@@ -4,7 +4,7 @@ use crate::source_text::SourceText;
 use crate::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Probe, Texture, obj, texture};
 use glam::Vec3;
 use serde::Deserialize;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use std::path::Path;
 use toml::Spanned;
 

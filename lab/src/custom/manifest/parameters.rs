@@ -2,7 +2,7 @@
 
 use super::sections::ParameterSection;
 use super::{Manifest, is_word};
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 use ssct_ground::parameter::{Choice, Domain, Parameter, Preset, Value};
 use toml::Spanned;
 

@@ -5,7 +5,7 @@ use super::sections::{BufferSection, ImageSection, InputSection, PassSection, Pa
 use crate::custom::built_in;
 use crate::custom::source::ImageSource;
 use crate::custom::values::Feed;
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};

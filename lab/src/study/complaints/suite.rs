@@ -30,7 +30,7 @@ impl ComplaintStudy {
     /// given. A method that follows rays among the triangles beyond the screen is also tried on the screen alone.
     ///
     /// # Errors
-    /// [`Usage`](ssct_ground::Error::Usage) if no complaint has `words` in its name.
+    /// [`Usage`](ssct::Error::Usage) if no complaint has `words` in its name.
     pub fn new(methods: &[&'static MethodInfo], is_quick: bool, words: Option<&str>) -> Result<Self> {
         let size = SIZES[usize::from(is_quick)];
         let chosen = COMPLAINTS.iter().filter(|c| words.is_none_or(|words| c.name.contains(words)));

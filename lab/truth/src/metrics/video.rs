@@ -2,7 +2,7 @@
 //! al. 2024, "ColorVideoVDP: A visual difference predictor for image, video and display distortions").
 
 use colorvideovdp::{Color, Cvvdp, DisplayModel, Geometry, Image, Options, Photometry};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 
 /// The display that the viewer looks at. The display's light is that of the metric's monitor of this name (at most 200 cd/m²,
 /// under the 250 lux of an office), and its pixels have the size of [`FlipMap`](super::flip::FlipMap).

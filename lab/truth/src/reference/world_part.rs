@@ -3,7 +3,7 @@
 
 use super::partial_sums::LEAF;
 use super::world::state::{KeptState, read_state, write_state};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 

@@ -100,7 +100,7 @@ impl Swapchain {
     /// come with the first [`Self::prepare`].
     ///
     /// # Errors
-    /// [`Error::NoWindow`] if the device cannot present to the window, [`Usage`](ssct_ground::Error::Usage) for a mode that the surface lacks.
+    /// [`Error::NoWindow`] if the device cannot present to the window, [`Usage`](ssct::Error::Usage) for a mode that the surface lacks.
     pub fn new<W>(gpu: &Gpu, window: &Arc<W>, mode: PresentMode) -> Result<Self>
     where
         W: HasWindowHandle + HasDisplayHandle + 'static,

@@ -4,7 +4,7 @@ use crate::gltf::data::{Data, Vectors};
 use glam::{DMat4, DQuat, DVec3};
 use gltf::Node;
 use serde_json::Value;
-use ssct_ground::error::Result;
+use ssct_ground::Result;
 
 /// The extension that places copies.
 pub(in crate::gltf) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -21,7 +21,7 @@ pub(super) fn is_hidden(node: &Node) -> bool {
 /// The transforms of the copies of a node's mesh, in the space of the node; without the extension, a single identity.
 ///
 /// # Errors
-/// [`Error::Malformed`](ssct_ground::error::Error::Malformed) for accessors that are missing, have other elements, or differ in their
+/// [`Error::Malformed`](ssct_ground::Error::Malformed) for accessors that are missing, have other elements, or differ in their
 /// number of elements.
 pub(super) fn instances(data: &Data, node: &Node) -> Result<Vec<DMat4>> {
     let Some(extension) = node.extension_value(INSTANCING) else { return Ok(vec![DMat4::IDENTITY]) };

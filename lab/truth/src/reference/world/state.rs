@@ -5,7 +5,7 @@ use super::{EscapeRadiance, WorldReference};
 use crate::reference::partial_sums::{LEAF, PartialSums, parts};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
-use ssct_ground::error::{Error, Result};
+use ssct_ground::{Error, Result};
 use ssct_scenes::inside::PathInFolder;
 use ssct_scenes::{Encoding, Light, Surface};
 use std::io::Read;

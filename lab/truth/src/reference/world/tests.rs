@@ -3,7 +3,7 @@
 use super::*;
 use crate::reference::surface::tests::rectangle;
 use crate::reference::testing;
-use ssct_ground::error::Error;
+use ssct_ground::Error;
 use ssct_scenes::{Camera, Lens, Material, Mesh, Scene, Surface, Vertex, library};
 
 /// A sphere of radius 8 around the origin, seen from inside. The triangles are so fine that their closest point is 7.9 m away.
@@ -177,7 +177,7 @@ fn a_mirror_floor_shows_the_wall_upside_down() {
     let reference = reference(&world, &first_hits);
     let mut state = reference.start();
     reference
-        .run(&mut state, &SamplingTarget::default(), &mut |_| Ok::<_, ssct_ground::error::Error>(()))
+        .run(&mut state, &SamplingTarget::default(), &mut |_| Ok::<_, ssct_ground::Error>(()))
         .expect("running writes no file");
     assert_eq!(state.overall_standard_error(), 0.0, "mirrors have no error");
     assert_eq!(state.samples(), 16, "one pass is enough for mirrors");
