@@ -55,12 +55,12 @@ TriangleHit ClosestHit(TreeRay ray) {
     if (!ASKS)
         return TraverseTree(ray);
     TriangleHit hit;
-    bool passes = true;
-    while (passes) {
+    bool passes;
+    do {
         hit = TraverseTree(ray);
         passes = hit.id != NO_TRIANGLE && (hit.id & ASKS_MATERIAL) != 0u && !StopsRay(hit);
         ray.after = hit;
-    }
+    } while (passes);
     return hit;
 }
 

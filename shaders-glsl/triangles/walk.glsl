@@ -170,17 +170,20 @@ TriangleHit TraverseTree(TreeRay ray) {
             group = uvec2(kinds.x, hits & 0xff000000u | head.w >> 24);
             leaves = uvec2(kinds.y, hits & 0x00ffffffu);
         }
-        while (leaves.y != 0u) {
-            int bit = findMSB(leaves.y);
+        // One triangle is tested even where there is none: a device that runs threads in step tests it for other threads,
+        // and lavapipe would run a loop that asks at its beginning once more than it has turns.
+        do {
+            bool is_leaf = leaves.y != 0u;
+            int bit = is_leaf ? findMSB(leaves.y) : 0;
             leaves.y &= ~(1u << bit);
-            int slot = int(leaves.x) + bit;
+            int slot = is_leaf ? int(leaves.x) + bit : 0;
             TriangleHit hit;
-            if (IntersectTriangle(ray, slot, hit) && IsNearer(hit, nearest, nearest_id)) {
+            if (IntersectTriangle(ray, slot, hit) && is_leaf && IsNearer(hit, nearest, nearest_id)) {
                 nearest = hit.t;
                 nearest_id = hit.id;
                 nearest_slot = slot;
             }
-        }
+        } while (leaves.y != 0u);
         if ((group.y & 0xff000000u) == 0u) {
             if (top == bottom)
                 break;

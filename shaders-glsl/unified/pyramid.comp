@@ -33,7 +33,8 @@ int CellRow(int level) {
 
 // Choices are made by mix(), which chooses without a branch: SwiftShader of Chromium 156 takes all memory to compile a
 // loop with many branches. Loops are marked `dont_unroll`, since drivers would unroll loops without branches, and then
-// hold all pixels at once.
+// hold all pixels at once. They ask at their end whether to go on: lavapipe runs a body that is asked for at its
+// beginning once more than it has turns (findings/lavapipe-runs-a-loop-once-more.sh).
 
 // 1 / (d + k), or 1 if rays of sight are parallel; negative for sky.
 float Reciprocal(float depth) {
@@ -140,13 +141,15 @@ vec2 BuildQuad(ivec2 pixel, Rows above, Rows below) {
 vec4 BuildStrip(ivec2 p) {
     vec2 upper_half = EMPTY_BLOCK, cell = EMPTY_BLOCK;
     Rows above = FetchRows(p - 1);
-    [[dont_unroll]] for (int row = 0; row < 8; row += 2) {
+    int row = 0;
+    [[dont_unroll]] do {
         Rows below = FetchRows(p + ivec2(-1, row + 1));
         vec2 own = BuildQuad(p + ivec2(0, row), above, below);
         upper_half = mix(upper_half, cell, bvec2(row == 4));
         cell = mix(Union(cell, own), own, bvec2(row == 4));
         above = below;
-    }
+        row += 2;
+    } while (row < 8);
     return vec4(upper_half, cell);
 }
 
@@ -155,13 +158,15 @@ void main() {
     ivec2 tile = ivec2(gl_WorkGroupID.xy);
     ivec2 p = 64 * tile + 8 * local;
     vec2 cell = EMPTY_BLOCK;
-    [[dont_unroll]] for (int x = 0; x < 8; x += 4) {
+    int x = 0;
+    [[dont_unroll]] do {
         vec4 left = BuildStrip(p + ivec2(x, 0)), right = BuildStrip(p + ivec2(x + 2, 0));
         vec2 upper = Union(left.xy, right.xy), lower = Union(left.zw, right.zw);
         StoreCell((p + ivec2(x, 0)) >> 2, 2, upper);
         StoreCell((p + ivec2(x, 4)) >> 2, 2, lower);
         cell = Union(cell, Union(upper, lower));
-    }
+        x += 4;
+    } while (x < 8);
     StoreCell(p >> 3, 3, cell);
     cells[local.y][local.x] = cell;
     for (int level = 4; level <= unified.top_level; ++level) {
