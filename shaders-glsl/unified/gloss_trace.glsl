@@ -90,8 +90,8 @@ bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, floa
     bool hits = hit.code == PATH_HI_Z, is_far = LeavesThroughFarPlane(ray, hit);
     if (!hits && !is_far)
         return false;
-    ScreenHitColor screen_hit = SampleScreenHit(hit, point, normal, ray.direction, along);
-    if (!hits && !screen_hit.is_sky)
+    HitPixel hit_pixel = LoadHitPixel(hit.pixel, point, normal, along);
+    if (!hits && !hit_pixel.is_sky)
         return false;
     vec3 there = ViewPoint(hit.position, hit.depth);
     vec2 away = abs(hit.position - ray.start);
@@ -100,9 +100,9 @@ bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, floa
     else
         end.place = point + FAR_SKY * ray.direction;
     int level = int(min(FootprintLevel(point, there, density, share) + 0.5, float(textureQueryLevels(color_chain))));
-    vec3 lit = level > 0 ? SampleColorChain(hit.position, level, along) : screen_hit.color;
+    vec3 lit = level > 0 ? SampleColorChain(hit.position, level, along) : hit_pixel.color;
     color = vec4(lit, Fade(hit.position * unified.pixel_to_clip));
-    end.touches = end.is_near && !screen_hit.is_reflector;
+    end.touches = end.is_near && !hit_pixel.is_reflector;
     return true;
 }
 

@@ -1,5 +1,6 @@
-// The colour that the screen shows at a hit in full resolution. Of the four pixels around the hit, those count that the
-// ray can have seen. Needs the image `pyramid`. CPU twin: reference::unified::surface.
+// The colour that the screen shows at a hit in full resolution. Around the hit of a mirror's ray, those of the four pixels
+// count that the ray can have seen; for a ray of a lobe, the pixel that was hit counts alone. Needs the image `pyramid`.
+// CPU twin of the latter: reference::unified::gloss. For mirrors, the screen reference has code of its own.
 
 #ifndef UNIFIED_MIRRORED_GLSL
 #define UNIFIED_MIRRORED_GLSL
@@ -20,7 +21,6 @@ void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float
 struct ScreenHitColor {
     vec3 color;        // lit colour between the four pixels around the hit that count; if none counts, that of the pixel that was hit
     bool is_sky;       // the pixel that was hit shows sky
-    bool is_reflector; // the pixel that was hit shows the surface that reflects
 };
 
 // `along` is the sky along the ray, which is the colour of pixels that show sky. It is looked up once, since a device
@@ -52,7 +52,23 @@ ScreenHitColor SampleScreenHit(Hit hit, vec3 point, vec3 normal, vec3 direction,
     float whole = 1.0 / max(counted, 1e-6);
     vec3 between = Sound(sum.rgb * whole) + max(1.0 - sum.a * whole, 0.0) * along;
     vec3 alone = ShowsSky(own_color) ? along : Sound(own_color.rgb);
-    return ScreenHitColor(counted > 0.0 ? between : alone, own < 0.0, test.is_reflector);
+    return ScreenHitColor(counted > 0.0 ? between : alone, own < 0.0);
+}
+
+// What a ray of a lobe hit, for a mean of several rays.
+struct HitPixel {
+    vec3 color;        // lit colour of the pixel that was hit
+    bool is_sky;       // the pixel shows sky
+    bool is_reflector; // the pixel shows the surface that reflects
+};
+
+// A mean of nine rays or more hides the edges of single pixels. So the pixel that was hit stands for the four pixels
+// around the hit, and no other surface can be a part of the colour. `along` is the sky along the ray.
+HitPixel LoadHitPixel(ivec2 pixel, vec3 point, vec3 normal, vec3 along) {
+    float depth = BLOCK_AT(PixelTexel(pixel)).x;
+    vec4 seen = ScreenColor(pixel);
+    vec3 color = ShowsSky(seen) ? along : Sound(seen.rgb);
+    return HitPixel(color, depth < 0.0, ShowsReflector(point, normal, pixel, depth));
 }
 
 #endif

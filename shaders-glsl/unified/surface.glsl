@@ -42,15 +42,25 @@ vec3 OffsetToPixel(vec3 point, vec2 position, float depth) {
     return away;
 }
 
+// The height above the surface that reflects, scaled as OffsetToPixel scales it, up to which a pixel shows that surface.
+float ReflectorHeight(vec3 normal) {
+    precise float height = STANDS_ABOVE * (2.0 * unified.pixel_to_view.y) * sqrt(Dot(normal, normal));
+    return height;
+}
+
+// Whether a pixel of a depth shows the surface that reflects.
+bool ShowsReflector(vec3 point, vec3 normal, ivec2 pixel, float depth) {
+    return depth >= 0.0 && !(Dot(normal, OffsetToPixel(point, vec2(pixel) + 0.5, depth)) > ReflectorHeight(normal));
+}
+
 // `own` is the depth of the pixel that was hit.
 VisibilityTest MakeVisibilityTest(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float own) {
     precise float width = 2.0 * unified.pixel_to_view.y;
-    precise float above = STANDS_ABOVE * width * sqrt(Dot(normal, normal));
     precise float beside = STANDS_BESIDE * width;
     precise float beside_squared = beside * beside * Dot(direction, direction);
     precise float apart = STANDS_BEFORE * width * (ORTHOGRAPHIC ? unified.depth_offset : own + unified.depth_offset);
-    bool is_above = Dot(normal, OffsetToPixel(point, vec2(pixel) + 0.5, own)) > above;
-    return VisibilityTest(point, normal, direction, above, beside_squared, own, apart, own >= 0.0 && !is_above);
+    bool is_reflector = ShowsReflector(point, normal, pixel, own);
+    return VisibilityTest(point, normal, direction, ReflectorHeight(normal), beside_squared, own, apart, is_reflector);
 }
 
 // Whether a ray can have seen what a pixel of a depth shows in its middle. A surface that stands before the hit and far

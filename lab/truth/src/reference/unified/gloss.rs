@@ -120,36 +120,22 @@ impl<'a> Gloss<'a> {
         })
     }
 
-    /// Whether the pixel of a hit shows the surface that reflects; `ray` is that of [`Self::sample_screen_hit`].
-    pub(super) fn hits_reflector(&self, hit: &Hit, ray: [Vec3; 3]) -> bool {
-        self.traversal.make_visibility_test(ray, hit.pixel).is_reflector
-    }
-
-    /// The colour of a hit, over a footprint as wide as the texels of a level: `SampleScreenHit` in level 0 and
-    /// `SampleColorChain` in others, without the sky along the ray. `ray` has the point where the ray begins, the normal there,
-    /// and the direction.
-    pub(super) fn sample_screen_hit(&self, hit: &Hit, ray: [Vec3; 3], footprint_level: f32) -> Vec3 {
+    /// The colour of a hit, over a footprint as wide as the texels of a level: that of `LoadHitPixel` in level 0 and of
+    /// `SampleColorChain` in others, without the sky along the ray.
+    pub(super) fn sample_hit(&self, hit: &Hit, footprint_level: f32) -> Vec3 {
         let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
-        let test = self.traversal.make_visibility_test(ray, hit.pixel);
         let image = &self.chain[level];
+        if level == 0 {
+            return image.at_clamped(hit.pixel.x as u32, hit.pixel.y as u32);
+        }
         let texels = IVec2::new(image.width as i32, image.height as i32);
         let from_middle = hit.position * (texels.as_vec2() / self.traversal.parameters.size.as_vec2()) - 0.5;
         let (low, part) = (from_middle.floor(), from_middle - from_middle.floor());
-        let (mut sum, mut counted) = (Vec3::ZERO, 0.0);
-        for i in 0..4 {
+        (0..4).fold(Vec3::ZERO, |sum, i| {
             let next = IVec2::new(i & 1, i >> 1);
             let texel = (low.as_ivec2() + next).clamp(IVec2::ZERO, texels - 1);
             let weight = Vec2::select(next.cmpeq(IVec2::ONE), part, 1.0 - part);
-            if level > 0 || self.traversal.is_visible_along_ray(&test, texel) {
-                let share = weight.x * weight.y;
-                sum += share * image.at_clamped(texel.x as u32, texel.y as u32);
-                counted += share;
-            }
-        }
-        if counted > 0.0 {
-            sum * (1.0 / f32::max(counted, 1e-6))
-        } else {
-            self.chain[0].at_clamped(hit.pixel.x as u32, hit.pixel.y as u32)
-        }
+            sum + weight.x * weight.y * image.at_clamped(texel.x as u32, texel.y as u32)
+        })
     }
 }

@@ -99,7 +99,7 @@ impl Gloss<'_> {
             self.traversal.leaves_through_far_plane(&ray, &hit).or((hit.code == HitCode::Surface).then_some(hit))?;
         let p = &self.traversal.parameters;
         let level = p.footprint_level(aim.point, p.view_point(hit.position, hit.depth), aim.density, aim.share);
-        let lit = self.sample_screen_hit(&hit, [aim.point, aim.lobe.normal, ray.direction], level);
+        let lit = self.sample_hit(&hit, level);
         Some((hit, lit.map(super::sound).extend(self.fade(hit.position * p.pixel_to_clip))))
     }
 
@@ -122,7 +122,7 @@ impl Gloss<'_> {
         let away = (hit.position - aim.pixel.as_vec2() - 0.5).abs();
         let is_near = away.x.max(away.y) < NEAR_HIT;
         let place = if is_near { aim.point + FAR_AWAY * (there - aim.point) } else { there };
-        let touches = is_near && !self.hits_reflector(&hit, [aim.point, aim.lobe.normal, aim.direction]);
+        let touches = is_near && !self.traversal.shows_reflector([aim.point, aim.lobe.normal], hit.pixel);
         let marked = aim.density + if touches { NEAR_MARK } else { 0.0 };
         NeighbourRay { key: place.extend(marked), color }
     }
