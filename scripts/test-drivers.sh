@@ -48,7 +48,8 @@ SSCT_DEVICE=SwiftShader check SwiftShader area_light:: billboard:: camera_captur
 unset VK_ADD_DRIVER_FILES VK_LAYER_PATH
 eval "$(scripts/drivers.sh --mesa)"
 if [ -n "${VK_DRIVER_FILES:-}" ]; then
-    check 'Mesa 25' bounces:: camera_capture:: captures:: cli:: cube_maps:: filters:: gloss_twin:: golden:: gbuffer_maps:: \
+    # A whole quick study takes two minutes, and draws what the other tests draw; the tests on Debian 13 make one on this Mesa.
+    check 'Mesa 25' --skip cli::a_quick_study bounces:: camera_capture:: captures:: cli:: cube_maps:: filters:: gloss_twin:: golden:: gbuffer_maps:: \
         many:: mirror:: planar:: ray_queries:: renewal:: stochastic:: unified:: unified_stages:: validation::
 else
     echo 'drivers: this system has no backports of Mesa 25; its own lavapipe is what make test runs on' >&2
