@@ -54,6 +54,9 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
         ["rmse-over", program, other, roughness] => {
             least_over(folder, ["errors.csv", "rmse"], [program, other], roughness)
         }
+        ["change-over", program, other, roughness] => {
+            least_over(folder, ["motion.csv", "deviation"], [program, other], roughness)
+        }
         ["own-errors"] => own_rays::errors(folder),
         ["own-on-screen", own, figure] => own_rays::on_screen(folder, own, figure),
         ["pass-share", method, passes, file] => pass_share(folder, file, [method, passes]),
