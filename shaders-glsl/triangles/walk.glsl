@@ -170,8 +170,8 @@ TriangleHit TraverseTree(TreeRay ray) {
             group = uvec2(kinds.x, hits & 0xff000000u | head.w >> 24);
             leaves = uvec2(kinds.y, hits & 0x00ffffffu);
         }
-        // One triangle is tested even where there is none: a device that runs threads in step tests it for other threads,
-        // and lavapipe would run a loop that asks at its beginning once more than it has turns.
+        // A thread whose node has no triangle tests one for nothing, as threads in step with it mostly do anyway. The
+        // condition stands at the loop's end, where lavapipe runs no turn in vain (unified/pyramid.comp).
         do {
             bool is_leaf = leaves.y != 0u;
             int bit = is_leaf ? findMSB(leaves.y) : 0;

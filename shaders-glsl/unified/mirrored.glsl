@@ -55,7 +55,7 @@ ScreenHitColor SampleScreenHit(Hit hit, vec3 point, vec3 normal, vec3 direction,
     return ScreenHitColor(counted > 0.0 ? between : alone, own < 0.0);
 }
 
-// What a ray of a lobe hit, for a mean of several rays.
+// The pixel that a ray of a lobe hit.
 struct HitPixel {
     vec3 color;        // lit colour of the pixel that was hit
     bool is_sky;       // the pixel shows sky

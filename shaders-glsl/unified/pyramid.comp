@@ -33,8 +33,8 @@ int CellRow(int level) {
 
 // Choices are made by mix(), which chooses without a branch: SwiftShader of Chromium 156 takes all memory to compile a
 // loop with many branches. Loops are marked `dont_unroll`, since drivers would unroll loops without branches, and then
-// hold all pixels at once. They ask at their end whether to go on: lavapipe runs a body that is asked for at its
-// beginning once more than it has turns (findings/lavapipe-runs-a-loop-once-more.sh).
+// hold all pixels at once. The condition of each loop stands at its end. If it stands at the beginning, lavapipe runs the
+// body once more than the loop has turns (findings/lavapipe-runs-a-loop-once-more.sh).
 
 // 1 / (d + k), or 1 if rays of sight are parallel; negative for sky.
 float Reciprocal(float depth) {

@@ -5,11 +5,6 @@ use glam::{IVec2, Vec3};
 use ssct_ground::math::constants::STANDS_ABOVE;
 
 impl Traversal<'_> {
-    /// A pixel's depth; for sky, the depth of an empty block.
-    pub(super) fn front(&self, pixel: IVec2) -> f32 {
-        self.block(pixel).front
-    }
-
     /// `OffsetToPixel`: the offset from a point to the surface of a pixel at its middle, divided by z in a perspective. `depth`
     /// is the pixel's depth.
     fn offset_to_pixel(&self, point: Vec3, pixel: IVec2, depth: f32) -> Vec3 {
@@ -22,7 +17,8 @@ impl Traversal<'_> {
 
     /// `ShowsReflector`: whether a pixel shows the surface that reflects, which has a point and a normal.
     pub(super) fn shows_reflector(&self, [point, normal]: [Vec3; 2], pixel: IVec2) -> bool {
-        let depth = self.front(pixel);
+        // An empty block, which shows sky, has a depth below 0.
+        let depth = self.block(pixel).front;
         let height = STANDS_ABOVE as f32 * (2.0 * self.parameters.pixel_to_view.y) * dot(normal, normal).sqrt();
         depth >= 0.0 && dot(normal, self.offset_to_pixel(point, pixel, depth)) <= height
     }
