@@ -66,20 +66,21 @@ TriangleHit ClosestHit(TreeRay ray) {
 
 #endif
 
-// The colour that a ray sees, over a footprint that measures `width` metres across the ray at its end.
+// The colour that a ray sees, over a footprint that measures `width` metres across the ray at its end. The normal is made before the
+// albedo, and the tangents are read where a map needs them, so that few attributes are held at a time.
 vec3 HitColor(TreeRay ray, TriangleHit hit, float width) {
     bool is_hit = hit.id != NO_TRIANGLE;
     uint id = is_hit ? hit.id & ~ASKS_MATERIAL : 0u;
-    uvec4 first = Attribute(id, 0), second = Attribute(id, 1), third = Attribute(id, 2), fourth = Attribute(id, 3);
+    uvec4 first = Attribute(id, 0), second = Attribute(id, 1), third = Attribute(id, 2);
     uvec4 colors = Material(first.w, 0), maps = Material(first.w, 1), more = Material(first.w, 2);
     vec3 weights = BarycentricWeights(hit);
     vec2 place = InterpolateUv(weights, second, third);
     float repeats = width * uintBitsToFloat(third.z) * inversesqrt(max(abs(hit.side), LEAST_FACING));
-    vec4 albedo = vec4(uintBitsToFloat(colors.xyz), 1.0) * SampleImage(maps.xy, more.x >> ALBEDO_SHIFT, place, repeats);
     vec3 normal = normalize(InterpolateCorners(weights, UnpackUnitVector(first.x), UnpackUnitVector(first.y),
                                                UnpackUnitVector(first.z)));
     float deviation = uintBitsToFloat(more.y);
     if (deviation > 0.0) {
+        uvec4 fourth = Attribute(id, 3);
         vec3 along = InterpolateCorners(weights, UnpackUnitVector(fourth.x), UnpackUnitVector(fourth.y),
                                         UnpackUnitVector(fourth.z));
         vec4 tangent = vec4(along, (first.w >> 31) != 0u ? -1.0 : 1.0);
@@ -87,6 +88,7 @@ vec3 HitColor(TreeRay ray, TriangleHit hit, float width) {
         normal = ShadingNormal(normal, tangent, mapped, deviation);
     }
     normal = hit.side >= 0.0 ? normal : -normal;
+    vec4 albedo = vec4(uintBitsToFloat(colors.xyz), 1.0) * SampleImage(maps.xy, more.x >> ALBEDO_SHIFT, place, repeats);
     float emission = uintBitsToFloat(colors.w) * albedo.a;
     vec3 lit = LitColor(albedo.rgb, emission, ray.origin + hit.t * ray.direction, normal);
     bool is_surface = is_hit && (more.x & MATERIAL_SKY) == 0u;

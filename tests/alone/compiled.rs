@@ -75,6 +75,8 @@ const QUERIED: [&str; 3] =
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Numbers {
     registers: u32,
+    /// Registers that the program holds at a time before the compiler spends further ones in order to load earlier.
+    needed: u32,
     instructions: u32,
     /// Inverse throughput, in cycles, as the compiler estimates it: it takes each loop to run eight times.
     cycles: u32,
@@ -125,6 +127,7 @@ fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, Strin
             let program = record["program"].as_str().unwrap().to_owned();
             let kept = all.entry(program).or_default();
             kept.registers = kept.registers.max(statistic("VGPRs"));
+            kept.needed = kept.needed.max(statistic("Pre-Sched VGPRs"));
             kept.instructions = kept.instructions.max(statistic("Instructions"));
             kept.cycles = kept.cycles.max(statistic("Inverse Throughput"));
             let subgroups = statistic("Subgroups per SIMD");
@@ -138,10 +141,10 @@ fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, Strin
 
 /// The table: a line for the driver, a header, and a row for each program and family.
 fn table(found: &BTreeMap<(String, &str), Numbers>, driver: &str) -> String {
-    let mut text = format!("# {driver}\nprogram,family,registers,subgroups,instructions,cycles\n");
-    for ((program, family), Numbers { registers, instructions, cycles, subgroups, .. }) in found {
+    let mut text = format!("# {driver}\nprogram,family,registers,needed,subgroups,instructions,cycles\n");
+    for ((program, family), Numbers { registers, needed, instructions, cycles, subgroups, .. }) in found {
         let subgroups = subgroups.unwrap_or_default();
-        text += &format!("\"{program}\",{family},{registers},{subgroups},{instructions},{cycles}\n");
+        text += &format!("\"{program}\",{family},{registers},{needed},{subgroups},{instructions},{cycles}\n");
     }
     text
 }

@@ -1,6 +1,6 @@
 //! Tables of what a GPU takes: the screen beside the triangles of the scene, and fragment shaders beside compute shaders.
 
-use super::figures::{Result, csv, greatest, json, least, median, number, ratio, shortest, table};
+use super::figures::{Result, Row, csv, greatest, json, least, median, number, ratio, shortest, table};
 use super::follow::figure;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -131,19 +131,22 @@ const SHOWN: [&str; 13] = [
     "common/history.comp",
 ];
 
-/// Vector registers and subgroups a SIMD unit of some programs on each family, before and after, a program a row.
+/// Vector registers and subgroups a SIMD unit of some programs on each family, before and after, a program a row. In brackets stand the
+/// registers that a program needs.
 pub fn registers(folder: &Path) -> Result<String> {
     let [before, after] = ["before.csv", "after.csv"].map(|file| csv(folder, file));
     let (before, after) = (before?, after?);
     let families = ["vega20", "navi10", "navi21", "navi31", "gfx1201"];
-    let cell = |rows: &[super::figures::Row], program: &str, family: &str| -> Result<String> {
+    let find = |rows: &[Row], program: &str, family: &str| -> Result<Row> {
         let row = rows.iter().find(|r| r["program"] == program && r["family"] == family);
-        row.map(|r| format!("{}, {}", r["registers"], r["subgroups"])).ok_or(format!("no {program} on {family}"))
+        row.cloned().ok_or(format!("no {program} on {family}"))
     };
     let row = |program: &&str| -> Result<Vec<String>> {
         let both = |family: &str| {
-            let (old, new) = (cell(&before, program, family)?, cell(&after, program, family)?);
-            Ok(if old == new { new } else { format!("{old} → {new}") })
+            let (old, new) = (find(&before, program, family)?, find(&after, program, family)?);
+            let is_same = ["registers", "subgroups"].iter().all(|column| old[*column] == new[*column]);
+            let was = if is_same { String::new() } else { format!("{}, {} → ", old["registers"], old["subgroups"]) };
+            Ok(format!("{was}{} ({}), {}", new["registers"], new["needed"], new["subgroups"]))
         };
         let cells = families.iter().map(|family| both(family)).collect::<Result<Vec<_>>>()?;
         Ok([format!("`{program}`")].into_iter().chain(cells).collect())
@@ -152,12 +155,13 @@ pub fn registers(folder: &Path) -> Result<String> {
     table(&head, SHOWN.iter().map(row).collect::<Result<_>>()?)
 }
 
-/// The most vector registers of any program of a stage, after: on the families of RDNA and on those before, as "96 and 84".
-pub fn most_registers(folder: &Path, stage: &str) -> Result<String> {
+/// The most vector registers of any program of a stage, after, by a column of the record: on the families of RDNA and on those before,
+/// as "96 and 84".
+pub fn most_registers(folder: &Path, column: &str, stage: &str) -> Result<String> {
     let rows = csv(folder, "after.csv")?;
     let most = |is_wanted: fn(&str) -> bool| -> Result<f64> {
         let of_stage = rows.iter().filter(|r| r["program"].contains(stage) && is_wanted(&r["family"]));
-        Ok(greatest(&of_stage.map(|r| number(r, "registers")).collect::<Result<Vec<_>>>()?))
+        Ok(greatest(&of_stage.map(|r| number(r, column)).collect::<Result<Vec<_>>>()?))
     };
     Ok(format!("{} and {}", most(|family| family != "vega20")?, most(|family| family == "vega20")?))
 }
