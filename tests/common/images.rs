@@ -52,7 +52,7 @@ pub fn check_composite(folder: &Path, size: [u32; 2], options: &[&str]) {
     let data = gbuffer(&images, size);
     std::fs::write(&file, ssct_scenes::gbuffer_file::encode(&data, &file).unwrap()).unwrap();
     let run = Command::new(env!("CARGO_BIN_EXE_ssct"))
-        .args(["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "r.exr"])
+        .args(["gbuffer", "reflect", "g.exr", "--method", "unified", "--own-rays", "auto", "-o", "r.exr"])
         .args(options)
         .current_dir(folder)
         .output()

@@ -98,6 +98,21 @@ fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
     }
 }
 
+#[test]
+fn an_image_of_a_file_gets_the_most_own_rays_unless_a_number_is_given() {
+    let folder = Folder::new();
+    let what = ["--scene", "rooms", "--view", "corridor", "--roughness", "0.3", "--size", "64x36"];
+    folder.succeed(&[&["gbuffer", "export", "g.exr"][..], &what].concat());
+    let image = |more: &[&str]| {
+        folder.succeed(&[&["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "r.exr"], more].concat());
+        std::fs::read(folder.path("r.exr")).unwrap()
+    };
+    let plain = image(&[]);
+    assert!(plain == image(&["--own-rays", "16"]));
+    assert!(plain != image(&["--own-rays", "none"]));
+    assert!(image(&["--own-rays", "auto"]) == image(&["--own-rays", "none"]));
+}
+
 /// Mirrors and both kinds of lobes, windows that show the sky, and sky beyond the atrium's roof; and how many captures.
 const CAPTURED: [(&str, &str, CaptureCount); 2] =
     [("rooms", "window", CaptureCount::Number(2)), ("atrium", "hall", CaptureCount::Number(1))];

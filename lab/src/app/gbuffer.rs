@@ -4,7 +4,8 @@ use super::cli::{GBufferCommand, GBufferConvertOptions, GBufferExportOptions, GB
 use super::resolve;
 use crate::report::{files, images};
 use crate::stage::{Shot, Stage, gbuffer};
-use ssct::methods;
+use ssct::methods::setup::OwnRays;
+use ssct::methods::{self, EffectParams, Setup};
 use ssct_scenes::capture_file::CaptureFolder;
 use ssct_scenes::gbuffer_map::{self, GBufferMap};
 use ssct_scenes::texture::MAX_EXTENT;
@@ -53,6 +54,7 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&options.device)?;
     let setup = options.beside.method_options.setup([data.width, data.height]);
     methods::check_read(&[method], &setup)?;
+    let setup = for_one_image(setup);
     let made = match &scene {
         Some(scene) => gbuffer::reflect_in(&gpu, scene, &data, method, &setup)?,
         None => gbuffer::reflect(&gpu, &data, captures.as_ref(), method, &setup)?,
@@ -60,6 +62,13 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     images::write_image(&options.output, if options.reflection_only { &made.reflection } else { &made.composite })?;
     gpu.check_validation()?;
     Ok(())
+}
+
+/// The setup for an image that is made once, where time matters little: pixels in doubt get the most rays of their own unless a number
+/// was given.
+fn for_one_image(setup: Setup) -> Setup {
+    let is_given = setup.values.given().any(|name| name == "own_rays");
+    if is_given { setup } else { setup.with(|effect: &mut EffectParams| effect.own_rays = OwnRays::Sixteen) }
 }
 
 fn convert(options: &GBufferConvertOptions) -> anyhow::Result<()> {
