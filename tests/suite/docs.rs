@@ -34,6 +34,7 @@ mod stochastic;
 mod stress;
 mod thesis;
 mod visible;
+mod waits;
 mod world;
 
 use crate::common::repository;

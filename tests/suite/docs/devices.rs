@@ -4,14 +4,18 @@ use super::figures::Result;
 use std::path::Path;
 
 /// The kinds of devices by the end of a run folder's name.
-const KINDS: [(&str, &str); 3] =
-    [("-lavapipe", "a CPU driver"), ("-h100", "an H100"), ("-radv", "AMD's compiler, without a GPU")];
+const KINDS: [(&str, &str); 4] = [
+    ("-lavapipe", "a CPU driver"),
+    ("-h100", "an H100"),
+    ("-radv", "AMD's compiler, without a GPU"),
+    ("-build", "two cores of a shared machine"),
+];
 
 /// Words of a header that are of time.
 const TIMES: [&str; 2] = ["time", "ms"];
 
 /// What shows times alone, whatever its header says.
-const ALL_TIMES: [&str; 10] = [
+const ALL_TIMES: [&str; 11] = [
     "triangle-times",
     "stages-on",
     "times-beyond",
@@ -22,6 +26,7 @@ const ALL_TIMES: [&str; 10] = [
     "own-times",
     "bounce-times",
     "times",
+    "waits",
 ];
 
 /// The kind of device that a folder of records is of.

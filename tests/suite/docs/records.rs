@@ -6,7 +6,7 @@ use super::figures::{
 };
 use super::{
     beside, beyond, captions, claims, complaints, coverage, dda, devices, embedding, ends, errata, films, follow, gpu,
-    large_gltf, layers, league, measured, motion, outlook, stochastic, stress, thesis,
+    large_gltf, layers, league, measured, motion, outlook, stochastic, stress, thesis, waits,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -130,6 +130,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["stress-wrong", method] => stress::hits(first, method)?.1,
         ["precision", scene] => precision(first, scene)?,
         ["large-gltf", figure, side] => large_gltf::large_gltf(first, figure, side)?,
+        ["waits"] => waits::waits(first)?,
         ["commit"] => commit(first)?,
         _ => measured::show(query, first)?,
     };
