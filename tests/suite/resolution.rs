@@ -50,6 +50,46 @@ fn half_resolution_lies_where_full_resolution_does() {
     }
 }
 
+/// The reflection of the traced pixels around a pixel at half resolution, without regard to surfaces.
+fn between_traced(full: &Pixels, x: u32, y: u32) -> Vec<f32> {
+    let texel = |i: u32| {
+        let (across, down) = (i & 1, i >> 1);
+        let weight = |pixel: u32, step: u32| if pixel % 2 == 0 { 1.0 - step as f32 } else { 0.5 };
+        let traced = |pixel: u32, step: u32, side: u32| (pixel / 2 + step).min((side - 1) / 2) * 2;
+        let weight = weight(x, across) * weight(y, down);
+        full.texel(traced(x, across, full.width), traced(y, down, full.height)).iter().map(|v| weight * v).collect()
+    };
+    (0..4).map(texel).reduce(|a: Vec<f32>, b| a.iter().zip(&b).map(|(a, b)| a + b).collect()).unwrap()
+}
+
+#[test]
+fn half_resolution_takes_reflections_of_the_pixels_own_surface() {
+    let gpu = gpu();
+    let extent = [640, 480];
+    let shown = |divisor| {
+        let setup = divided(extent, divisor);
+        show(&gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &GLOSSY)
+    };
+    let (full, half) = (shown(1), shown(2));
+    let (normals, full, half) = (full.get("normal"), full.get("reflection"), half.get("reflection"));
+    let turns = |x: u32, y: u32| {
+        let own = normals.texel(x, y);
+        let facing = |n: &[f32]| n.iter().zip(own).take(3).map(|(a, b)| a * b).sum::<f32>();
+        [(0, 0), (2, 0), (0, 2), (2, 2)]
+            .iter()
+            .any(|(dx, dy)| facing(normals.texel(x / 2 * 2 + dx, y / 2 * 2 + dy)) < 0.9)
+    };
+    let places = (0..extent[1] - 2).flat_map(|y| (0..extent[0] - 2).map(move |x| (x, y)));
+    let edges: Vec<_> = places.filter(|&(x, y)| (x % 2, y % 2) != (0, 0) && turns(x, y)).collect();
+    let of_edges =
+        |image: &dyn Fn(u32, u32) -> Vec<f32>| edges.iter().flat_map(|&(x, y)| image(x, y)).collect::<Vec<_>>();
+    let truth = of_edges(&|x, y| full.texel(x, y).to_vec());
+    let here = rmse(&truth, &of_edges(&|x, y| half.texel(x, y).to_vec()));
+    let plain = rmse(&truth, &of_edges(&|x, y| between_traced(full, x, y)));
+    println!("{} pixels at edges: half resolution errs by {here:.4}, plain interpolation by {plain:.4}", edges.len());
+    assert!(edges.len() > 1000 && here < 0.42 * plain, "{here} of {plain}");
+}
+
 #[test]
 fn half_resolution_traces_a_quarter_of_the_pixels() {
     let gpu = gpu();
