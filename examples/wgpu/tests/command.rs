@@ -25,7 +25,8 @@ fn the_example_shows_what_the_command_makes_of_its_images() {
     let images = folder.join("images");
     write_gbuffer(&images, SIZE, &folder.join("g.exr"));
     let mut command = Command::new(ssct());
-    let command = command.args(["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "r.exr"]);
+    let command =
+        command.args(["gbuffer", "reflect", "g.exr", "--method", "unified", "--own-rays", "auto", "-o", "r.exr"]);
     run(command.env("SSCT_DEVICE", device).current_dir(&folder));
     let embedded = channels::<3>(&images, "composite", SIZE);
     assert_equal(&folder.join("r.exr"), &embedded);
