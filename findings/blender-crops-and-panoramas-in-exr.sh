@@ -3,15 +3,9 @@
 # say where the region lay. OpenEXR's data window is for that. Panoramas have distances in Depth, and perspectives planar depth.
 # Expected: the data window has the place of the region, and Depth means the same for every camera.
 # Seen with Blender 5.2.3: the right upper quarter of 64×32 pixels has the display window [[0, 0], [31, 15]].
-# It needs Python 3.13, for which the module bpy of Blender 5.2 is built (400 MB).
 set -euo pipefail
-python=${PYTHON:-python3.13}
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-"$python" -m venv venv
-venv/bin/pip install --quiet bpy==5.2.3 openexr==3.5.3
-venv/bin/python - "$folder" >log <<'PY'
+. "$(dirname "$0")/blender.sh" openexr==3.5.3
+blender "$folder" <<'PY'
 import sys
 
 import bpy
@@ -40,7 +34,6 @@ def render(name):
     return OpenEXR.File(f"{folder}/{name}.exr", separate_channels=True)
 
 
-print("Blender", bpy.app.version_string)
 scene.render.use_border = scene.render.use_crop_to_border = True
 scene.render.border_min_x, scene.render.border_min_y = 0.5, 0.5
 window = [side.tolist() for side in render("crop").header()["displayWindow"]]
@@ -64,5 +57,5 @@ print(f"perspective: off the planar depth by {perspective:.3f} m; panorama: off 
 holds = window == [[0, 0], [31, 15]] and perspective < 0.2 and panorama < 0.2
 print("holds" if holds else "changed")
 PY
-grep -v 'INFO\|render  \|Fra:' log | tail -8
+grep -v 'Blender\|INFO\|render  \|Fra:' log | tail -8
 grep -q '^holds$' log

@@ -4,15 +4,9 @@
 # Expected: the inverted image, the factor alone, or a warning.
 # Seen, with Blender 5.2.3: an image of 0.25, inverted, is roughness 0.75 in Blender, and its map in the file has 64 of 255, with the
 # factor 1. Nothing is said.
-# It needs Python 3.13, for which the module bpy of Blender 5.2 is built (400 MB).
 set -euo pipefail
-python=${PYTHON:-python3.13}
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-"$python" -m venv venv
-venv/bin/pip install --quiet bpy==5.2.3 pillow==12.0.0
-venv/bin/python - >log 2>&1 <<'PY'
+. "$(dirname "$0")/blender.sh" pillow==12.0.0
+blender <<'PY'
 import os
 
 import bpy
@@ -30,9 +24,7 @@ texture.image = image
 tree.links.new(texture.outputs["Color"], invert.inputs["Color"])
 tree.links.new(invert.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Roughness"])
 bpy.ops.export_scene.gltf(filepath=os.path.abspath("floor.gltf"), export_format="GLTF_SEPARATE")
-print("Blender", bpy.app.version_string)
 PY
-grep '^Blender' log
 grep -i 'warn' log || true
 venv/bin/python - <<'PY'
 import json

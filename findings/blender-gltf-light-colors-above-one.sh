@@ -3,15 +3,9 @@
 # of KHR_lights_punctual bounds each part, with the rest in the intensity.
 # Seen, with Blender 5.2.3: a white lamp of 3000 K has the colour 1.77, 0.84, 0.27. A reader that clamps it makes the lamp dimmer and
 # less red, and one that checks the schema refuses the file.
-# It needs Python 3.13, for which the module bpy of Blender 5.2 is built (400 MB).
 set -euo pipefail
-python=${PYTHON:-python3.13}
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-"$python" -m venv venv
-venv/bin/pip install --quiet bpy==5.2.3
-venv/bin/python - >log 2>&1 <<'PY'
+. "$(dirname "$0")/blender.sh"
+blender <<'PY'
 import os
 
 import bpy
@@ -21,10 +15,8 @@ light = bpy.data.lights.new("Lamp", "POINT")
 light.use_temperature, light.temperature = True, 3000
 bpy.context.collection.objects.link(bpy.data.objects.new("Lamp", light))
 bpy.ops.export_scene.gltf(filepath=os.path.abspath("lamp.gltf"), export_format="GLTF_SEPARATE", export_lights=True)
-print("Blender", bpy.app.version_string)
 PY
-grep '^Blender' log
-"$python" - <<'PY'
+venv/bin/python - <<'PY'
 import json
 
 with open("lamp.gltf") as file:

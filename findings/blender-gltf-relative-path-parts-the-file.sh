@@ -3,26 +3,19 @@
 # folder, and its NAME.bin and images into the root of the file system. Expected: all of them beside each other, as the file's own
 # references say.
 # Seen, with Blender 5.2.3, as root; another user is refused the second file and is left with the first. An absolute path is right.
-# It needs Python 3.13, for which the module bpy of Blender 5.2 is built (400 MB).
 set -euo pipefail
-python=${PYTHON:-python3.13}
-folder=$(mktemp -d)
+. "$(dirname "$0")/blender.sh"
 name=plane-$$
 trap 'rm -rf "$folder" "/$name.bin"' EXIT
-cd "$folder"
-"$python" -m venv venv
-venv/bin/pip install --quiet bpy==5.2.3
-venv/bin/python - "$name" >log 2>&1 <<'PY' || true
+blender "$name" <<'PY' || true
 import sys
 
 import bpy
 
-print("Blender", bpy.app.version_string)
 bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.ops.mesh.primitive_plane_add()
 bpy.ops.export_scene.gltf(filepath=f"{sys.argv[1]}.gltf", export_format="GLTF_SEPARATE")
 PY
-grep '^Blender' log
 echo "$name.gltf in the working folder: $([ -e "$name.gltf" ] && echo yes || echo no)"
 echo "$name.bin beside it: $([ -e "$name.bin" ] && echo yes || echo no), in /: $([ -e "/$name.bin" ] && echo yes || echo no)"
 [ -e "$name.gltf" ] && [ ! -e "$name.bin" ]

@@ -3,15 +3,9 @@
 # refuse the whole file. Expected: the extension is used and not required, since a scene without its lights is still that scene.
 # Seen, with Blender 5.2.3: one lamp beside one plane makes the extension required. A lamp that is an area is no light in glTF: it
 # becomes an empty node without a word, and the extension is then neither used nor required.
-# It needs Python 3.13, for which the module bpy of Blender 5.2 is built (400 MB).
 set -euo pipefail
-python=${PYTHON:-python3.13}
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-"$python" -m venv venv
-venv/bin/pip install --quiet bpy==5.2.3
-venv/bin/python - >log 2>&1 <<'PY'
+. "$(dirname "$0")/blender.sh"
+blender <<'PY'
 import os
 
 import bpy
@@ -22,10 +16,8 @@ for kind in ("POINT", "AREA"):
     lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", kind))
     bpy.context.collection.objects.link(lamp)
     bpy.ops.export_scene.gltf(filepath=os.path.abspath(f"{kind}.gltf"), export_format="GLTF_SEPARATE", export_lights=True)
-print("Blender", bpy.app.version_string)
 PY
-grep '^Blender' log
-"$python" - <<'PY'
+venv/bin/python - <<'PY'
 import json
 
 said = []

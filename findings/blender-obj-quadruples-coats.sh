@@ -2,15 +2,9 @@
 # Blender's OBJ exporter with PBR extensions: Pc is four times the weight of the coat, so that a weight of 0.5 is written as 2, while Ps is
 # the weight of the sheen as it stands. Without the extensions, Ks is the level of specular, 0.5 for every default material, whose
 # reflection along the normal is 0.04. Expected: Pc is the weight, 0 to 1, and Ks the specular colour.
-# It needs Python 3.13, for which the module bpy of Blender 5.2 is built (400 MB).
 set -euo pipefail
-python=${PYTHON:-python3.13}
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-"$python" -m venv venv
-venv/bin/pip install --quiet bpy==5.2.3
-venv/bin/python - >log <<'PY'
+. "$(dirname "$0")/blender.sh"
+blender <<'PY'
 import bpy
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -22,9 +16,7 @@ for weight in (0.0, 0.25, 0.5, 1.0):
     bpy.context.object.data.materials.append(made)
 bpy.ops.wm.obj_export(filepath="pbr.obj", export_pbr_extensions=True)
 bpy.ops.wm.obj_export(filepath="plain.obj")
-print("Blender", bpy.app.version_string)
 PY
-grep '^Blender' log
 found=$(awk '/^newmtl/ {name = $2} /^P[cs] / {printf "%s %s %.2f; ", name, $1, $2}' pbr.mtl)
 printf '%s\n' "$found"
 grep '^Ks' plain.mtl | sort | uniq -c
