@@ -54,7 +54,7 @@ fn half_resolution_lies_where_full_resolution_does() {
 fn between_traced(full: &Pixels, x: u32, y: u32) -> Vec<f32> {
     let texel = |i: u32| {
         let (across, down) = (i & 1, i >> 1);
-        let weight = |pixel: u32, step: u32| if pixel % 2 == 0 { 1.0 - step as f32 } else { 0.5 };
+        let weight = |pixel: u32, step: u32| if pixel.is_multiple_of(2) { 1.0 - step as f32 } else { 0.5 };
         let traced = |pixel: u32, step: u32, side: u32| (pixel / 2 + step).min((side - 1) / 2) * 2;
         let weight = weight(x, across) * weight(y, down);
         full.texel(traced(x, across, full.width), traced(y, down, full.height)).iter().map(|v| weight * v).collect()

@@ -48,8 +48,8 @@ fn the_camera_shows_what_the_command_makes_of_its_images() {
     let images = folder.join("images");
     write_gbuffer(&images, SIZE, &folder.join("g.exr"));
     let mut command = Command::new(ssct());
-    let command =
-        command.args(["gbuffer", "reflect", "g.exr", "--method", "unified", "--own-rays", "auto", "--reflection-only", "-o", "r.exr"]);
+    let reflect = ["gbuffer", "reflect", "g.exr", "--method", "unified", "--own-rays", "auto"];
+    let command = command.args(reflect).args(["--reflection-only", "-o", "r.exr"]);
     run(command.env("SSCT_DEVICE", figure(&line, "device")).current_dir(&folder));
     let embedded = channels::<4>(&images, "reflection", SIZE);
     assert_equal(&folder.join("r.exr"), &embedded);

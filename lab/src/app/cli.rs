@@ -239,8 +239,8 @@ pub enum GBufferCommand {
     Export(GBufferExportOptions),
     /// Run a method on a G-buffer file.
     ///
-    /// Since the image is made once, pixels whose neighbours' rays say little of their reflection get 16 rays of their own, unless
-    /// --own-rays says how many.
+    /// The image is made once. So in unified and traced, pixels whose neighbours' rays say little of their reflection get 16 rays of
+    /// their own, unless --own-rays says how many.
     Reflect(GBufferReflectOptions),
     /// Write another renderer's G-buffer as a file of our own.
     ///

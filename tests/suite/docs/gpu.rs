@@ -155,13 +155,12 @@ pub fn registers(folder: &Path) -> Result<String> {
     table(&head, SHOWN.iter().map(row).collect::<Result<_>>()?)
 }
 
-/// The most vector registers of any program of a stage, after, by a column of the record: on the families of RDNA and on those before,
-/// as "96 and 84".
-pub fn most_registers(folder: &Path, column: &str, stage: &str) -> Result<String> {
+/// The most vector registers that a program of a stage needs, after: on the families of RDNA and on those before, as "63 and 63".
+pub fn most_needed(folder: &Path, stage: &str) -> Result<String> {
     let rows = csv(folder, "after.csv")?;
     let most = |is_wanted: fn(&str) -> bool| -> Result<f64> {
         let of_stage = rows.iter().filter(|r| r["program"].contains(stage) && is_wanted(&r["family"]));
-        Ok(greatest(&of_stage.map(|r| number(r, column)).collect::<Result<Vec<_>>>()?))
+        Ok(greatest(&of_stage.map(|r| number(r, "needed")).collect::<Result<Vec<_>>>()?))
     };
     Ok(format!("{} and {}", most(|family| family != "vega20")?, most(|family| family == "vega20")?))
 }

@@ -46,7 +46,6 @@ pub fn show(query: &str, folder: &Path) -> Result<String> {
             let rounds = csv(folder, "embree.csv")?;
             median(&claims::ratios(&column(&rounds, walk)?, &column(&rounds, other)?)?).map(ratio)
         }
-        ["levels-asked", program, other] => levels_asked(folder, [program, other]),
         ["history-price", program, camera, roughness] => history_price(folder, [program, camera, roughness]),
         ["effect-over", program, other, roughness] => {
             least_over(folder, ["times.csv", "least_ms"], [program, other], roughness)
@@ -215,16 +214,6 @@ fn pass_share(folder: &Path, file: &str, [method, passes]: [&str; 2]) -> Result<
     let own = all.iter().filter(|p| p["name"].as_str().is_some_and(|name| name.starts_with(passes)));
     let sum = own.map(milliseconds).sum::<Result<f64>>()?;
     Ok(percent(sum / milliseconds(&record["total"])?, 0))
-}
-
-/// Errors of glossy reflections against the screen by one program over those by another, the least and the greatest.
-fn levels_asked(folder: &Path, programs: [&str; 2]) -> Result<String> {
-    let errors = |program: &str| {
-        let rows = rows(folder, "errors.csv", &[("program", program), ("against", "screen")])?;
-        column(&rows.into_iter().filter(|row| row["roughness"] != "0.0").collect::<Vec<_>>(), "rmse")
-    };
-    let ratios = claims::ratios(&errors(programs[0])?, &errors(programs[1])?)?;
-    Ok(format!("{} to {}", ratio(least(&ratios)), ratio(greatest(&ratios))))
 }
 
 /// The least number of a column by one program over that by another, on the views that both measured: median, least, greatest.

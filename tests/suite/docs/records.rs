@@ -106,7 +106,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["filters", filter, average] => gpu::filters(first, filter, average)?,
         ["programs-again", program, kept, width] => gpu::programs_again(first, [program, kept, width])?,
         ["registers"] => gpu::registers(first)?,
-        ["registers-most", column, stage] => gpu::most_registers(first, column, stage)?,
+        ["registers-needed", stage] => gpu::most_needed(first, stage)?,
         ["history-times"] => films::history_times(first)?,
         ["layers"] => layers::layers(first)?,
         ["layers-gloss"] => layers::layers_gloss(first)?,
