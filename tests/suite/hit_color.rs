@@ -53,7 +53,7 @@ fn the_foot_of_a_wall_is_not_mixed_with_the_floor() {
         ("unified", in_stage(StageChoice::Compute)),
         ("stochastic", unfaded(EXTENT)),
     ];
-    // How the foot lies among the pixels depends on the height of the eye. From most heights nothing is mixed even if all four pixels
+    // How the foot lies among the pixels depends on the height of the eye. From some heights nothing is mixed even if all four pixels
     // around a hit count.
     for ((method, setup), height) in ways.iter().flat_map(|way| [1.0, 1.1, 1.2, 1.3, 1.4].map(|height| (way, height))) {
         let shown = shown(&scene, Vec3::Y * height, method, setup);
