@@ -12,6 +12,8 @@ pub mod version;
 
 pub use version::OracleVersion;
 
+use std::sync::LazyLock;
+
 /// sRGB's transfer function, encoded to linear, for 0…1 (IEC 61966-2-1).
 pub fn srgb_to_linear(v: f32) -> f32 {
     if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
@@ -31,7 +33,47 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 /// Clamps a linear value to 0…1 and encodes it as an sRGB byte, as in the display image of docs/definitions.md,
 /// "Surfaces". NaN becomes black.
 pub fn display_byte(linear: f32) -> u8 {
-    (linear_to_srgb(linear.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
+    let (linear, table) = (linear.clamp(0.0, 1.0), &*DISPLAY_BYTES);
+    let mut byte = table.first[(linear * DisplayBytes::PARTS as f32) as usize];
+    while linear >= table.least[usize::from(byte) + 1] {
+        byte += 1;
+    }
+    byte
+}
+
+/// [`display_byte`] by its definition, for 0…1.
+fn encoded_byte(linear: f32) -> u8 {
+    (linear_to_srgb(linear) * 255.0 + 0.5) as u8
+}
+
+static DISPLAY_BYTES: LazyLock<DisplayBytes> = LazyLock::new(DisplayBytes::new);
+
+/// Where the bytes of sRGB begin. Images have millions of colours, and a power takes longer than to look this up.
+struct DisplayBytes {
+    /// The byte at the beginning of each of some equal parts of 0…1. The last is that of 1.
+    first: [u8; Self::PARTS + 1],
+    /// The least linear value of each byte; no value has the byte after the last.
+    least: [f32; 257],
+}
+
+impl DisplayBytes {
+    /// A power of two, so that the product with a value is exact.
+    const PARTS: usize = 4096;
+
+    fn new() -> Self {
+        let first = std::array::from_fn(|part| encoded_byte(part as f32 / Self::PARTS as f32));
+        // The bits of positive numbers are in the order of the numbers.
+        let mut least = [f32::INFINITY; 257];
+        for (byte, least) in (0..=255).zip(&mut least) {
+            let (mut below, mut above) = (0, 1.0_f32.to_bits());
+            while below < above {
+                let middle = below + (above - below) / 2;
+                if encoded_byte(f32::from_bits(middle)) < byte { below = middle + 1 } else { above = middle }
+            }
+            *least = f32::from_bits(below);
+        }
+        Self { first, least }
+    }
 }
 
 #[cfg(test)]
@@ -44,5 +86,14 @@ mod tests {
             assert_eq!(display_byte(srgb_to_linear(f32::from(byte) / 255.0)), byte);
         }
         assert_eq!((display_byte(f32::NAN), display_byte(-1.0), display_byte(9.0)), (0, 0, 255));
+    }
+
+    #[test]
+    fn bytes_that_are_looked_up_are_those_of_the_definition() {
+        let beginnings =
+            DISPLAY_BYTES.least[..256].iter().flat_map(|least| [least.next_down().max(0.0), *least, least.next_up()]);
+        for linear in beginnings.chain((0..=100_000).map(|k| k as f32 / 100_000.0)) {
+            assert_eq!(display_byte(linear), encoded_byte(linear), "{linear:e}");
+        }
     }
 }

@@ -3,23 +3,13 @@
 //! Coordinates are in lattice units. Every function repeats after a whole number of lattice units, so that the patterns tile.
 
 use glam::{IVec2, Vec2};
+use std::ops::Range;
 
 /// A hash of a lattice point: three odd multipliers, followed by MurmurHash3's 32-bit finaliser.
 fn hash(point: IVec2, seed: u32) -> u32 {
-    finish(column(point.x) ^ row(point.y, seed))
-}
-
-/// The part of a hash that all points of a column share.
-fn column(x: i32) -> u32 {
-    (x as u32).wrapping_mul(0x9E37_79B1)
-}
-
-/// The part of a hash that all points of a row share.
-fn row(y: i32, seed: u32) -> u32 {
-    (y as u32).wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D)
-}
-
-fn finish(mut h: u32) -> u32 {
+    let column = (point.x as u32).wrapping_mul(0x9E37_79B1);
+    let row = (point.y as u32).wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D);
+    let mut h = column ^ row;
     h ^= h >> 16;
     h = h.wrapping_mul(0x85EB_CA6B);
     h ^= h >> 13;
@@ -29,12 +19,13 @@ fn finish(mut h: u32) -> u32 {
 
 /// A pseudo-random number, 0 ≤ u < 1, for a lattice point.
 pub fn unit(point: IVec2, seed: u32) -> f32 {
-    unit_of(hash(point, seed))
+    // The upper 24 bits fit a signed integer, which processors convert in fewer steps than an unsigned one.
+    (hash(point, seed) >> 8) as i32 as f32 / 16_777_216.0
 }
 
-fn unit_of(hash: u32) -> f32 {
-    // The upper 24 bits fit a signed integer, which processors convert in fewer steps than an unsigned one.
-    (hash >> 8) as i32 as f32 / 16_777_216.0
+/// The lattice points within a period, row by row.
+fn points(period: IVec2) -> impl Iterator<Item = IVec2> {
+    (0..period.y).flat_map(move |y| (0..period.x).map(move |x| IVec2::new(x, y)))
 }
 
 /// 0 below `low`, 1 above `high`, smooth between.
@@ -45,12 +36,15 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 
 /// Value noise in 0…1 with a continuous slope, repeating after `period` lattice units.
 pub fn value(point: Vec2, period: IVec2, seed: u32) -> f32 {
+    between_lattice_points(point, period, |x, y| unit(IVec2::new(x, y), seed))
+}
+
+/// A number between those of the four lattice points around a point, which `number` gives for a column and a row within the period.
+fn between_lattice_points(point: Vec2, period: IVec2, number: impl Fn(i32, i32) -> f32) -> f32 {
     let [(x, fx), (y, fy)] = [split(point.x), split(point.y)];
     let [(left, right), (lower, upper)] = [neighbours(x, period.x), neighbours(y, period.y)];
-    let columns = [column(left), column(right)];
     let along = |y: i32| {
-        let row = row(y, seed);
-        let [left, right] = columns.map(|column| unit_of(finish(column ^ row)));
+        let [left, right] = [left, right].map(|x| number(x, y));
         left + (right - left) * fx
     };
     let [lower, upper] = [along(lower), along(upper)];
@@ -90,48 +84,160 @@ pub fn fractal(point: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
     sum / weights
 }
 
+/// The noise of [`fractal`] with the random numbers of all its lattice points, which are then drawn once and not at every texel of an
+/// image.
+#[derive(Debug, Clone)]
+pub struct Fractal {
+    octaves: Vec<Octave>,
+    weights: f32,
+}
+
+#[derive(Debug, Clone)]
+struct Octave {
+    period: IVec2,
+    scale: f32,
+    weight: f32,
+    /// The numbers of the lattice points within the period, row by row.
+    numbers: Vec<f32>,
+}
+
+impl Fractal {
+    /// Draws the numbers; the parameters are those of [`fractal`].
+    pub fn new(period: IVec2, octaves: u32, seed: u32) -> Self {
+        let octave = |octave: u32| {
+            let (scale, seed) = (1 << octave, seed.wrapping_add(octave));
+            let period = period * scale;
+            let numbers = points(period).map(|point| unit(point, seed)).collect();
+            Octave { period, scale: scale as f32, weight: 1.0 / scale as f32, numbers }
+        };
+        let octaves: Vec<_> = (0..octaves).map(octave).collect();
+        let weights = octaves.iter().fold(0.0, |sum, octave| sum + octave.weight);
+        Self { octaves, weights }
+    }
+
+    /// The noise at a point in lattice units: the bits of [`fractal`].
+    pub fn value(&self, point: Vec2) -> f32 {
+        let sum = self.octaves.iter().fold(0.0, |sum, octave| {
+            let number = |x: i32, y: i32| octave.numbers[(y * octave.period.x + x) as usize];
+            sum + octave.weight * between_lattice_points(point * octave.scale, octave.period, number)
+        });
+        sum / self.weights
+    }
+
+    /// The noise at the middles of some texels of a square image that shows one period, row by row: the bits of
+    /// [`value`](Self::value). Between two rows of lattice points, the noise along each of them is the same for many rows of texels.
+    pub fn image(&self, side: usize, rows: Range<usize>, columns: Range<usize>) -> Vec<f32> {
+        let mut sums = vec![0.0; rows.len() * columns.len()];
+        for octave in &self.octaves {
+            let places = |period: i32, texels: &Range<usize>| {
+                // The period of the first octave, of which the image shows one.
+                let scaled = period as f32 / octave.scale;
+                let coordinate = move |k: usize| (k as f32 + 0.5) / side as f32 * scaled * octave.scale;
+                let place = move |(cell, weight)| (neighbours(cell, period), weight);
+                texels.clone().map(move |k| place(split(coordinate(k))))
+            };
+            let places_in_row: Vec<_> = places(octave.period.x, &columns).collect();
+            let along = |row: i32| -> Vec<f32> {
+                let numbers = &octave.numbers[(row * octave.period.x) as usize..][..octave.period.x as usize];
+                let between = |&((left, right), weight): &((i32, i32), f32)| {
+                    let [left, right] = [left, right].map(|x| numbers[x as usize]);
+                    left + (right - left) * weight
+                };
+                places_in_row.iter().map(between).collect()
+            };
+            let mut kept = (-1, Vec::new(), Vec::new());
+            for (row, ((lower, upper), weight)) in
+                sums.chunks_exact_mut(columns.len()).zip(places(octave.period.y, &rows))
+            {
+                if kept.0 != lower {
+                    kept = (lower, along(lower), along(upper));
+                }
+                for ((sum, lower), upper) in row.iter_mut().zip(&kept.1).zip(&kept.2) {
+                    *sum += octave.weight * (lower + (upper - lower) * weight);
+                }
+            }
+        }
+        sums.iter_mut().for_each(|sum| *sum /= self.weights);
+        sums
+    }
+}
+
 /// The Voronoi cell that contains a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VoronoiCell {
     /// The lattice point of the cell within the period; hash it for properties of the cell, such as its tone.
     pub id: IVec2,
-    /// Distance to the nearest border with another cell, in the unit of `cell_size`.
+    /// Distance to the nearest border with another cell, in the unit of `size`.
     pub border: f32,
 }
 
-/// Finds the Voronoi cell of a point, with one jittered site per lattice cell. Odd rows are shifted by half a
-/// cell, as in masonry. `jitter` is 0…1; `period.y` must be even.
-pub fn cells(position: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
-    let row = (position.y / cell_size.y).floor() as i32;
-    let column = (position.x / cell_size.x).floor() as i32;
+/// Finds the Voronoi cell of a point, with one jittered site per lattice cell. Odd rows are shifted by half a cell, as in masonry.
+/// `size` is that of a lattice cell, `jitter` is 0…1, and `period.y` must be even.
+pub fn cell(position: Vec2, size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
+    cell_among(position, size, period, |id| offset(id, jitter, seed))
+}
+
+/// How far a site lies from the middle of its lattice cell, in lattice units.
+fn offset(id: IVec2, jitter: f32, seed: u32) -> Vec2 {
+    (Vec2::new(unit(id, seed), unit(id, seed ^ 0x55)) - 0.5) * jitter
+}
+
+/// The cells of [`cell`] with all their sites, which are then drawn once and not at every texel of an image.
+#[derive(Debug, Clone)]
+pub struct VoronoiCells {
+    size: Vec2,
+    period: IVec2,
+    /// The offsets of the sites within the period, row by row.
+    offsets: Vec<Vec2>,
+}
+
+impl VoronoiCells {
+    /// Draws the sites; the parameters are those of [`cell`].
+    pub fn new(size: Vec2, period: IVec2, jitter: f32, seed: u32) -> Self {
+        Self { size, period, offsets: points(period).map(|id| offset(id, jitter, seed)).collect() }
+    }
+
+    /// Finds the cell of a point: the bits of [`cell`].
+    pub fn cell(&self, position: Vec2) -> VoronoiCell {
+        cell_among(position, self.size, self.period, |id| self.offsets[(id.y * self.period.x + id.x) as usize])
+    }
+}
+
+fn cell_among(position: Vec2, size: Vec2, period: IVec2, offset: impl Fn(IVec2) -> Vec2) -> VoronoiCell {
+    let row = (position.y / size.y).floor() as i32;
+    let column = (position.x / size.x).floor() as i32;
     // The sites around the point: two rows above and below, and three columns to the left but two to the right, since odd rows are
-    // shifted to the right.
-    let mut around = [[(IVec2::ZERO, Vec2::ZERO); 6]; 5];
-    for (iy, sites) in (row - 2..).zip(&mut around) {
+    // shifted to the right. Their coordinates stand apart, so that a processor computes several at a time.
+    let mut ids = [[IVec2::ZERO; 6]; 5];
+    let (mut xs, mut ys) = ([[0.0; 6]; 5], [[0.0; 6]; 5]);
+    for (k, iy) in (0..5).zip(row - 2..) {
         let shift = if iy & 1 == 1 { 0.5 } else { 0.0 };
         let y = wrapped(iy, period.y);
-        for (ix, site) in (column - 3..).zip(sites) {
-            let id = IVec2::new(wrapped(ix, period.x), y);
-            let random = Vec2::new(unit(id, seed), unit(id, seed ^ 0x55)) - 0.5;
-            let middle = Vec2::new(ix as f32 + 0.5 + shift, iy as f32 + 0.5);
-            *site = (id, (middle + random * jitter) * cell_size);
+        for (l, ix) in (0..6).zip(column - 3..) {
+            ids[k][l] = IVec2::new(wrapped(ix, period.x), y);
+            let offset = offset(ids[k][l]);
+            xs[k][l] = (ix as f32 + 0.5 + shift + offset.x) * size.x;
+            ys[k][l] = (iy as f32 + 0.5 + offset.y) * size.y;
         }
     }
     let mut nearest = (IVec2::ZERO, Vec2::ZERO, f32::INFINITY);
-    for (id, point) in around[1..4].iter().flat_map(|row| &row[1..5]) {
-        let distance = point.distance_squared(position);
+    for (k, l) in (1..4).flat_map(|k| (1..5).map(move |l| (k, l))) {
+        let site = Vec2::new(xs[k][l], ys[k][l]);
+        let distance = site.distance_squared(position);
         if distance < nearest.2 {
-            nearest = (*id, *point, distance);
+            nearest = (ids[k][l], site, distance);
         }
     }
-    let mut border = f32::INFINITY;
-    for (_, point) in around.as_flattened() {
-        let apart = *point - nearest.1;
-        if apart.length_squared() > 1e-8 {
-            let middle = 0.5 * (*point + nearest.1);
-            border = border.min((middle - position).dot(apart.normalize()));
-        }
+    let mut borders = [f32::INFINITY; 30];
+    for ((border, &x), &y) in borders.iter_mut().zip(xs.as_flattened()).zip(ys.as_flattened()) {
+        let apart = [x - nearest.1.x, y - nearest.1.y];
+        let squared = apart[0] * apart[0] + apart[1] * apart[1];
+        let inverse = 1.0 / squared.sqrt();
+        let [from_x, from_y] = [0.5 * (x + nearest.1.x) - position.x, 0.5 * (y + nearest.1.y) - position.y];
+        let along = from_x * (apart[0] * inverse) + from_y * (apart[1] * inverse);
+        *border = if squared > 1e-8 { along } else { f32::INFINITY };
     }
+    let border = borders.into_iter().fold(f32::INFINITY, f32::min);
     VoronoiCell { id: nearest.0, border: border.max(0.0) }
 }
 
@@ -149,6 +255,17 @@ mod tests {
             assert!((0.0..=1.0).contains(&here));
             let there = fractal(position + period.as_vec2(), period, 4, 7);
             assert!((here - there).abs() < 1e-4, "{position}: {here} and {there}");
+            assert_eq!(Fractal::new(period, 4, 7).value(position).to_bits(), here.to_bits(), "{position}");
+        }
+    }
+
+    #[test]
+    fn an_image_has_the_noise_of_each_point() {
+        let (fractal, side, rows, columns) = (Fractal::new(IVec2::new(5, 9), 3, 7), 64, 10..64, 3..40);
+        let texels = rows.clone().flat_map(|y| columns.clone().map(move |x| Vec2::new(x as f32, y as f32)));
+        for (texel, here) in texels.zip(fractal.image(side, rows.clone(), columns.clone())) {
+            let uv = (texel + 0.5) / side as f32;
+            assert_eq!(fractal.value(uv * Vec2::new(5.0, 9.0)).to_bits(), here.to_bits(), "{uv}");
         }
     }
 
@@ -165,10 +282,22 @@ mod tests {
     fn cells_without_jitter_have_known_borders() {
         // Square unit cells with odd rows shifted by half a cell: from the middle of a cell in row 0, the
         // nearest neighbours are left and right, and their borders are half a cell away.
-        let cell = cells(Vec2::new(2.5, 0.5), Vec2::ONE, IVec2::new(8, 8), 0.0, 3);
+        let cells = VoronoiCells::new(Vec2::ONE, IVec2::new(8, 8), 0.0, 3);
+        let cell = cells.cell(Vec2::new(2.5, 0.5));
         assert_eq!(cell.id, IVec2::new(2, 0));
         assert!((cell.border - 0.5).abs() < 1e-5, "{}", cell.border);
-        let cell = cells(Vec2::new(2.9, 0.5), Vec2::ONE, IVec2::new(8, 8), 0.0, 3);
+        let cell = cells.cell(Vec2::new(2.9, 0.5));
         assert!((cell.border - 0.1).abs() < 1e-5, "{}", cell.border);
+    }
+
+    #[test]
+    fn sites_that_are_drawn_once_are_those_of_each_point() {
+        let period = IVec2::new(6, 4);
+        let cells = VoronoiCells::new(Vec2::new(0.5, 0.25), period, 0.75, 11);
+        for position in
+            (0..200).map(|k| Vec2::new(unit(IVec2::new(k, 0), 1) * 4.0 - 0.5, unit(IVec2::new(k, 1), 1) * 2.0 - 0.5))
+        {
+            assert_eq!(cells.cell(position), cell(position, Vec2::new(0.5, 0.25), period, 0.75, 11), "{position}");
+        }
     }
 }

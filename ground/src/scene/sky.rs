@@ -23,7 +23,13 @@ pub fn radiance(direction: Vec3) -> Vec3 {
     let azimuth = atan2(d.z, d.x) / std::f32::consts::TAU + 0.5;
     let ridge = 0.004 + 0.035 * fractal(Vec2::new(azimuth * 9.0, 0.5), IVec2::new(9, 1), 4, 211);
     let land = smoothstep(ridge + 0.004, ridge - 0.004, d.y);
-    air(d).lerp(ground(d, ridge), land).clamp(Vec3::ZERO, Vec3::ONE)
+    // Few directions see both.
+    let color = match land {
+        0.0 => air(d),
+        1.0 => ground(d, ridge),
+        _ => air(d).lerp(ground(d, ridge), land),
+    };
+    color.clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 /// Blue above, pale at the horizon, soft clouds and the sun.

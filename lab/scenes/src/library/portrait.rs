@@ -48,45 +48,66 @@ pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
     scene.impostors.push(impostor);
 }
 
-/// The drawing surface: for each sample that is covered, its height above the rectangle and its linear colour.
+/// The drawing surface.
 struct Canvas<'a> {
     scene: &'a Scene,
     impostor: &'a Impostor,
     size: [u32; 2],
     decoded: [f32; 256],
-    samples: Vec<Option<(f32, Vec3)>>,
+    normal: Vec3,
+}
+
+/// A triangle on the canvas.
+struct Placed<'a> {
+    mesh: &'a Mesh,
+    corners: [&'a Vertex; 3],
+    places: [Vec3; 3],
+    /// Twice the triangle's area, in samples.
+    area: f32,
+}
+
+/// The highest triangle at a sample.
+#[derive(Clone, Copy)]
+struct Highest<'a> {
+    height: f32,
+    triangle: &'a Placed<'a>,
+    weights: Vec3,
 }
 
 impl<'a> Canvas<'a> {
     fn new(scene: &'a Scene, impostor: &'a Impostor, size: [u32; 2]) -> Self {
         let decoded = std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0));
-        Self { scene, impostor, size, decoded, samples: vec![None; (size[0] * size[1]) as usize] }
+        Self { scene, impostor, size, decoded, normal: impostor.normal() }
     }
 
-    /// Draws the meshes and returns the samples. Rows are drawn in parallel.
-    fn drawn(mut self, meshes: &[&Mesh]) -> Vec<Option<(f32, Vec3)>> {
-        let mut samples = std::mem::take(&mut self.samples);
-        let canvas = &self;
-        let triangles: Vec<(&Mesh, [&Vertex; 3], [Vec3; 3])> = meshes
+    /// Draws the meshes, and returns the linear colour of each sample that is covered. Rows are drawn in parallel. A sample is shaded
+    /// once, when its highest triangle is known.
+    fn drawn(&self, meshes: &[&Mesh]) -> Vec<Option<Vec3>> {
+        let triangles: Vec<Placed> = meshes
             .iter()
-            .flat_map(|mesh| {
-                mesh.indices.chunks_exact(3).map(move |t| {
-                    let corners = [0, 1, 2].map(|k| &mesh.vertices[t[k] as usize]);
-                    (*mesh, corners, corners.map(|v| canvas.place(Vec3::from(v.position))))
-                })
-            })
+            .flat_map(|mesh| mesh.indices.chunks_exact(3).map(move |t| self.placed(mesh, t)))
+            .filter(|triangle| triangle.area.abs() >= 1e-9)
             .collect();
-        samples.par_chunks_mut(self.size[0] as usize).enumerate().for_each(|(y, row)| {
+        let row = |y: u32| {
             let middle = y as f32 + 0.5;
-            for (mesh, corners, places) in &triangles {
-                let least = places.iter().fold(f32::INFINITY, |m, p| m.min(p.y));
-                let most = places.iter().fold(f32::NEG_INFINITY, |m, p| m.max(p.y));
+            let mut row = vec![None; self.size[0] as usize];
+            for triangle in &triangles {
+                let least = triangle.places.iter().fold(f32::INFINITY, |m, p| m.min(p.y));
+                let most = triangle.places.iter().fold(f32::NEG_INFINITY, |m, p| m.max(p.y));
                 if least <= middle && middle <= most {
-                    canvas.draw(row, middle, mesh, corners, places);
+                    self.draw(&mut row, middle, triangle);
                 }
             }
-        });
-        samples
+            row.into_iter().map(|highest| highest.map(|highest| self.color(&highest))).collect::<Vec<_>>()
+        };
+        (0..self.size[1]).into_par_iter().flat_map_iter(row).collect()
+    }
+
+    fn placed<'m>(&self, mesh: &'m Mesh, indices: &[u32]) -> Placed<'m> {
+        let corners = [0, 1, 2].map(|k| &mesh.vertices[indices[k] as usize]);
+        let places = corners.map(|v| self.place(Vec3::from(v.position)));
+        let [a, b, c] = places.map(|p| p.truncate());
+        Placed { mesh, corners, places, area: (b - a).perp_dot(c - a) }
     }
 
     /// The column and row of a point, in samples, and its height above the rectangle.
@@ -96,62 +117,49 @@ impl<'a> Canvas<'a> {
         Vec3::new(
             along(self.impostor.half_u, self.size[0]),
             along(self.impostor.half_v, self.size[1]),
-            from.dot(self.impostor.normal()),
+            from.dot(self.normal),
         )
     }
 
     /// Draws the part of a triangle that lies in one row.
-    fn draw(
-        &self,
-        row: &mut [Option<(f32, Vec3)>],
-        middle: f32,
-        mesh: &Mesh,
-        corners: &[&Vertex; 3],
-        places: &[Vec3; 3],
-    ) {
+    fn draw<'t>(&self, row: &mut [Option<Highest<'t>>], middle: f32, triangle: &'t Placed<'t>) {
+        let places = &triangle.places;
         let [a, b, c] = places.map(|p| p.truncate());
-        let area = (b - a).perp_dot(c - a);
-        if area.abs() < 1e-9 {
-            return;
-        }
         let least = a.x.min(b.x).min(c.x).floor().max(0.0) as usize;
         let most = (a.x.max(b.x).max(c.x).ceil().max(0.0) as usize).min(row.len());
         for (x, sample) in row.iter_mut().enumerate().take(most).skip(least) {
             let point = Vec2::new(x as f32 + 0.5, middle);
             let weights =
-                Vec3::new((c - b).perp_dot(point - b), (a - c).perp_dot(point - c), (b - a).perp_dot(point - a)) / area;
+                Vec3::new((c - b).perp_dot(point - b), (a - c).perp_dot(point - c), (b - a).perp_dot(point - a))
+                    / triangle.area;
             if weights.min_element() < 0.0 {
                 continue;
             }
             let height = weights.dot(Vec3::new(places[0].z, places[1].z, places[2].z));
-            if sample.is_none_or(|(above, _)| above < height)
-                && let Some(colour) = self.colour(mesh, corners, weights, area)
-            {
-                *sample = Some((height, colour));
+            if sample.is_none_or(|highest| highest.height < height) && !self.is_hole(triangle, weights) {
+                *sample = Some(Highest { height, triangle, weights });
             }
         }
     }
 
-    /// The lit colour at a point of a triangle, without its normal map; `None` where its mask has a hole.
-    /// `area` is twice the triangle's area, in samples.
-    fn colour(&self, mesh: &Mesh, corners: &[&Vertex; 3], weights: Vec3, area: f32) -> Option<Vec3> {
-        let material = &self.scene.materials[mesh.material];
-        let mix =
-            |attribute: &dyn Fn(&Vertex) -> Vec3| -> Vec3 { (0..3).map(|k| weights[k] * attribute(corners[k])).sum() };
-        let uv = mix(&|v| Vec2::from(v.uv).extend(0.0)).truncate();
-        let [i, j, k] = corners.map(|v| Vec2::from(v.uv));
-        let footprint = ((j - i).perp_dot(k - i) / area).abs().sqrt();
-        if let Some(mask) = material.alpha_mask
-            && self.average(&self.scene.textures[mask], uv, 0.0).x < 0.5
-        {
-            return None;
-        }
+    /// Whether the mask of a triangle has a hole at a point.
+    fn is_hole(&self, triangle: &Placed, weights: Vec3) -> bool {
+        let mask = self.scene.materials[triangle.mesh.material].alpha_mask;
+        mask.is_some_and(|mask| self.average(&self.scene.textures[mask], triangle.uv(weights), 0.0).x < 0.5)
+    }
+
+    /// The lit colour at a point of a triangle, without its normal map.
+    fn color(&self, Highest { triangle, weights, .. }: &Highest) -> Vec3 {
+        let material = &self.scene.materials[triangle.mesh.material];
+        let [i, j, k] = triangle.corners.map(|v| Vec2::from(v.uv));
+        let footprint = ((j - i).perp_dot(k - i) / triangle.area).abs().sqrt();
+        let uv = triangle.uv(*weights);
         let image = material.albedo_map.map_or(Vec4::ONE, |t| self.average(&self.scene.textures[t], uv, footprint));
-        let position = mix(&|v| Vec3::from(v.position));
-        let normal = mix(&|v| Vec3::from(v.normal)).normalize_or(self.impostor.normal());
-        let facing = if normal.dot(self.impostor.normal()) < 0.0 { -normal } else { normal };
+        let position = triangle.mix(*weights, |v| Vec3::from(v.position));
+        let normal = triangle.mix(*weights, |v| Vec3::from(v.normal)).normalize_or(self.normal);
+        let facing = if normal.dot(self.normal) < 0.0 { -normal } else { normal };
         let shading: f32 = self.scene.lights.iter().map(|light| light.shading(position, facing)).sum();
-        Some(material.albedo * image.truncate() * (0.2 + 0.8 * shading.min(1.0)))
+        material.albedo * image.truncate() * (0.2 + 0.8 * shading.min(1.0))
     }
 
     /// The mean of an image over a square with sides of `footprint` (in texture coordinates); the image
@@ -161,11 +169,13 @@ impl<'a> Canvas<'a> {
         let count = (footprint * size.max_element()).round().clamp(1.0, FOOTPRINT_MAX) as i32;
         let corner = uv * size - 0.5 * (count - 1) as f32;
         let (width, height) = (texture.width as i32, texture.height as i32);
+        let first = [(corner.x.floor() as i32).rem_euclid(width), (corner.y.floor() as i32).rem_euclid(height)];
+        // A division for each texel would take longer than the rest.
+        let wrapped = |place: i32, size: i32| if place < size { place } else { place % size };
         let mut sum = Vec4::ZERO;
         for y in 0..count {
             for x in 0..count {
-                let column = (corner.x.floor() as i32 + x).rem_euclid(width);
-                let row = (corner.y.floor() as i32 + y).rem_euclid(height);
+                let [column, row] = [wrapped(first[0] + x, width), wrapped(first[1] + y, height)];
                 let texel = &texture.rgba[4 * (row * width + column) as usize..][..4];
                 sum += match texture.encoding {
                     Encoding::Srgb => Vec4::from_array([0, 1, 2, 3].map(|k| self.decoded[usize::from(texel[k])])),
@@ -177,15 +187,26 @@ impl<'a> Canvas<'a> {
     }
 }
 
+impl Placed<'_> {
+    /// An attribute at a point, from those of the corners.
+    fn mix(&self, weights: Vec3, attribute: impl Fn(&Vertex) -> Vec3) -> Vec3 {
+        (0..3).map(|k| weights[k] * attribute(self.corners[k])).sum()
+    }
+
+    fn uv(&self, weights: Vec3) -> Vec2 {
+        self.mix(weights, |v| Vec2::from(v.uv).extend(0.0)).truncate()
+    }
+}
+
 /// Reduces samples to texels: colour is the mean of the covered samples, alpha their share. Texels without covered samples get
 /// the mean colour of the image, so that filtering adds no dark seam.
-fn reduced(samples: &[Option<(f32, Vec3)>], [width, height]: [u32; 2]) -> Vec<u8> {
+fn reduced(samples: &[Option<Vec3>], [width, height]: [u32; 2]) -> Vec<u8> {
     let stride = width * OVERSAMPLED;
     let texel = |x: u32, y: u32| {
         let mut sum = Vec4::ZERO;
         for k in 0..OVERSAMPLED * OVERSAMPLED {
             let (i, j) = (x * OVERSAMPLED + k % OVERSAMPLED, y * OVERSAMPLED + k / OVERSAMPLED);
-            if let Some((_, colour)) = samples[(j * stride + i) as usize] {
+            if let Some(colour) = samples[(j * stride + i) as usize] {
                 sum += colour.extend(1.0);
             }
         }

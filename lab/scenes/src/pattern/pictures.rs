@@ -4,7 +4,7 @@
 use super::lettering::{Text, to_segment};
 use glam::{IVec2, Vec2, Vec3, Vec4};
 use ssct_ground::math::atan2;
-use ssct_ground::math::noise::{cells, fractal, smoothstep, unit};
+use ssct_ground::math::noise::{cell, fractal, smoothstep, unit};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// An image that can be generated.
@@ -307,7 +307,7 @@ fn glass(point: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Ve
         Vec3::new(1.0, 0.72, 0.10),
         Vec3::new(0.12, 0.65, 0.18),
     ];
-    let cell = cells(point, Vec2::ONE, grid, 0.8, seed);
+    let cell = cell(point, Vec2::ONE, grid, 0.8, seed);
     let colour = COLOURS[((tone(cell.id) * 5.0) as usize).min(4)];
     let bright = 0.7 + 0.3 * unit(cell.id, seed + 1);
     let streaks = 0.85 + 0.15 * fractal(point * 3.0, grid * 3, 2, seed + 2);
