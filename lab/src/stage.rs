@@ -16,6 +16,7 @@ use ssct::passes::scene_data::SceneData;
 use ssct::passes::{Captures, GBuffer};
 use ssct_scenes::tree::Trees;
 use ssct_scenes::{Camera, Capture, Material, Scene, View, placement};
+use std::rc::Rc;
 
 /// The global factors of the command line; they replace or scale every material's values
 /// (docs/definitions.md, "Surfaces").
@@ -153,8 +154,8 @@ impl Stage {
 
 /// One camera, one size and one method, with the scene passes and the method's own passes.
 pub struct Shot {
-    /// The G-buffer pass and its images.
-    pub gbuffer: GBufferPass,
+    /// The G-buffer pass and its images, which other shots may share.
+    pub gbuffer: Rc<GBufferPass>,
     lighting: LightingPass,
     effect: Effect,
     /// The camera of the shot.
@@ -177,7 +178,17 @@ impl Shot {
         let effect = Effect::new(context, method, &setup.seen_by(camera.kind()), wants, Some(&scene))?;
         let gpu = context.gpu();
         let gbuffer = if effect.wants_triangles() { GBufferPass::numbered } else { GBufferPass::new };
-        Ok(Self { gbuffer: gbuffer(gpu, setup.extent)?, lighting: LightingPass::new(gpu)?, effect, camera, materials })
+        let gbuffer = Rc::new(gbuffer(gpu, setup.extent)?);
+        Ok(Self { gbuffer, lighting: LightingPass::new(gpu)?, effect, camera, materials })
+    }
+
+    /// Draws the scene into the images of another of some shots from now on, if one draws as this one does. Every frame draws them
+    /// anew, so that shots that take turns need one G-buffer.
+    pub fn share_gbuffer(&mut self, shots: &[Self]) {
+        let seen = |shot: &Self| (shot.gbuffer.albedo().extent(), shot.effect.wants_triangles());
+        if let Some(other) = shots.iter().find(|other| seen(other) == seen(self)) {
+            self.gbuffer = Rc::clone(&other.gbuffer);
+        }
     }
 
     /// Makes a shot to draw a scene's G-buffer with, from any camera.

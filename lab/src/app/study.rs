@@ -26,6 +26,7 @@ use ssct::gpu::Gpu;
 use ssct::methods::{self, METHODS, MethodInfo, Setup};
 use ssct_scenes::inside::PathInFolder;
 use ssct_scenes::{Scene, View, library};
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::io::Write;
 use std::path::PathBuf;
@@ -91,14 +92,19 @@ impl Plan {
 
     /// The parts of the study, in the order in which a reader wants them: pictures of one view, the thesis's table, errors,
     /// and then the rest of each.
-    fn parts<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene]) -> Result<Vec<Part<'a>>> {
-        let mut pictures = scenes.iter().flat_map(|s| self.shown(s).map(move |v| Part::Pictures(s, v)));
+    fn parts<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene], untimed: &[Scene]) -> Result<Vec<Part<'a>>> {
+        let shown = |scene: &Scene, view: &View| Part::Pictures {
+            scene: scene.name.clone(),
+            view: view.clone(),
+            methods: self.methods_in(scene),
+        };
+        let mut pictures = scenes.iter().chain(untimed).flat_map(|s| self.shown(s).map(move |v| shown(s, v)));
         let mut parts: Vec<Part> = pictures.next().into_iter().collect();
         parts.extend(self.table_5_8(gpu, scenes)?.map(Part::Table));
         parts.extend(self.errors(gpu, scenes)?);
         parts.extend(scenes.first().map(Part::Figures));
         parts.extend(pictures);
-        let timed = scenes.iter().take(self.timed_scenes).flat_map(|s| self.shown(s).map(move |v| (s, v)));
+        let timed = scenes.iter().flat_map(|s| self.shown(s).map(move |v| (s, v)));
         parts.extend(timed.map(|(scene, view)| {
             Part::Times(self.time(gpu, scene, view, &self.methods_in(scene), vec![self.size], vec![GLOSSY]))
         }));
@@ -133,7 +139,7 @@ impl Plan {
             (vec![(rooms.clone(), views)], Variant::for_methods(&self.methods, &Setup::new(QUICK_SIZE)));
         let study = ErrorStudy::new(scenes, vec![QUICK_SIZE], globals, variants, (self.samples, self.rays));
         let list = engine::list(&study, gpu, self.command.clone(), None);
-        Ok(Some(Part::Errors(Box::new((RefCell::new(study), list)))))
+        Ok(Some(Part::Errors(Box::new((RefCell::new(Some(study)), list)))))
     }
 
     /// The times to measure on a view.
@@ -154,12 +160,12 @@ impl Plan {
 
 /// A part of the study, after which the page is written again.
 enum Part<'a> {
-    /// Pictures of a view.
-    Pictures(&'a Scene, &'a View),
+    /// Pictures of a view of a scene by the methods that find what they need there.
+    Pictures { scene: String, view: View, methods: Vec<&'static MethodInfo> },
     /// Table 5.8.
     Table(TimeSpec<'a>),
-    /// Errors of views.
-    Errors(Box<(RefCell<ErrorStudy>, CellList)>),
+    /// Errors of views, by a study that is there until it was made.
+    Errors(Box<(RefCell<Option<ErrorStudy>>, CellList)>),
     /// Figures of the thesis, on a scene.
     Figures(&'a Scene),
     /// Times of a view.
@@ -172,7 +178,7 @@ impl Part<'_> {
     /// The part's name on the page while the part is not made yet.
     fn title(&self) -> String {
         match self {
-            Self::Pictures(scene, view) => format!("pictures of {}, {}", scene.name, view.name),
+            Self::Pictures { scene, view, .. } => format!("pictures of {scene}, {}", view.name),
             Self::Table(_) => "table 5.8".into(),
             Self::Errors(_) => "run time against error".into(),
             Self::Figures(_) => "figures of the thesis".into(),
@@ -182,10 +188,10 @@ impl Part<'_> {
     }
 
     /// Number of steps of the progress bar for the part.
-    fn steps(&self, plan: &Plan) -> usize {
+    fn steps(&self) -> usize {
         match self {
             // Each method, unified on the screen alone, and the truth.
-            Self::Pictures(scene, _) => plan.methods_in(scene).len() + 2,
+            Self::Pictures { methods, .. } => methods.len() + 2,
             Self::Table(spec) | Self::Times(spec) => spec.frames(),
             Self::Errors(errors) => errors.1.owned(),
             Self::Figures(_) | Self::OtherDevices(_) => 1,
@@ -207,6 +213,8 @@ struct StudyResults {
 struct Study<'a> {
     gpu: &'a Gpu,
     plan: &'a Plan,
+    /// The scenes that are timed.
+    scenes: &'a [Scene],
     parts: &'a [Part<'a>],
     pictures: PictureFolder,
     validation: bool,
@@ -219,17 +227,21 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let plan = Plan::new(options)?;
     let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
-    let scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
+    let mut scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
     // Called for its messages, which say which methods are left out of which scene.
     resolve::showing(plan.methods.clone(), |method| method, &scenes.iter().collect::<Vec<_>>())?;
-    let parts = plan.parts(&gpu, &scenes)?;
+    // A scene that is only shown is made again when its turn comes, so that no two of them are in memory.
+    let untimed = scenes.split_off(plan.timed_scenes.min(scenes.len()));
+    let parts = plan.parts(&gpu, &scenes, &untimed)?;
+    drop(untimed);
     let study = Study {
         gpu: &gpu,
         plan: &plan,
+        scenes: &scenes,
         parts: &parts,
         pictures: PictureFolder::new(folder),
         validation: options.device.validation,
-        bar: progress::bar("study", parts.iter().map(|part| part.steps(&plan)).sum()),
+        bar: progress::bar("study", parts.iter().map(Part::steps).sum()),
     };
     let mut made = StudyResults::default();
     let outcome = study.measure(&mut run.journal, &mut made);
@@ -275,33 +287,38 @@ impl<'a> Study<'a> {
         Ok(())
     }
 
-    /// Makes a part. The views of a scene follow one another, so that the scene's stage is kept until its last view.
+    /// Makes a part. The views of a scene follow one another, so that the scene's stage is kept until its last view, or until
+    /// something else needs the memory.
     fn make(
         &self,
         part: &Part<'a>,
         journal: &mut Journal,
         made: &mut StudyResults,
-        last: &mut LastMade<&'a str, Stage>,
+        last: &mut LastMade<String, (Cow<'a, Scene>, Stage)>,
     ) -> anyhow::Result<()> {
         let (folder, step) = (self.pictures.place(), &mut || progress::step(&self.bar));
+        if !matches!(part, Part::Pictures { .. } | Part::Figures(_)) {
+            last.forget();
+        }
         match part {
-            Part::Pictures(scene, view) => {
-                let methods = self.plan.methods_in(scene);
-                let shown = ShownView { scene, view, size: self.plan.size, methods: &methods };
-                let stage = last.get_or_make(&scene.name, || Stage::new(self.gpu, scene))?;
+            Part::Pictures { scene, view, methods } => {
+                let (scene, stage) = last.get_or_make(scene.clone(), || self.staged(scene))?;
+                let shown = ShownView { scene, view, size: self.plan.size, methods };
                 made.views.push(study_pictures::of_view(stage, &shown, folder, step)?);
             }
             Part::Table(spec) | Part::Times(spec) => timing::measure(spec, journal, step)?,
             Part::Errors(errors) => {
                 let (study, list) = &**errors;
+                // The study is dropped with what it keeps for its next cell.
+                let Some(mut study) = study.take() else { return Ok(()) };
                 let to = folder.join(ERROR_FOLDER);
                 let keep = &mut |file: &ExtraFile| Ok(results::keep(&to, file)?);
                 let advance = &mut |steps: usize| self.bar.inc(steps as u64);
                 let mut bench = Bench { gpu: self.gpu, journal, go_on, advance, keep };
-                engine::measure(&mut *study.borrow_mut(), list, &mut bench)?;
+                engine::measure(&mut study, list, &mut bench)?;
             }
             Part::Figures(scene) => {
-                let stage = last.get_or_make(&scene.name, || Stage::new(self.gpu, scene))?;
+                let (_, stage) = last.get_or_make(scene.name.clone(), || self.staged(&scene.name))?;
                 made.figures = study_pictures::of_thesis(stage, scene, folder, self.plan.size)?;
                 step()?;
             }
@@ -311,6 +328,16 @@ impl<'a> Study<'a> {
             }
         }
         Ok(())
+    }
+
+    /// A scene, which is made unless it is timed, and its stage.
+    fn staged(&self, name: &str) -> Result<(Cow<'a, Scene>, Stage)> {
+        let scene = match self.scenes.iter().find(|scene| scene.name == name) {
+            Some(timed) => Cow::Borrowed(timed),
+            None => Cow::Owned(library::scene_or_file(name)?),
+        };
+        let stage = Stage::new(self.gpu, &scene)?;
+        Ok((scene, stage))
     }
 
     /// Writes the records and the page with all results so far.
@@ -326,7 +353,7 @@ impl<'a> Study<'a> {
                     errors.extend(engine::rows(list, journal));
                     Results { rows: &errors, list, missing: &[] }.write(&folder.join(ERROR_FOLDER))?;
                 }
-                Part::Pictures(..) | Part::Figures(_) | Part::OtherDevices(_) => {}
+                Part::Pictures { .. } | Part::Figures(_) | Part::OtherDevices(_) => {}
             }
         }
         let all: Vec<TimeRecord> = viewed.iter().chain(&tabled).cloned().collect();

@@ -179,6 +179,11 @@ impl<K: PartialEq, T> LastMade<K, T> {
         };
         Ok(&mut self.0.insert((key, made)).1)
     }
+
+    /// Drops the last value, to free its memory.
+    pub fn forget(&mut self) {
+        self.0 = None;
+    }
 }
 
 /// Lists a study's cells for a run on a device; `shard` says which of them the run owns, and `command` is the command of the

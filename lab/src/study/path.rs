@@ -207,9 +207,12 @@ impl Study for PathStudy {
         let materials = self.globals.materials(&self.scene, &start);
         let prefixes = self.prefixes(bench.gpu, *extent);
         let (setup, first) = (self.setup.with_extent(*extent), start.camera(&self.scene, *extent));
-        let made =
-            self.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, Wants::IMAGE, first, materials.clone()));
-        let mut shots = made.collect::<ssct::Result<Vec<_>>>()?;
+        let mut shots = Vec::new();
+        for method in &self.methods {
+            let mut shot = Shot::new(&mut stage, method, &setup, Wants::IMAGE, first, materials.clone())?;
+            shot.share_gbuffer(&shots);
+            shots.push(shot);
+        }
         let rounds: Vec<Round> = (0..self.warmup + self.frames)
             .map(|n| {
                 let counts = n.checked_sub(self.warmup);
