@@ -201,6 +201,36 @@ fn hill(scene: &Scene, view: &View) -> (Placement, Vec3, f32) {
 }
 
 #[test]
+fn a_mirror_that_moves_finds_what_it_showed() {
+    let (scene, view) = rooms_without_bumps();
+    let (hill, middle, radius) = hill(&scene, &view);
+    let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
+    let view = View { look_at: middle.with_y(middle.y + radius), ..view };
+    let moment = |n: u32| {
+        let aside = right * (0.03 * n as f32 - 0.24);
+        Moment { ball: Placement { offset: hill.offset + aside, ..hill }, ..Moment::from_view(&view) }
+    };
+    let moments: Vec<Moment> = (0..=AVERAGED).map(moment).collect();
+    let last = || moment(AVERAGED);
+    let still: Vec<Moment> = (0..2 * AVERAGED).map(|_| last()).collect();
+    let gone = Placement { offset: Vec3::new(0.0, -100.0, 0.0), ..Placement::HERE };
+    for roughness in [0.1, 0.3] {
+        let settled = film(&scene, roughness, &with_history(), &still);
+        let truth = settled.last().unwrap();
+        let without = film(&scene, roughness, &Setup::new(EXTENT), &[Moment { ball: gone, ..last() }]);
+        let alone = film(&scene, roughness, &Setup::new(EXTENT), &[last()]);
+        let shows: Vec<bool> = without[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
+        let moved = film(&scene, roughness, &with_history(), &moments);
+        let [averaged, alone] = [moved.last().unwrap(), &alone[0]].map(|image| masked_rmse(truth, image, &shows));
+        println!(
+            "roughness {roughness}, {} pixels: {averaged:.4} with a history, {alone:.4} without",
+            shows.iter().filter(|s| **s).count()
+        );
+        assert!(averaged < 0.75 * alone, "roughness {roughness}: {averaged} with a history, {alone} without");
+    }
+}
+
+#[test]
 fn a_curved_mirror_finds_what_it_showed() {
     let (scene, view) = rooms_without_bumps();
     let (placed, middle, radius) = hill(&scene, &view);
