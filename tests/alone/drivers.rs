@@ -1,8 +1,7 @@
 //! Two drivers that were written apart must agree: Mesa's lavapipe and SwiftShader (`make test-drivers` fetches the second,
 //! and a validation layer three years younger than Debian's). What drivers may do as they like, by the specification, has a
-//! stated bound; docs/findings.md says what comes of it.
+//! stated bound; docs/findings.md says what comes of it. These tests measure nothing of their process, so that they run beside each other.
 
-use crate::alone;
 use crate::common::check_validation;
 use crate::common::folder::Folder;
 use serde_json::Value;
@@ -50,7 +49,6 @@ fn greatest_flip(method: &str) -> [f64; 2] {
 #[test]
 #[ignore = "needs the driver that make test-drivers fetches"]
 fn methods_make_the_same_of_one_gbuffer() {
-    let _alone = alone();
     let [base, other] = [LAVAPIPE, SWIFTSHADER].map(|device| open(device, false));
     let mut compared = 0;
     for (scene, view) in [("rooms", "corridor"), ("museum", "exit-sign")] {
@@ -83,7 +81,6 @@ fn methods_make_the_same_of_one_gbuffer() {
 #[test]
 #[ignore = "needs the driver that make test-drivers fetches"]
 fn gbuffers_differ_by_the_filter_of_material_maps() {
-    let _alone = alone();
     let scene = library::scene("rooms").unwrap();
     let drawn = |isotropic, globals| -> DrawnRecord {
         let gpus = [LAVAPIPE, SWIFTSHADER].map(|device| open(device, isotropic));
@@ -107,7 +104,6 @@ fn gbuffers_differ_by_the_filter_of_material_maps() {
 #[test]
 #[ignore = "needs the driver that make test-drivers fetches"]
 fn the_stress_suite_is_passed_on_the_second_driver() {
-    let _alone = alone();
     let folder = Folder::new();
     let output = folder.run(&["stress", "--quick", "--validation", "--json", "--device", SWIFTSHADER]);
     let said = String::from_utf8_lossy(&output.stderr);
@@ -121,7 +117,6 @@ fn the_stress_suite_is_passed_on_the_second_driver() {
 #[test]
 #[ignore = "needs the driver that make test-drivers fetches"]
 fn both_drivers_record_and_time_the_same_passes() {
-    let _alone = alone();
     let folder = Folder::new();
     let timed = |device: &str| -> Vec<Value> {
         let said = folder.succeed(&[
@@ -164,7 +159,6 @@ fn both_drivers_record_and_time_the_same_passes() {
 #[test]
 #[ignore = "minutes, and needs the driver that make test-drivers fetches"]
 fn a_device_is_measured_and_held_against_its_own_images() {
-    let _alone = alone();
     let folder = Folder::new();
     let study = |more: &[&str]| {
         let told = ["gpu-study", "--quick", "--device", LAVAPIPE, "-o", "study"];

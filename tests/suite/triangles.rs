@@ -9,6 +9,7 @@ use ssct::methods::setup::BeyondScreen;
 use ssct::methods::unified::{FirstTraced, UnifiedParams};
 use ssct::methods::{self, EffectParams, MethodInfo, SceneInput, Setup, Wants};
 use ssct::passes::PathCode;
+use ssct_ground::scene::tree::Tree;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::bvh::WorldRay;
 use ssct_scenes::{GBufferData, Material, Scene};
@@ -167,5 +168,21 @@ fn a_g_buffer_alone_has_no_triangles() {
         let made = methods::Effect::new(&mut context, method, &setup, Wants::IMAGE, none);
         let said = made.err().expect("refused").to_string();
         assert!(said.contains(method.name) && said.contains("G-buffer alone"), "{said}");
+    }
+}
+
+#[test]
+fn no_built_in_scene_has_a_tree_by_halves() {
+    for name in ssct_scenes::library::every_name() {
+        let scene = crate::common::built_in(name);
+        let tree = Tree::build(&scene).unwrap();
+        // A tree by halves is nearly full, and one by neighbours has more levels.
+        let full = scene.triangle_count().next_power_of_two().ilog2().div_ceil(3);
+        println!("{name}: {} levels, {full} in a full tree", tree.levels);
+        assert!(
+            tree.levels > full + 1 || tree.slots.len() < 100,
+            "{name}: a tree of {} levels is one by halves",
+            tree.levels
+        );
     }
 }

@@ -167,8 +167,8 @@ impl Plan {
         Ok(ErrorStudy::new(vec![(scene, vec![view])], vec![JUDGED_SIZE], globals, variants, (1, rays)))
     }
 
-    /// The number of views that the README's numbers are measured on.
-    fn readme_views(&self) -> usize {
+    /// The number of views on which the README's numbers are measured, and every method is timed.
+    fn timed_views(&self) -> usize {
         if self.is_quick() { 1 } else { self.views }
     }
 
@@ -227,12 +227,12 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let places = VIEWS[..plan.views].iter().map(|view| place(*view)).collect::<Result<Vec<_>>>()?;
     let table_place = place(TABLE_VIEW)?;
     let table = plan.table(&gpu, &table_place);
-    let methods: Vec<_> = places.iter().map(|place| plan.methods(&gpu, place)).collect();
+    let timed_places = &places[..plan.timed_views()];
+    let methods: Vec<_> = timed_places.iter().map(|place| plan.methods(&gpu, place)).collect();
     let first: Vec<_> = places.iter().map(|place| plan.first(&gpu, place)).collect();
     let tracers: Vec<_> = places.iter().filter_map(|place| plan.tracers(&gpu, place)).collect();
     let stages = plan.stages(&gpu, &places[0]);
-    let quoted =
-        places[..plan.readme_views()].iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
+    let quoted = timed_places.iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
     let (table, stages) = ([table], [stages]);
     let others: [(&str, &[TimeSpec]); 5] = [
         ("table 5.8", &table),
@@ -303,7 +303,7 @@ fn command(options: &GpuStudyOptions) -> String {
 /// Measures the errors that the page compares with those of the README.
 fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Result<Vec<ErrorRecord>> {
     let mut records = Vec::new();
-    for view in &VIEWS[..plan.readme_views()] {
+    for view in &VIEWS[..plan.timed_views()] {
         let mut study = plan.readme_errors(gpu, *view)?;
         let list = engine::list(&study, gpu, String::new(), None);
         let journal = &mut run.journal;
