@@ -274,7 +274,7 @@ fn image(
     texel: impl Fn(Texel) -> [u8; 4] + Sync,
 ) -> Texture {
     let texels = (0..width * height).into_par_iter().map(|k| Texel::new(k, [width, height]));
-    Texture { name, width, height, rgba: texels.flat_map_iter(|it| texel(it)).collect(), encoding }
+    Texture { name, width, height, rgba: texels.flat_map_iter(&texel).collect(), encoding }
 }
 
 /// The unit normal at texel `k` by central differences that wrap; x right, y up, z out.
