@@ -182,13 +182,25 @@ impl Shot {
         Ok(Self { gbuffer, lighting: LightingPass::new(gpu)?, effect, camera, materials })
     }
 
-    /// Draws the scene into the images of another of some shots from now on, if one draws as this one does. Every frame draws them
-    /// anew, so that shots that take turns need one G-buffer.
-    pub fn share_gbuffer(&mut self, shots: &[Self]) {
-        let seen = |shot: &Self| (shot.gbuffer.albedo().extent(), shot.effect.wants_triangles());
-        if let Some(other) = shots.iter().find(|other| seen(other) == seen(self)) {
-            self.gbuffer = Rc::clone(&other.gbuffer);
+    /// Makes shots that take turns, each by a method with a setup. Shots that draw the scene alike draw it into one G-buffer, since
+    /// every frame draws it anew.
+    pub fn in_turns<'m>(
+        stage: &mut Stage,
+        methods: impl IntoIterator<Item = (&'m MethodInfo, Setup)>,
+        wants: Wants,
+        camera: Camera,
+        materials: &[Material],
+    ) -> Result<Vec<Self>> {
+        let mut shots: Vec<Self> = Vec::new();
+        for (method, setup) in methods {
+            let mut shot = Self::new(stage, method, &setup, wants, camera, materials.to_vec())?;
+            let drawn = |shot: &Self| (shot.gbuffer.albedo().extent(), shot.effect.wants_triangles());
+            if let Some(alike) = shots.iter().find(|other| drawn(other) == drawn(&shot)) {
+                shot.gbuffer = Rc::clone(&alike.gbuffer);
+            }
+            shots.push(shot);
         }
+        Ok(shots)
     }
 
     /// Makes a shot to draw a scene's G-buffer with, from any camera.

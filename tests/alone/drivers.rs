@@ -1,6 +1,7 @@
 //! Two drivers that were written apart must agree: Mesa's lavapipe and SwiftShader (`make test-drivers` fetches the second,
 //! and a validation layer three years younger than Debian's). What drivers may do as they like, by the specification, has a
-//! stated bound; docs/findings.md says what comes of it. These tests measure nothing of their process, so that they run beside each other.
+//! stated bound; docs/findings.md says what comes of it. These tests measure nothing of their process, so that they may run
+//! beside each other.
 
 use crate::common::check_validation;
 use crate::common::folder::Folder;

@@ -1,5 +1,5 @@
 //! The integration tests that nothing may run beside, one at a time: they measure the memory of their process, build a
-//! crate, or make devices fail.
+//! crate, or make devices fail. Apart from them, `make test-drivers` runs the tests of other drivers, which may run beside each other.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 

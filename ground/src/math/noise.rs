@@ -23,11 +23,6 @@ pub fn unit(point: IVec2, seed: u32) -> f32 {
     (hash(point, seed) >> 8) as i32 as f32 / 16_777_216.0
 }
 
-/// The lattice points within a period, row by row.
-fn points(period: IVec2) -> impl Iterator<Item = IVec2> {
-    (0..period.y).flat_map(move |y| (0..period.x).map(move |x| IVec2::new(x, y)))
-}
-
 /// 0 below `low`, 1 above `high`, smooth between.
 pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
@@ -36,15 +31,10 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 
 /// Value noise in 0…1 with a continuous slope, repeating after `period` lattice units.
 pub fn value(point: Vec2, period: IVec2, seed: u32) -> f32 {
-    between_lattice_points(point, period, |x, y| unit(IVec2::new(x, y), seed))
-}
-
-/// A number between those of the four lattice points around a point, which `number` gives for a column and a row within the period.
-fn between_lattice_points(point: Vec2, period: IVec2, number: impl Fn(i32, i32) -> f32) -> f32 {
     let [(x, fx), (y, fy)] = [split(point.x), split(point.y)];
     let [(left, right), (lower, upper)] = [neighbours(x, period.x), neighbours(y, period.y)];
     let along = |y: i32| {
-        let [left, right] = [left, right].map(|x| number(x, y));
+        let [left, right] = [left, right].map(|x| unit(IVec2::new(x, y), seed));
         left + (right - left) * fx
     };
     let [lower, upper] = [along(lower), along(upper)];
@@ -84,82 +74,48 @@ pub fn fractal(point: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
     sum / weights
 }
 
-/// The noise of [`fractal`] with the random numbers of all its lattice points, which are then drawn once and not at every texel of an
-/// image.
-#[derive(Debug, Clone)]
-pub struct Fractal {
-    octaves: Vec<Octave>,
-    weights: f32,
-}
-
-#[derive(Debug, Clone)]
-struct Octave {
-    period: IVec2,
-    scale: f32,
-    weight: f32,
-    /// The numbers of the lattice points within the period, row by row.
-    numbers: Vec<f32>,
-}
-
-impl Fractal {
-    /// Draws the numbers; the parameters are those of [`fractal`].
-    pub fn new(period: IVec2, octaves: u32, seed: u32) -> Self {
-        let octave = |octave: u32| {
-            let (scale, seed) = (1 << octave, seed.wrapping_add(octave));
-            let period = period * scale;
-            let numbers = points(period).map(|point| unit(point, seed)).collect();
-            Octave { period, scale: scale as f32, weight: 1.0 / scale as f32, numbers }
+/// The noise of [`fractal`] at the middles of some texels of a square image that shows one period, row by row. All bits are those of
+/// [`fractal`]. Many rows of texels lie between the same two rows of lattice points, along which the noise is computed once.
+pub fn fractal_image(
+    (period, octaves, seed): (IVec2, u32, u32),
+    side: usize,
+    rows: Range<usize>,
+    columns: Range<usize>,
+) -> Vec<f32> {
+    let mut sums = vec![0.0; rows.len() * columns.len()];
+    let mut weights = 0.0;
+    for octave in 0..octaves {
+        let (scale, seed) = (1 << octave, seed.wrapping_add(octave));
+        let weight = 1.0 / scale as f32;
+        // The lattice coordinates below and above a texel, and the weight of the upper one.
+        let place = |texel: usize, period: i32| {
+            let uv = (texel as f32 + 0.5) / side as f32;
+            let (cell, weight) = split(uv * period as f32 * scale as f32);
+            (neighbours(cell, period * scale), weight)
         };
-        let octaves: Vec<_> = (0..octaves).map(octave).collect();
-        let weights = octaves.iter().fold(0.0, |sum, octave| sum + octave.weight);
-        Self { octaves, weights }
-    }
-
-    /// The noise at a point in lattice units: the bits of [`fractal`].
-    pub fn value(&self, point: Vec2) -> f32 {
-        let sum = self.octaves.iter().fold(0.0, |sum, octave| {
-            let number = |x: i32, y: i32| octave.numbers[(y * octave.period.x + x) as usize];
-            sum + octave.weight * between_lattice_points(point * octave.scale, octave.period, number)
-        });
-        sum / self.weights
-    }
-
-    /// The noise at the middles of some texels of a square image that shows one period, row by row: the bits of
-    /// [`value`](Self::value). Between two rows of lattice points, the noise along each of them is the same for many rows of texels.
-    pub fn image(&self, side: usize, rows: Range<usize>, columns: Range<usize>) -> Vec<f32> {
-        let mut sums = vec![0.0; rows.len() * columns.len()];
-        for octave in &self.octaves {
-            let places = |period: i32, texels: &Range<usize>| {
-                // The period of the first octave, of which the image shows one.
-                let scaled = period as f32 / octave.scale;
-                let coordinate = move |k: usize| (k as f32 + 0.5) / side as f32 * scaled * octave.scale;
-                let place = move |(cell, weight)| (neighbours(cell, period), weight);
-                texels.clone().map(move |k| place(split(coordinate(k))))
+        let across: Vec<_> = columns.clone().map(|column| place(column, period.x)).collect();
+        let along = |y: i32| -> Vec<f32> {
+            let numbers: Vec<f32> = (0..period.x * scale).map(|x| unit(IVec2::new(x, y), seed)).collect();
+            let between = |&((left, right), weight): &((i32, i32), f32)| {
+                let [left, right] = [left, right].map(|x| numbers[x as usize]);
+                left + (right - left) * weight
             };
-            let places_in_row: Vec<_> = places(octave.period.x, &columns).collect();
-            let along = |row: i32| -> Vec<f32> {
-                let numbers = &octave.numbers[(row * octave.period.x) as usize..][..octave.period.x as usize];
-                let between = |&((left, right), weight): &((i32, i32), f32)| {
-                    let [left, right] = [left, right].map(|x| numbers[x as usize]);
-                    left + (right - left) * weight
-                };
-                places_in_row.iter().map(between).collect()
-            };
-            let mut kept = (-1, Vec::new(), Vec::new());
-            for (row, ((lower, upper), weight)) in
-                sums.chunks_exact_mut(columns.len()).zip(places(octave.period.y, &rows))
-            {
-                if kept.0 != lower {
-                    kept = (lower, along(lower), along(upper));
-                }
-                for ((sum, lower), upper) in row.iter_mut().zip(&kept.1).zip(&kept.2) {
-                    *sum += octave.weight * (lower + (upper - lower) * weight);
-                }
+            across.iter().map(between).collect()
+        };
+        let mut kept = (-1, Vec::new(), Vec::new());
+        for (sums, row) in sums.chunks_exact_mut(columns.len()).zip(rows.clone()) {
+            let ((lower, upper), share) = place(row, period.y);
+            if kept.0 != lower {
+                kept = (lower, along(lower), along(upper));
+            }
+            for ((sum, lower), upper) in sums.iter_mut().zip(&kept.1).zip(&kept.2) {
+                *sum += weight * (lower + (upper - lower) * share);
             }
         }
-        sums.iter_mut().for_each(|sum| *sum /= self.weights);
-        sums
+        weights += weight;
     }
+    sums.iter_mut().for_each(|sum| *sum /= weights);
+    sums
 }
 
 /// The Voronoi cell that contains a point.
@@ -194,7 +150,8 @@ pub struct VoronoiCells {
 impl VoronoiCells {
     /// Draws the sites; the parameters are those of [`cell`].
     pub fn new(size: Vec2, period: IVec2, jitter: f32, seed: u32) -> Self {
-        Self { size, period, offsets: points(period).map(|id| offset(id, jitter, seed)).collect() }
+        let ids = (0..period.y).flat_map(|y| (0..period.x).map(move |x| IVec2::new(x, y)));
+        Self { size, period, offsets: ids.map(|id| offset(id, jitter, seed)).collect() }
     }
 
     /// Finds the cell of a point: the bits of [`cell`].
@@ -255,17 +212,17 @@ mod tests {
             assert!((0.0..=1.0).contains(&here));
             let there = fractal(position + period.as_vec2(), period, 4, 7);
             assert!((here - there).abs() < 1e-4, "{position}: {here} and {there}");
-            assert_eq!(Fractal::new(period, 4, 7).value(position).to_bits(), here.to_bits(), "{position}");
         }
     }
 
     #[test]
     fn an_image_has_the_noise_of_each_point() {
-        let (fractal, side, rows, columns) = (Fractal::new(IVec2::new(5, 9), 3, 7), 64, 10..64, 3..40);
-        let texels = rows.clone().flat_map(|y| columns.clone().map(move |x| Vec2::new(x as f32, y as f32)));
-        for (texel, here) in texels.zip(fractal.image(side, rows.clone(), columns.clone())) {
+        let (period, side, rows, columns) = (IVec2::new(5, 9), 64, 10..64, 3..40);
+        let image = fractal_image((period, 3, 7), side, rows.clone(), columns.clone());
+        let texels = rows.flat_map(|y| columns.clone().map(move |x| Vec2::new(x as f32, y as f32)));
+        for (texel, here) in texels.zip(image) {
             let uv = (texel + 0.5) / side as f32;
-            assert_eq!(fractal.value(uv * Vec2::new(5.0, 9.0)).to_bits(), here.to_bits(), "{uv}");
+            assert_eq!(fractal(uv * period.as_vec2(), period, 3, 7).to_bits(), here.to_bits(), "{uv}");
         }
     }
 

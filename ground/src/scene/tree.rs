@@ -54,15 +54,12 @@ impl Tree {
     }
 }
 
-/// How many more levels a tree over a scene may have than a full tree. The built-in scenes and Sponza need up to six.
-pub const UNEVEN_LEVELS: u32 = 6;
-
-/// The most levels that a tree of some triangles has, and that walks have room for: [`UNEVEN_LEVELS`] more than a full tree whose nodes
-/// have eight children. A tree that would have more is built by halving lists of its triangles. It then has fewer levels, but a ray
-/// takes up to twice as long to walk through it.
+/// The most levels that a tree of some triangles has, and that walks have room for: six more than a full tree whose nodes have eight
+/// children, as the trees of the built-in scenes and of Sponza need. A tree that would have more is built by halving lists of its
+/// triangles. That tree has fewer levels, but a ray takes up to twice as long to walk through it.
 pub fn most_levels(triangles: usize) -> u32 {
     let binary = triangles.max(1).next_power_of_two().ilog2();
-    (binary.div_ceil(3) + UNEVEN_LEVELS).min(TREE_DEPTH as u32)
+    (binary.div_ceil(3) + 6).min(TREE_DEPTH as u32)
 }
 
 /// The triangles of a scene as shaders read them, in the order of a tree.

@@ -290,6 +290,7 @@ fn rgba(colour: Vec3) -> [u8; 4] {
     [byte(colour.x), byte(colour.y), byte(colour.z), 255]
 }
 
+/// A linear colour as sRGB.
 fn srgba(colour: Vec3) -> [u8; 4] {
     [display_byte(colour.x), display_byte(colour.y), display_byte(colour.z), 255]
 }
@@ -336,6 +337,25 @@ mod tests {
             })
             .collect()
     });
+
+    #[test]
+    fn every_pattern_has_period_one() {
+        for pattern in ALL {
+            let design = pattern.design();
+            // Noise repeats by itself (ssct_ground::math::noise), and is that of the texel here.
+            for texel in (0..400).map(|k| Texel::new(k * 655 + k % 97, [SIZE, SIZE])) {
+                let here = design(texel);
+                for period in [Vec2::X, Vec2::Y] {
+                    let there = design(Texel { uv: texel.uv + period, ..texel });
+                    assert!(
+                        (here.height_m - there.height_m).abs() < 1e-4 && here.albedo.abs_diff_eq(there.albedo, 5e-3),
+                        "{pattern:?} at {}: {here:?} and {there:?}",
+                        texel.uv
+                    );
+                }
+            }
+        }
+    }
 
     #[test]
     fn images_are_as_continuous_across_their_borders_as_inside() {

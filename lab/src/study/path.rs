@@ -207,12 +207,8 @@ impl Study for PathStudy {
         let materials = self.globals.materials(&self.scene, &start);
         let prefixes = self.prefixes(bench.gpu, *extent);
         let (setup, first) = (self.setup.with_extent(*extent), start.camera(&self.scene, *extent));
-        let mut shots = Vec::new();
-        for method in &self.methods {
-            let mut shot = Shot::new(&mut stage, method, &setup, Wants::IMAGE, first, materials.clone())?;
-            shot.share_gbuffer(&shots);
-            shots.push(shot);
-        }
+        let methods = self.methods.iter().map(|method| (*method, setup.clone()));
+        let mut shots = Shot::in_turns(&mut stage, methods, Wants::IMAGE, first, &materials)?;
         let rounds: Vec<Round> = (0..self.warmup + self.frames)
             .map(|n| {
                 let counts = n.checked_sub(self.warmup);

@@ -168,14 +168,8 @@ impl Timer {
                 let series = if spec.a_a { 2 } else { 1 };
                 let variants = (0..series).flat_map(|_| &spec.variants);
                 // Only the image is timed, so that no separate image of the reflection is made.
-                let mut shots = Vec::new();
-                for Variant { method, setup } in variants {
-                    let setup = setup.with_extent(group.extent);
-                    let mut shot = Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials.clone())?;
-                    shot.share_gbuffer(&shots);
-                    shots.push(shot);
-                }
-                shots
+                let variants = variants.map(|Variant { method, setup }| (*method, setup.with_extent(group.extent)));
+                Shot::in_turns(stage, variants, Wants::IMAGE, camera, &materials)?
             }
         };
         let (_, shots) = self.shots.insert((shots_key, shots));

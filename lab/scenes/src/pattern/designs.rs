@@ -3,10 +3,8 @@
 
 use super::{SIZE, Texel};
 use glam::{IVec2, Vec2, Vec3};
-use ssct_ground::math::noise::{Fractal, VoronoiCells, smoothstep, unit};
-use std::collections::BTreeMap;
+use ssct_ground::math::noise::{VoronoiCells, fractal_image, smoothstep, unit};
 use std::f32::consts::TAU;
-use std::ops::Range;
 
 /// [`SIZE`], as a number of elements.
 const SIDE: usize = SIZE as usize;
@@ -28,48 +26,21 @@ pub type Grain = Box<dyn Fn(Texel) -> f32 + Sync>;
 
 /// Noise over the whole image, with `frequency` lattice cells along each side.
 fn grain(frequency: [i32; 2], octaves: u32, seed: u32) -> Grain {
-    let image = Fractal::new(frequency.into(), octaves, seed).image(SIDE, 0..SIDE, 0..SIDE);
+    let image = fractal_image((frequency.into(), octaves, seed), SIDE, 0..SIDE, 0..SIDE);
     Box::new(move |texel| image[texel.index])
 }
 
 /// Noise whose seed depends on the point, as that of a tile or plank does.
 fn grains(frequency: [i32; 2], octaves: u32, seed: impl Fn(Vec2) -> u32) -> Grain {
     let seeds: Vec<u32> = (0..SIZE * SIZE).map(|k| seed(Texel::new(k, [SIZE, SIZE]).uv)).collect();
-    let runs: Vec<Run> = seeds.chunks_exact(SIDE).enumerate().flat_map(|(row, seeds)| Run::all(row, seeds)).collect();
-    // The rectangle around the texels of each seed.
-    let mut parts: BTreeMap<u32, [Range<usize>; 2]> = BTreeMap::new();
-    for run in &runs {
-        let [rows, columns] = parts.entry(run.seed).or_insert([run.row..run.row, run.columns.clone()]);
-        *rows = rows.start..run.row + 1;
-        *columns = columns.start.min(run.columns.start)..columns.end.max(run.columns.end);
-    }
-    let mut image = vec![0.0; seeds.len()];
-    for (seed, [rows, columns]) in parts {
-        let noise = Fractal::new(frequency.into(), octaves, seed).image(SIDE, rows.clone(), columns.clone());
-        for run in runs.iter().filter(|run| run.seed == seed) {
-            let from = (run.row - rows.start) * columns.len() + run.columns.start - columns.start;
-            let texels = run.row * SIDE + run.columns.start;
-            image[texels..][..run.columns.len()].copy_from_slice(&noise[from..][..run.columns.len()]);
+    let mut image = Vec::with_capacity(seeds.len());
+    for (row, seeds) in seeds.chunks_exact(SIDE).enumerate() {
+        for run in seeds.chunk_by(|a, b| a == b) {
+            let columns = image.len() % SIDE..image.len() % SIDE + run.len();
+            image.extend(fractal_image((frequency.into(), octaves, run[0]), SIDE, row..row + 1, columns));
         }
     }
     Box::new(move |texel| image[texel.index])
-}
-
-/// Neighbouring texels of a row with one seed.
-struct Run {
-    seed: u32,
-    row: usize,
-    columns: Range<usize>,
-}
-
-impl Run {
-    fn all(row: usize, seeds: &[u32]) -> impl Iterator<Item = Self> {
-        seeds.chunk_by(|a, b| a == b).scan(0, move |start, run| {
-            let columns = *start..*start + run.len();
-            *start = columns.end;
-            Some(Self { seed: run[0], row, columns })
-        })
-    }
 }
 
 /// Irregular stones in mortar; the image is `size_m` wide.
