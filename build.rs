@@ -1,8 +1,8 @@
 //! Compiles every program under `shaders-glsl/` to SPIR-V with shaderc (glslang) for Vulkan 1.3. Writes Rust declarations of what
 //! GLSL declares, so that nothing is declared twice:
 //!
-//! - `programs.rs` has a struct for each program, whose fields are the bindings and push constants found in its module, and a
-//!   struct for its specialization constants.
+//! - `programs.rs` has a struct for each program, whose fields are the bindings and push constants found in the modules of its
+//!   permutations, and a struct for its specialization constants.
 //! - `blocks.rs` has a struct for each uniform or push-constant block.
 //!
 //! Without the feature `compile-shaders` the script does without shaderc. The SPIR-V then comes from `shaders-spirv/`, which
@@ -14,17 +14,18 @@
 mod glsl;
 #[path = "src/gpu/interface.rs"]
 mod interface;
+// This script alone includes it.
+#[path = "src/gpu/declarations.rs"]
+mod declarations;
 
+use declarations::{Groups, MODULES, Permutation, Stage, block_struct, program, store_outputs, title};
 use glsl::NamedProgram;
-use interface::{Block, Constant, Interface, StageBinding};
-use std::collections::{BTreeMap, BTreeSet};
+use interface::{Block, Interface};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = glsl::FOLDER;
-
-/// The folder of the programs' modules, below the folder that Cargo gives to this script. A package contains it.
-const MODULES: &str = "spirv";
 
 /// The file beside the modules with the hash of the GLSL that they were compiled from.
 const FINGERPRINT: &str = "glsl.txt";
@@ -50,56 +51,63 @@ fn run() -> Result<(), String> {
     std::fs::create_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
     std::fs::write(modules.join(FINGERPRINT), fingerprint).map_err(|e| format!("{FINGERPRINT}: {e}"))?;
     let mut structs: BTreeMap<String, Block> = BTreeMap::new();
-    let (mut programs, mut all, mut names) = (String::new(), String::new(), BTreeSet::new());
+    // The permutations of each program, in the order in which files name the programs.
+    let (mut order, mut programs) = (Vec::new(), BTreeMap::<String, Vec<Permutation>>::new());
     for path in glsl::stages(Path::new(ROOT))? {
-        let file = path.strip_prefix(ROOT).map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
         let source = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         let named = glsl::programs(&source, &path)?;
         if named.is_empty() {
             return Err(format!("{}: it names no program (`#pragma program(Name)`)", path.display()));
         }
         let in_compute = glsl::in_either_stage(&source, &path)?;
-        let mut interface_of = |program: &NamedProgram| -> Result<Interface, String> {
-            if !names.insert(program.name.clone()) {
-                return Err(format!("{}: there is another program {}", path.display(), program.name));
-            }
-            let words = compiler.words(&path, program)?;
-            let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
-            let binary = modules.join(format!("{}.spv", program.name));
-            std::fs::write(&binary, bytes).map_err(|e| format!("{}: {e}", binary.display()))?;
-            let interface = Interface::from_words(&words, &file)?;
-            collect(&interface, &file, &mut structs)?;
-            Ok(interface)
-        };
-        for program in named {
-            let interface = interface_of(&program)?;
-            programs.push_str(&declared_program(&program, &file, &interface));
-            let _ = writeln!(all, "    {}::SHADER,", program.name);
-            let mut shaders = String::new();
-            for (n, defines) in in_compute.iter().enumerate() {
-                let twin = program.in_compute(defines);
-                let made = interface_of(&twin)?;
-                let stored =
-                    stored(&interface, &made).map_err(|e| format!("{}: {}: {e}", path.display(), twin.name))?;
-                let _ = writeln!(shaders, "    {},", declared_shader(&twin, &file, &made, &stored));
-                let _ = writeln!(all, "    &{}::COMPUTE[{n}],", program.name);
-            }
-            if !in_compute.is_empty() {
-                let generics = if interface.bindings.is_empty() && interface.push.is_none() { "" } else { "<'_>" };
-                let _ = writeln!(
-                    programs,
-                    "impl InEitherStage for {}{generics} {{\n    const COMPUTE: &'static [Shader] = &[\n{shaders}    ];\n}}",
-                    program.name
-                );
+        for fragment in named {
+            let twins = in_compute.iter().map(|defines| fragment.in_compute(defines));
+            for named in std::iter::once(fragment.clone()).chain(twins) {
+                let permutation = compile(&compiler, &path, &named, &modules)?;
+                collect(&permutation.interface, &permutation.file, &mut structs)?;
+                if !programs.contains_key(&named.name) {
+                    order.push(named.name.clone());
+                }
+                programs.entry(named.name).or_default().push(permutation);
             }
         }
     }
-    let _ = write!(programs, "/// The shaders of all programs.\npub static ALL: &[&Shader] = &[\n{all}];\n");
-    let blocks: String = structs.iter().map(|(name, block)| declaration(block, name)).collect();
-    for (name, text) in [("programs.rs", programs), ("blocks.rs", blocks)] {
+    let mut groups = Groups::new(glsl::groups(Path::new(ROOT))?);
+    let (mut text, mut all) = (String::new(), String::new());
+    for name in &order {
+        let permutations = programs.get_mut(name).map_or(&mut [][..], |permutations| &mut permutations[..]);
+        store_outputs(permutations).map_err(|e| format!("{name}: {e}"))?;
+        text.push_str(&program(name, permutations, &mut groups).map_err(|e| format!("{name}: {e}"))?);
+        for n in 0..permutations.len() {
+            let _ = writeln!(all, "    {name}::PERMUTATIONS[{n}].shader,");
+        }
+    }
+    text.extend(groups.declared.into_values());
+    let _ = write!(text, "/// The shaders of all programs.\npub static ALL: &[&Shader] = &[\n{all}];\n");
+    let blocks: String = structs.iter().map(|(name, block)| block_struct(block, name)).collect();
+    for (name, text) in [("programs.rs", text), ("blocks.rs", blocks)] {
         std::fs::write(out.join(name), text).map_err(|e| format!("{name}: {e}"))?;
     }
     Ok(())
+}
+
+/// Compiles a permutation of a program, and writes its module.
+fn compile(compiler: &Compiler, path: &Path, named: &NamedProgram, modules: &Path) -> Result<Permutation, String> {
+    let file = path.strip_prefix(ROOT).map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
+    let stage = match path.extension().and_then(|e| e.to_str()) {
+        _ if named.defines.iter().any(|define| define == glsl::COMPUTE) => Stage::Compute,
+        Some("frag") => Stage::Fragment,
+        Some("vert") => Stage::Vertex,
+        _ => Stage::Compute,
+    };
+    let title = title(&file, &named.defines);
+    let module = title.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+    let words = compiler.words(path, &named.defines, &module)?;
+    let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
+    let binary = modules.join(format!("{module}.spv"));
+    std::fs::write(&binary, bytes).map_err(|e| format!("{}: {e}", binary.display()))?;
+    let interface = Interface::from_words(&words, &title)?;
+    Ok(Permutation { named: named.clone(), stage, file, module, interface, stored: Vec::new() })
 }
 
 /// Adds the blocks of a program to the known ones. Every program that uses a block has to declare it alike.
@@ -114,26 +122,6 @@ fn collect(interface: &Interface, file: &str, structs: &mut BTreeMap<String, Blo
         }
     }
     Ok(())
-}
-
-/// Binding and format of the images that a compute program stores to, in the order of the outputs of the fragment program of the
-/// same source. Apart from these images, both programs have the same bindings and constants.
-fn stored(fragment: &Interface, compute: &Interface) -> Result<Vec<(u32, &'static str)>, String> {
-    let is_read = |bound: &&StageBinding| fragment.bindings.contains(bound);
-    let outputs: Vec<&StageBinding> = compute.bindings.iter().filter(|bound| !is_read(bound)).collect();
-    let read = compute.bindings.len() - outputs.len();
-    let reads_alike = read == fragment.bindings.len()
-        && compute.push == fragment.push
-        && compute.constants == fragment.constants
-        && outputs.len() == fragment.outputs.len();
-    if !reads_alike {
-        return Err("its fragment program and its compute program differ in more than where they write".into());
-    }
-    let format = |bound: &&StageBinding| {
-        let found = compute.formats.get(&bound.binding).map(|format| (bound.binding, *format));
-        found.ok_or_else(|| format!("the output {} has no format", bound.name))
-    };
-    outputs.iter().map(format).collect()
 }
 
 /// Hashes the paths and texts of all sources (FNV-1a).
@@ -162,8 +150,8 @@ impl Compiler {
         shaderc::Compiler::new().map(Self).map_err(|e| format!("shaderc: {e}"))
     }
 
-    fn words(&self, path: &Path, program: &NamedProgram) -> Result<Vec<u32>, String> {
-        Ok(glsl::compile(&self.0, Path::new(ROOT), path, &program.defines)?.words)
+    fn words(&self, path: &Path, defines: &[String], _: &str) -> Result<Vec<u32>, String> {
+        Ok(glsl::compile(&self.0, Path::new(ROOT), path, defines)?.words)
     }
 }
 
@@ -198,141 +186,12 @@ impl Compiler {
         }
     }
 
-    fn words(&self, _: &Path, program: &NamedProgram) -> Result<Vec<u32>, String> {
-        let path = Path::new(Self::PACKAGED).join(format!("{}.spv", program.name));
+    fn words(&self, _: &Path, _: &[String], module: &str) -> Result<Vec<u32>, String> {
+        let path = Path::new(Self::PACKAGED).join(format!("{module}.spv"));
         let bytes = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         if bytes.len() < 20 || !bytes.len().is_multiple_of(4) {
             return Err(format!("{}: it is no SPIR-V", path.display()));
         }
         Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
     }
-}
-
-/// Declares a program's struct, with the traits through which pipelines and frames use it (`src/gpu/program.rs`).
-fn declared_program(program: &NamedProgram, file: &str, interface: &Interface) -> String {
-    let name = &program.name;
-    let Interface { bindings, push, outputs, constants, .. } = interface;
-    let (mut fields, mut resources) = (String::new(), String::new());
-    for StageBinding { binding, name: field, kind, count, block, read_only } in bindings {
-        let (ty, resource) = match (*kind, *count, *read_only) {
-            ("SampledImage", 1, _) => ("Sampled<'a>".to_owned(), format!("Sampled(self.{field})")),
-            ("SampledImage", n, _) => (format!("[Sampled<'a>; {n}]"), format!("SampledArray(&self.{field})")),
-            ("StorageTexels", ..) => ("&'a TexelBuffer".to_owned(), format!("Texels(self.{field})")),
-            ("StorageImage", _, true) => ("ImageSlice<'a>".to_owned(), format!("Loaded(self.{field})")),
-            ("StorageImage", _, false) => ("ImageSlice<'a>".to_owned(), format!("Storage(self.{field})")),
-            ("RayStructure", ..) => ("&'a RayStructure".to_owned(), format!("Rays(self.{field})")),
-            ("UniformBuffer", ..) => (format!("&'a {block}"), format!("Uniform(bytemuck::bytes_of(self.{field}))")),
-            (_, _, true) => ("&'a Buffer".to_owned(), format!("ReadBuffer(self.{field})")),
-            (_, _, false) => ("&'a Buffer".to_owned(), format!("Buffer(self.{field})")),
-        };
-        let _ = writeln!(fields, "    /// Binding {binding}.\n    pub {field}: {ty},");
-        let _ = write!(resources, "Resource::{resource}, ");
-    }
-    if let Some(push) = push {
-        let _ = writeln!(fields, "    /// Push constants.\n    pub {}: &'a {},", push.name, push.block);
-    }
-    let (generics, elided, fixed) = if fields.is_empty() { ("", "", "") } else { ("<'a>", "<'_>", "<'static>") };
-    let pushed = push.as_ref().map_or("&[]".to_owned(), |p| format!("bytemuck::bytes_of(self.{})", p.name));
-    let title = [&[file.to_owned()], &program.defines[..]].concat().join(" ");
-    let shader = declared_shader(program, file, interface, &[]);
-    let (constants_type, constants) = declared_constants(name, constants);
-    let kind = match Path::new(file).extension().and_then(|e| e.to_str()) {
-        Some("frag") => format!("Fragment for {name}{elided} {{\n    type Outputs<T> = [T; {}];\n}}", outputs.len()),
-        Some("vert") => format!("VertexProgram for {name}{elided} {{}}"),
-        _ => format!("Compute for {name}{elided} {{}}"),
-    };
-    let written = match &outputs[..] {
-        [] => String::new(),
-        some => {
-            let list: Vec<_> = some.iter().map(|(name, ty)| format!("`{name}` ({ty})")).collect();
-            format!("\n///\n/// Outputs: {}.", list.join(", "))
-        }
-    };
-    format!(
-        "/// What `{ROOT}/{title}` reads.{written}\n#[derive(Clone, Copy)]\n#[allow(non_snake_case)]\npub struct {name}{generics} {{\n{fields}}}\n\
-         impl Program for {name}{elided} {{\n    type Kind = {name}{fixed};\n    type Constants = {constants_type};\n    \
-         const SHADER: &'static Shader = &{shader};\n    \
-         fn resources(&self) -> Vec<Resource<'_>> {{ vec![{resources}] }}\n    \
-         fn push(&self) -> &[u8] {{ {pushed} }}\n}}\nimpl {kind}\n{constants}"
-    )
-}
-
-/// Declares a program's `Shader`. `stored` has binding and format of each image that a compute program stores to in place of a
-/// fragment program's outputs.
-fn declared_shader(program: &NamedProgram, file: &str, interface: &Interface, stored: &[(u32, &str)]) -> String {
-    let NamedProgram { name, defines } = program;
-    let title = [&[file.to_owned()], &defines[..]].concat().join(" ");
-    let (push_size, local_size) = (interface.push.as_ref().map_or(0, |p| p.size), interface.local_size);
-    let binding = |StageBinding { binding, name, kind, count, .. }: &StageBinding| {
-        format!("Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }}, ")
-    };
-    let bindings: String = interface.bindings.iter().map(binding).collect();
-    let stored: String =
-        stored.iter().map(|(binding, format)| format!("({binding}, vk::Format::{format}), ")).collect();
-    format!(
-        "Shader {{\n        name: {title:?},\n        file: {file:?},\n        defines: &{defines:?},\n        \
-         spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{MODULES}/{name}.spv\")),\n        \
-         push_constant_size: {push_size},\n        local_size: {local_size:?},\n        bindings: &[{bindings}],\n        \
-         stored: &[{stored}],\n    }}"
-    )
-}
-
-/// Returns the name of the type of a program's specialization constants, and its declaration.
-fn declared_constants(program: &str, constants: &[Constant]) -> (String, String) {
-    if constants.is_empty() {
-        return ("()".into(), String::new());
-    }
-    let (mut fields, mut entries) = (String::new(), String::new());
-    let mut defaults = String::new();
-    for Constant { id, name, ty, default } in constants {
-        let field = name.to_ascii_lowercase();
-        let value = match *ty {
-            "f32" => format!("f32::from_bits({default})"),
-            "bool" => (*default != 0).to_string(),
-            "i32" => default.cast_signed().to_string(),
-            _ => default.to_string(),
-        };
-        let _ = write!(defaults, "{field}: {value}, ");
-        let _ = writeln!(fields, "    /// `{name}`.\n    pub {field}: {ty},");
-        let bits = match *ty {
-            "f32" => format!("self.{field}.to_bits()"),
-            "bool" => format!("u32::from(self.{field})"),
-            "i32" => format!("self.{field}.cast_unsigned()"),
-            _ => format!("self.{field}"),
-        };
-        let _ = write!(entries, "({id}, {bits}), ");
-    }
-    let name = format!("{program}Constants");
-    let text = format!(
-        "/// Specialization constants of [`{program}`].\n#[derive(Debug, Clone, Copy, PartialEq)]\npub struct {name} {{\n{fields}}}\n\
-         impl Constants for {name} {{\n    fn entries(&self) -> Vec<(u32, u32)> {{ vec![{entries}] }}\n}}\n\
-         /// The values that the shader gives them.\nimpl Default for {name} {{\n    fn default() -> Self {{ Self {{ {defaults}}} }}\n}}\n"
-    );
-    (name, text)
-}
-
-/// Declares the Rust struct that has the layout of a block.
-fn declaration(block: &Block, name: &str) -> String {
-    let mut text = format!(
-        "/// Twin of the block `{name}` ({} bytes), first declared for `{}`.\n#[repr(C)]\n#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]\n#[allow(missing_docs, non_snake_case)]\npub struct {name} {{\n",
-        block.size, block.used_in
-    );
-    let (mut end, mut checks) = (0, String::new());
-    for (i, (field, offset, ty, size)) in block.fields.iter().enumerate() {
-        if end < *offset {
-            let _ = writeln!(text, "    pub _pad{i}: [u8; {}],", offset - end);
-        }
-        let _ = writeln!(text, "    pub {field}: {ty},");
-        let _ = writeln!(checks, "    assert!(std::mem::offset_of!({name}, {field}) == {offset});");
-        end = offset + size;
-    }
-    if end < block.size {
-        let _ = writeln!(text, "    pub _pad_end: [u8; {}],", block.size - end);
-    }
-    let _ = write!(
-        text,
-        "}}\nimpl Default for {name} {{ fn default() -> Self {{ bytemuck::Zeroable::zeroed() }} }}\nconst _: () = {{\n    assert!(std::mem::size_of::<{name}>() == {});\n{checks}}};\n",
-        block.size
-    );
-    text
 }

@@ -38,7 +38,7 @@ pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
 pub use image::{Image, ImageDesc, ImageSlice};
 pub use memory::{Buffer, TexelBuffer};
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
-pub use pixels::{PixelPipeline, ShaderStage};
+pub use pixels::{PixelPipeline, ShaderStage, StoringPipeline};
 pub use program::Sampled;
 pub use ray_structure::RayStructure;
 pub use readback::Pixels;

@@ -41,7 +41,6 @@ pub mod thesis_trace;
 pub mod tiles;
 pub mod trace_normals;
 pub mod traced;
-pub mod tracer;
 pub mod triangle_scene;
 pub mod triangle_trace;
 pub mod unified_gloss;

@@ -1,5 +1,5 @@
 #version 460
-#pragma program(HistoryCompute)
+#pragma program(History)
 // The average of reflections over frames, a thread a pixel. The pixels of a block of 2 x 2 belong to one workgroup.
 
 // Unrolled, the search would need more registers than a GPU has for enough waves.

@@ -1,10 +1,10 @@
 #version 460
-#pragma program(TriangleMirrors, MIRRORS)
-#pragma program(TriangleNarrow, NARROW)
-#pragma program(TriangleWide)
-#pragma program(TriangleMirrorsQueried, MIRRORS, RAY_QUERY)
-#pragma program(TriangleNarrowQueried, NARROW, RAY_QUERY)
-#pragma program(TriangleWideQueried, RAY_QUERY)
+#pragma program(TriangleMirrors: Tree, MIRRORS)
+#pragma program(TriangleNarrow: Tree, NARROW)
+#pragma program(TriangleWide: Tree)
+#pragma program(TriangleMirrors: Query, MIRRORS, RAY_QUERY)
+#pragma program(TriangleNarrow: Query, NARROW, RAY_QUERY)
+#pragma program(TriangleWide: Query, RAY_QUERY)
 // Follows the rays of the list through the scene's triangles, a thread a ray, each from its own pixel's point, and
 // stores what they see (captures/finish.glsl).
 

@@ -1,7 +1,7 @@
 #version 460
-#pragma program(OwnRaysOnScreen, NARROW, ON_SCREEN)
-#pragma program(OwnRays, NARROW, AMONG_TRIANGLES)
-#pragma program(OwnRaysQueried, NARROW, AMONG_TRIANGLES, RAY_QUERY)
+#pragma program(OwnRays: Screen, NARROW, ON_SCREEN)
+#pragma program(OwnRays: Tree, NARROW, AMONG_TRIANGLES)
+#pragma program(OwnRays: Query, NARROW, AMONG_TRIANGLES, RAY_QUERY)
 // Traces own rays for the pixels in doubt, a thread a ray. Such a pixel shows the mean of what its own rays and its
 // neighbours' rays saw, weighted by their numbers.
 

@@ -10,6 +10,10 @@
 
 #include "common/constants.glsl"
 
+// What all programs among triangles have together, from this file and from those that colour hits.
+#pragma group(TriangleResources, geometry_texels, geometry, table_texels, table, image_texels, images, triangles, scene, screen_color, screen_depth)
+#pragma group(TriangleConstants, GEOMETRY_TEXELS, IMAGE_TEXELS, ASKS, LIGHTS, SCREEN_COLORS, WALK_ROOM)
+
 layout(constant_id = 20) const bool GEOMETRY_TEXELS = true; // geometry is read as texels
 layout(constant_id = 21) const bool IMAGE_TEXELS = true;    // images are read as texels
 layout(constant_id = 23) const bool ASKS = true; // some material decides at each hit whether its surface is there

@@ -1,7 +1,7 @@
 #version 460
-#pragma program(ResolveNarrowCompute, NARROW)
-#pragma program(CellsCompute, CELLS)
-#pragma program(ResolveWideCompute)
+#pragma program(ResolveNarrow, NARROW)
+#pragma program(Cells, CELLS)
+#pragma program(ResolveWide)
 // Makes what gloss_resolve.frag draws, with a thread for each pixel or cell, over tiles or over the whole image. A
 // workgroup loads the rays of its texels and of those around them once, into memory that its threads share.
 

@@ -1,12 +1,12 @@
 #version 460
-#pragma program(TraceNarrowCompute, NARROW)
-#pragma program(TraceNarrowConfirmedCompute, NARROW, CONFIRMED)
-#pragma program(TraceNarrowAmongTriangles, NARROW, AMONG_TRIANGLES)
-#pragma program(TraceNarrowQueried, NARROW, AMONG_TRIANGLES, RAY_QUERY)
-#pragma program(TraceWideCompute)
-#pragma program(TraceWideConfirmedCompute, CONFIRMED)
-#pragma program(TraceWideAmongTriangles, AMONG_TRIANGLES)
-#pragma program(TraceWideQueried, AMONG_TRIANGLES, RAY_QUERY)
+#pragma program(TraceNarrow: Screen, NARROW)
+#pragma program(TraceNarrow: Confirmed, NARROW, CONFIRMED)
+#pragma program(TraceNarrow: Tree, NARROW, AMONG_TRIANGLES)
+#pragma program(TraceNarrow: Query, NARROW, AMONG_TRIANGLES, RAY_QUERY)
+#pragma program(TraceWide: Screen)
+#pragma program(TraceWide: Confirmed, CONFIRMED)
+#pragma program(TraceWide: Tree, AMONG_TRIANGLES)
+#pragma program(TraceWide: Query, AMONG_TRIANGLES, RAY_QUERY)
 // Traces the rays of glossy pixels and cells, a thread a ray, over tiles or over the whole image.
 
 #ifdef RAY_QUERY

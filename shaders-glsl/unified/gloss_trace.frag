@@ -1,8 +1,8 @@
 #version 460
-#pragma program(TraceNarrow, NARROW)
-#pragma program(TraceNarrowConfirmed, NARROW, CONFIRMED)
-#pragma program(TraceWide)
-#pragma program(TraceWideConfirmed, CONFIRMED)
+#pragma program(TraceNarrow: Screen, NARROW)
+#pragma program(TraceNarrow: Confirmed, NARROW, CONFIRMED)
+#pragma program(TraceWide: Screen)
+#pragma program(TraceWide: Confirmed, CONFIRMED)
 // Traces the rays of glossy pixels and cells, drawn over tiles as points or over the whole image.
 
 #include "unified/gloss_trace.glsl"

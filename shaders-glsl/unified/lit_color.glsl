@@ -16,10 +16,10 @@ vec4 ScreenColor(ivec2 pixel) {
 
 #else
 
-layout(binding = 4, rgba16f) uniform readonly image2D color_buffer;
+layout(binding = 4, rgba16f) uniform readonly image2D color_texels;
 
 vec4 ScreenColor(ivec2 pixel) {
-    return imageLoad(color_buffer, pixel);
+    return imageLoad(color_texels, pixel);
 }
 
 #endif

@@ -1,8 +1,8 @@
 #version 460
-#pragma program(MirrorCompute)
-#pragma program(MirrorConfirmedCompute, CONFIRMED)
-#pragma program(MirrorAmongTriangles, AMONG_TRIANGLES)
-#pragma program(MirrorQueried, AMONG_TRIANGLES, RAY_QUERY)
+#pragma program(Mirror: Screen)
+#pragma program(Mirror: Confirmed, CONFIRMED)
+#pragma program(Mirror: Tree, AMONG_TRIANGLES)
+#pragma program(Mirror: Query, AMONG_TRIANGLES, RAY_QUERY)
 // Shades mirror pixels, a thread a pixel, over tiles or over the whole image.
 
 #ifdef RAY_QUERY

@@ -1,6 +1,6 @@
 #version 460
-#pragma program(Mirror)
-#pragma program(MirrorConfirmed, CONFIRMED)
+#pragma program(Mirror: Screen)
+#pragma program(Mirror: Confirmed, CONFIRMED)
 // Shades mirror pixels, drawn over tiles as points or over the whole image.
 
 layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles

@@ -9,6 +9,13 @@
 //! #pragma program(BlurDown)
 //! ```
 //!
+//! Programs of one name are permutations of one program, and have one struct: a `.frag` and a `.comp` file may both name
+//! it, and after a colon stands where the rays of a permutation end (`RaySource` in `program.rs`):
+//!
+//! ```glsl
+//! #pragma program(Mirror: Confirmed, CONFIRMED)
+//! ```
+//!
 //! A `.frag` file with the line `#pragma in_either_stage` is compiled as compute shaders, too: each of its programs
 //! once more, with COMPUTE defined. `#pragma in_either_stage(MINIMUM)` adds further compute programs with MINIMUM
 //! defined, for images of other formats.
@@ -60,16 +67,17 @@ fn kind(path: &Path) -> Option<shaderc::ShaderKind> {
 pub struct NamedProgram {
     /// Name of its struct in Rust.
     pub name: String,
+    /// Name of the `RaySource` of the permutation, if there is one.
+    pub rays: Option<String>,
     /// Macros that are defined for it.
     pub defines: Vec<String>,
 }
 
 impl NamedProgram {
-    /// The compute program of this fragment program, with further macros.
+    /// The compute permutation of this fragment program, with further macros.
     pub fn in_compute(&self, defines: &[String]) -> Self {
-        let name = format!("{}Compute{}", self.name, defines.concat());
         let own = [self.defines.clone(), vec![COMPUTE.to_owned()]].concat();
-        Self { name, defines: [&own[..], defines].concat() }
+        Self { defines: [&own[..], defines].concat(), ..self.clone() }
     }
 }
 
@@ -120,15 +128,72 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> 
             continue;
         }
         let list = pragma.trim().strip_prefix("program(").and_then(|rest| rest.strip_suffix(')'));
-        let mut words = list.and_then(words).ok_or_else(|| {
+        let program = list.and_then(named).ok_or_else(|| {
             format!(
-                "{}:{}: {text:?} should be `#pragma program(Name)` or `#pragma program(Name, DEFINED, …)`",
+                "{}:{}: {text:?} should be `#pragma program(Name)`, `#pragma program(Name, DEFINED, …)` or \
+                 `#pragma program(Name: RaySource, DEFINED, …)`",
                 path.display(),
                 line + 1
             )
         })?;
-        let name = words.remove(0);
-        found.push(NamedProgram { name, defines: words });
+        found.push(program);
+    }
+    Ok(found)
+}
+
+/// The program that a pragma's list names.
+fn named(list: &str) -> Option<NamedProgram> {
+    let (rays, list) = match list.split_once(':') {
+        None => (None, list.to_owned()),
+        Some((name, rest)) => {
+            let (rays, defines) = rest.split_once(',').map_or((rest, String::new()), |(r, d)| (r, format!(",{d}")));
+            (Some(words(rays)?.remove(0)), format!("{name}{defines}"))
+        }
+    };
+    let mut words = words(&list)?;
+    Some(NamedProgram { name: words.remove(0), rays, defines: words })
+}
+
+/// Bindings or specialization constants that several programs have together, as a source names them: a struct of their
+/// own in Rust, which is one field of each program that has all of them.
+///
+/// ```glsl
+/// #pragma group(LightConstants, LIGHTS, SHADOWS)
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Group {
+    /// Name of its struct in Rust.
+    pub name: String,
+    /// Names of the bindings or constants.
+    pub members: Vec<String>,
+}
+
+impl Group {
+    /// The name of its field: its own in small letters.
+    pub fn field(&self) -> String {
+        let spaced = |(i, c): (usize, char)| {
+            let space = (i > 0 && c.is_ascii_uppercase()).then_some('_');
+            space.into_iter().chain([c.to_ascii_lowercase()])
+        };
+        self.name.chars().enumerate().flat_map(spaced).collect()
+    }
+}
+
+/// The groups that the files below a folder name, sorted by file.
+///
+/// # Errors
+/// A sentence about a pragma without members, or about a file that cannot be read.
+pub fn groups(folder: &Path) -> Result<Vec<Group>, String> {
+    let mut found = Vec::new();
+    for path in files(folder, &["glsl"])? {
+        let source = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        for text in source.lines() {
+            let Some(list) = text.strip_prefix("#pragma group(") else { continue };
+            let list = list.strip_suffix(')').and_then(words).filter(|list| list.len() > 1);
+            let mut list =
+                list.ok_or_else(|| format!("{}: {text:?} should be `#pragma group(Name, member, …)`", path.display()))?;
+            found.push(Group { name: list.remove(0), members: list });
+        }
     }
     Ok(found)
 }
@@ -193,7 +258,7 @@ mod tests {
         let program = programs(source, path).unwrap().remove(0);
         let named: Vec<_> =
             twins.iter().map(|t| program.in_compute(t)).map(|n| (n.name, n.defines.join(" "))).collect();
-        assert_eq!(named, [("ACompute".into(), "B COMPUTE".into()), ("AComputeC".into(), "B COMPUTE C".into())]);
+        assert_eq!(named, [("A".into(), "B COMPUTE".into()), ("A".into(), "B COMPUTE C".into())]);
         for wrong in ["#pragma in_either_stage()", "#pragma in_either_stage(A", "#pragma in_either_stages"] {
             let message = in_either_stage(wrong, path).unwrap_err();
             assert!(message.starts_with("a.frag:1: ") && message.contains(wrong), "{message}");
@@ -205,12 +270,26 @@ mod tests {
         let named = |source| programs(source, Path::new("a.frag"));
         let found =
             named("#version 460\n#pragma program(Down)\n#pragma program( Across , VOLUME,HITS )\nvoid main() {}\n");
-        let program = |name: &str, defines: &[&str]| NamedProgram {
+        let program = |name: &str, rays: Option<&str>, defines: &[&str]| NamedProgram {
             name: name.into(),
+            rays: rays.map(str::to_owned),
             defines: defines.iter().map(|d| (*d).to_owned()).collect(),
         };
-        assert_eq!(found, Ok(vec![program("Down", &[]), program("Across", &["VOLUME", "HITS"])]));
-        for wrong in ["#pragma program()", "#pragma program(A", "#pragma program(A, )", "#pragma programme(A)"] {
+        assert_eq!(found, Ok(vec![program("Down", None, &[]), program("Across", None, &["VOLUME", "HITS"])]));
+        let found = named("#pragma program(Mirror: Screen)\n#pragma program(Mirror: Tree, A, B)\n");
+        assert_eq!(
+            found,
+            Ok(vec![program("Mirror", Some("Screen"), &[]), program("Mirror", Some("Tree"), &["A", "B"])])
+        );
+        for wrong in [
+            "#pragma program()",
+            "#pragma program(A",
+            "#pragma program(A, )",
+            "#pragma program(A:)",
+            "#pragma program(A:, B)",
+            "#pragma program(: B)",
+            "#pragma programme(A)",
+        ] {
             let source = format!("#version 460\n{wrong}\n");
             let message = programs(&source, Path::new("a.frag")).unwrap_err();
             assert!(message.starts_with("a.frag:2: ") && message.contains(wrong), "{message}");

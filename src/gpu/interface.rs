@@ -88,6 +88,7 @@ fn format_name(format: ImageFormat) -> Option<&'static str> {
         ImageFormat::Rg16f => "R16G16_SFLOAT",
         ImageFormat::R8 => "R8_UNORM",
         ImageFormat::R32ui => "R32_UINT",
+        ImageFormat::Rgba32ui => "R32G32B32A32_UINT",
         _ => return None,
     })
 }

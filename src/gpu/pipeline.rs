@@ -5,7 +5,11 @@ use super::device::{Gpu, vulkan};
 use super::image;
 use super::limits;
 use super::pipelines::{Key, VerticesKey};
-use super::program::{self, Constants, Fragment, Program, VertexProgram, bindings_agree};
+use super::pixels::ShaderStage;
+use super::program::{
+    self, Fragment, Permutation, PermutationChoice, Program, RaySource, VertexProgram, entries, permutation,
+    permutations_agree,
+};
 use super::programs::Fullscreen;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
@@ -26,6 +30,8 @@ pub(crate) struct Layout {
 /// A fragment and a vertex program with their fixed state. By default, `V` makes the triangle that covers the targets.
 pub struct GraphicsPipeline<F, V = Fullscreen> {
     pub(crate) graphics: Arc<SharedPipeline>,
+    /// The fragment program's shader.
+    pub(crate) fragment: &'static Shader,
     /// Keeps the device until the pipeline is gone.
     _gpu: Gpu,
     programs: PhantomData<fn() -> (F, V)>,
@@ -34,6 +40,7 @@ pub struct GraphicsPipeline<F, V = Fullscreen> {
 /// A compute program.
 pub struct ComputePipeline<P> {
     pub(crate) compute: Arc<SharedPipeline>,
+    pub(crate) shader: &'static Shader,
     /// Keeps the device until the pipeline is gone.
     _gpu: Gpu,
     program: PhantomData<fn() -> P>,
@@ -165,7 +172,17 @@ impl<F: Fragment> GraphicsPipeline<F> {
 
     /// Makes a pipeline that draws a full-screen triangle, for a program with specialization constants.
     pub fn fullscreen_with(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
-        Self::with_geometry(gpu, constants, Geometry::Triangles(None), targets, None)
+        Self::fullscreen_by(gpu, None, targets, constants)
+    }
+
+    /// Makes a pipeline that draws a full-screen triangle, for the permutation of a program with a source of rays.
+    pub fn fullscreen_by(
+        gpu: &Gpu,
+        rays: Option<RaySource>,
+        targets: F::Outputs<vk::Format>,
+        constants: &F::Constants,
+    ) -> Result<Self> {
+        Self::with_geometry(gpu, (rays, constants), Geometry::Triangles(None), targets, None)
     }
 
     /// Makes a pipeline of a fragment program that marks each pixel that it doesn't discard, in the stencil of a depth target, and writes
@@ -175,14 +192,20 @@ impl<F: Fragment> GraphicsPipeline<F> {
         F: Fragment<Outputs<vk::Format> = [vk::Format; 0]> + Program<Constants = ()>,
     {
         let depth = DepthState { format: depth, tested: false, stencil: Some(Stencil::Mark) };
-        Self::with_geometry(gpu, &(), Geometry::Triangles(None), [], Some(depth))
+        Self::with_geometry(gpu, (None, &()), Geometry::Triangles(None), [], Some(depth))
     }
 }
 
 impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
-    /// Makes a pipeline that draws points, that is squares of pixels, which a vertex program makes from their number alone.
-    pub fn points(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
-        Self::with_geometry(gpu, constants, Geometry::Points, targets, None)
+    /// Makes a pipeline that draws points, that is squares of pixels, which a vertex program makes from their number alone. It has the
+    /// permutation of the fragment program with a source of rays.
+    pub fn points(
+        gpu: &Gpu,
+        rays: Option<RaySource>,
+        targets: F::Outputs<vk::Format>,
+        constants: &F::Constants,
+    ) -> Result<Self> {
+        Self::with_geometry(gpu, (rays, constants), Geometry::Points, targets, None)
     }
 
     /// Makes a pipeline that draws both sides of triangles, with reversed depth (greater wins). The viewport has negative height. A
@@ -193,7 +216,7 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         F: Program<Constants = ()>,
     {
         let depth = DepthState { format: depth, tested: true, stencil: None };
-        Self::with_geometry(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::with_geometry(gpu, (None, &()), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
     /// Makes the pipeline of [`Self::mesh`] that draws only where a [`GraphicsPipeline::marking`] pipeline marked the
@@ -208,20 +231,22 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         F: Program<Constants = ()>,
     {
         let depth = DepthState { format: depth, tested: true, stencil: Some(Stencil::OnlyMarked) };
-        Self::with_geometry(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::with_geometry(gpu, (None, &()), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
     fn with_geometry(
         gpu: &Gpu,
-        constants: &F::Constants,
+        (rays, constants): (Option<RaySource>, &F::Constants),
         geometry: Geometry,
         targets: F::Outputs<vk::Format>,
         depth: Option<DepthState>,
     ) -> Result<Self> {
-        const { assert!(bindings_agree(F::SHADER, V::SHADER), "the stages disagree on a binding") };
-        let stages = Stages { vertex: V::SHADER, fragment: F::SHADER, constants: &constants.entries() };
+        const { assert!(permutations_agree(F::PERMUTATIONS, V::SHADER), "the stages disagree on a binding") };
+        let chosen = permutation::<F>(PermutationChoice { stage: ShaderStage::Fragment, rays }, targets.as_ref())?;
+        let (fragment, constants) = (chosen.shader, entries(chosen, constants));
+        let stages = Stages { vertex: V::SHADER, fragment, constants: &constants };
         let graphics = SharedPipeline::graphics(gpu, &stages, &geometry, targets.as_ref(), depth)?;
-        Ok(Self { graphics, _gpu: gpu.clone(), programs: PhantomData })
+        Ok(Self { graphics, fragment, _gpu: gpu.clone(), programs: PhantomData })
     }
 }
 
@@ -405,8 +430,20 @@ impl<P: program::Compute> ComputePipeline<P> {
 
     /// Makes the pipeline of a program with specialization constants.
     pub fn with(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
-        let compute = SharedPipeline::compute(gpu, P::SHADER, constants.entries())?;
-        Ok(Self { compute, _gpu: gpu.clone(), program: PhantomData })
+        Self::of_permutation(gpu, &P::PERMUTATIONS[0], constants)
+    }
+
+    /// Makes the pipeline of the permutation of a program with a source of rays.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if there is none.
+    pub fn by(gpu: &Gpu, rays: RaySource, constants: &P::Constants) -> Result<Self> {
+        Self::of_permutation(gpu, permutation::<P>(PermutationChoice::compute(rays), &[])?, constants)
+    }
+
+    fn of_permutation(gpu: &Gpu, permutation: &Permutation, constants: &P::Constants) -> Result<Self> {
+        let compute = SharedPipeline::compute(gpu, permutation.shader, entries(permutation, constants))?;
+        Ok(Self { compute, shader: permutation.shader, _gpu: gpu.clone(), program: PhantomData })
     }
 }
 

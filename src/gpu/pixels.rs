@@ -1,14 +1,15 @@
 //! Programs that make every texel of their targets, in the shader stage that was chosen. They run as fragment programs
-//! over whole targets, or as compute programs, a thread a texel, that `build.rs` makes from the same source
-//! (`shaders-glsl/common/either_stage.glsl`).
+//! over whole targets, or as compute programs, a thread a texel. `build.rs` makes both from the same source
+//! (`shaders-glsl/common/either_stage.glsl`), or from a `.frag` and a `.comp` file that name the same program.
 
 use super::device::Gpu;
 use super::image::{Image, ImageDesc};
 use super::pipeline::{GraphicsPipeline, SharedPipeline};
-use super::program::{Constants, InEitherStage};
+use super::program::{InEitherStage, PermutationChoice, RaySource, entries, permutation};
 use super::shader::Shader;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use ash::vk;
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 /// The shader stage for a program that exists for both.
@@ -35,18 +36,19 @@ pub struct PixelPipeline<F>(pub(super) StagePipeline<F>);
 
 pub(super) enum StagePipeline<F> {
     Fragment(GraphicsPipeline<F>),
-    Compute(StoringPipeline),
+    Compute(StoringPipeline<F>),
 }
 
-/// A compute program that stores what the fragment program draws.
-pub(super) struct StoringPipeline {
-    pub pipeline: Arc<SharedPipeline>,
-    pub shader: &'static Shader,
+/// The compute permutation of a program, which stores what the fragment permutation draws.
+pub struct StoringPipeline<F> {
+    pub(super) pipeline: Arc<SharedPipeline>,
+    pub(super) shader: &'static Shader,
     /// Images of one texel for the outputs that nobody wants. The program stores nothing to them, but every binding needs an
     /// image.
-    pub unwanted: Vec<Option<Image>>,
+    pub(super) unwanted: Vec<Option<Image>>,
     /// Keeps the device until the pipeline is gone.
     _gpu: Gpu,
+    program: PhantomData<fn() -> F>,
 }
 
 impl<F: InEitherStage> PixelPipeline<F> {
@@ -54,7 +56,8 @@ impl<F: InEitherStage> PixelPipeline<F> {
     /// output that nobody wants.
     ///
     /// # Errors
-    /// [`Error::Usage`] if no compute program of the source stores to images of these formats; errors of the device.
+    /// [`Error::Usage`](crate::error::Error::Usage) if no compute shader of the program stores to images of these formats; errors of the
+    /// device.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -65,25 +68,34 @@ impl<F: InEitherStage> PixelPipeline<F> {
             ShaderStage::Fragment => {
                 StagePipeline::Fragment(GraphicsPipeline::fullscreen_with(gpu, targets, constants)?)
             }
-            ShaderStage::Compute => {
-                let shader = storing(F::SHADER, F::COMPUTE, targets.as_ref())?;
-                StagePipeline::Compute(StoringPipeline::new(gpu, shader, targets.as_ref(), constants.entries())?)
-            }
+            ShaderStage::Compute => StagePipeline::Compute(StoringPipeline::new(gpu, None, &targets, constants)?),
         }))
     }
 }
 
-impl StoringPipeline {
-    fn new(gpu: &Gpu, shader: &'static Shader, targets: &[vk::Format], constants: Vec<(u32, u32)>) -> Result<Self> {
+impl<F: InEitherStage> StoringPipeline<F> {
+    /// Compiles the permutation with a source of rays for targets of some formats, as in [`PixelPipeline::new`].
+    ///
+    /// # Errors
+    /// Errors of [`PixelPipeline::new`].
+    pub fn new(
+        gpu: &Gpu,
+        rays: Option<RaySource>,
+        targets: &F::Outputs<vk::Format>,
+        constants: &F::Constants,
+    ) -> Result<Self> {
+        let targets = targets.as_ref();
+        let chosen = permutation::<F>(PermutationChoice { stage: ShaderStage::Compute, rays }, targets)?;
         let unwanted = |(target, (_, format)): (&vk::Format, &(u32, vk::Format))| {
             let is_unwanted = *target == vk::Format::UNDEFINED;
             is_unwanted.then(|| unwanted_image(gpu, *format)).transpose()
         };
         Ok(Self {
-            pipeline: SharedPipeline::compute(gpu, shader, constants)?,
-            shader,
-            unwanted: targets.iter().zip(shader.stored).map(unwanted).collect::<Result<_>>()?,
+            pipeline: SharedPipeline::compute(gpu, chosen.shader, entries(chosen, constants))?,
+            shader: chosen.shader,
+            unwanted: targets.iter().zip(chosen.shader.stored).map(unwanted).collect::<Result<_>>()?,
             _gpu: gpu.clone(),
+            program: PhantomData,
         })
     }
 }
@@ -93,32 +105,14 @@ fn unwanted_image(gpu: &Gpu, format: vk::Format) -> Result<Image> {
     Image::new(gpu, &ImageDesc { name: "unwanted output", format, extent: [1, 1], levels: 1, layers: 1, usage })
 }
 
-/// Finds the compute program that stores to images of the formats `targets`. UNDEFINED fits every format.
-fn storing(fragment: &Shader, programs: &'static [Shader], targets: &[vk::Format]) -> Result<&'static Shader> {
-    let fits = |shader: &&Shader| {
-        let same = |((_, stored), target): (&(u32, vk::Format), &vk::Format)| {
-            *target == vk::Format::UNDEFINED || stored == target
-        };
-        shader.stored.iter().zip(targets).all(same)
-    };
-    programs.iter().find(fits).ok_or_else(|| {
-        Error::Usage(format!(
-            "the shader {} has no compute program that stores to images of the formats {targets:?}: it runs in fragment \
-             shaders alone",
-            fragment.name
-        ))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::program::Program;
     use crate::gpu::programs::HiZ;
 
     #[test]
     fn the_compute_program_is_that_of_the_targets_formats() {
-        let name = |format| storing(HiZ::SHADER, HiZ::COMPUTE, &[format]).map(|shader| shader.name);
+        let name = |format| permutation::<HiZ>(ShaderStage::Compute.into(), &[format]).map(|found| found.shader.name);
         let both = name(vk::Format::R32G32_SFLOAT).unwrap();
         let minimum = name(vk::Format::R32_SFLOAT).unwrap();
         assert_eq!((both, minimum), ("thesis/hi_z.frag COMPUTE", "thesis/hi_z.frag COMPUTE MINIMUM"));

@@ -1,14 +1,66 @@
-//! Shader programs on the host: a program is a struct of everything that the shader reads. `build.rs` writes a struct
+//! Shader programs on the host: a program is a struct of everything that its shaders read. `build.rs` writes a struct
 //! for each program that `shaders-glsl/` names, so that a binding that is missing, or of the wrong kind, does not
-//! compile.
+//! compile. A program may have permutations: shaders of either stage, and for each source of rays. They share the struct,
+//! and a binding that only some of them have is an `Option`.
 
 use super::frame::Resource;
 use super::image::ImageSlice;
+use super::pixels::ShaderStage;
 use super::sampler::Sampler;
 use super::shader::Shader;
+use crate::error::{Error, Result};
+use ash::vk;
 
-/// A program: one shader stage with its macros. Its fields are its bindings and its push constants, named as in GLSL;
-/// see [`programs`](super::programs).
+/// How a shader finds where its rays end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RaySource {
+    /// A walk over the screen's depth.
+    Screen,
+    /// A walk over the screen, whose ends the triangles that pixels show confirm.
+    Confirmed,
+    /// A walk through the tree of a scene's triangles.
+    Tree,
+    /// The device's ray queries.
+    Query,
+}
+
+/// A shader of a program.
+#[derive(Debug)]
+pub struct Permutation {
+    /// The compiled stage.
+    pub shader: &'static Shader,
+    /// Whether it is a compute shader.
+    pub is_compute: bool,
+    /// How it finds where rays end; `None` if the program has no choice of that.
+    pub rays: Option<RaySource>,
+    /// Ids of its specialization constants.
+    pub constants: &'static [u32],
+}
+
+/// The choice of a program's permutation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PermutationChoice {
+    /// The shader stage.
+    pub stage: ShaderStage,
+    /// How rays find where they end; `None` for a program that has no choice of that.
+    pub rays: Option<RaySource>,
+}
+
+impl From<ShaderStage> for PermutationChoice {
+    fn from(stage: ShaderStage) -> Self {
+        Self { stage, rays: None }
+    }
+}
+
+impl PermutationChoice {
+    /// A compute shader with a source of rays.
+    pub fn compute(rays: RaySource) -> Self {
+        Self { stage: ShaderStage::Compute, rays: Some(rays) }
+    }
+}
+
+/// A program. Its fields are the bindings and the push constants of its permutations, named as in GLSL; see
+/// [`programs`](super::programs).
 pub trait Program {
     /// The program's type without borrowed lifetimes, which is part of a pipeline's type.
     type Kind: 'static;
@@ -16,11 +68,14 @@ pub trait Program {
     /// Values of its specialization constants; `()` where it has none.
     type Constants: Constants;
 
-    /// The compiled stage.
-    const SHADER: &'static Shader;
+    /// Its shaders.
+    const PERMUTATIONS: &'static [Permutation];
 
-    /// The resources to bind, in the order of the shader's bindings.
-    fn resources(&self) -> Vec<Resource<'_>>;
+    /// The shader of a program without permutations.
+    const SHADER: &'static Shader = Self::PERMUTATIONS[0].shader;
+
+    /// The resource of a binding, by its name; `None` if none is given.
+    fn resource(&self, name: &str) -> Option<Resource<'_>>;
 
     /// The bytes of its push constants; empty without a push-constant block.
     fn push(&self) -> &[u8];
@@ -35,11 +90,9 @@ pub trait Fragment: Program {
     type Outputs<T>: AsRef<[T]>;
 }
 
-/// A fragment program that exists as a compute program, too, made from the same source (`#pragma in_either_stage`).
-pub trait InEitherStage: Fragment {
-    /// The compute programs: one for each choice of formats of its outputs.
-    const COMPUTE: &'static [Shader];
-}
+/// A fragment program with compute permutations, which store what the fragment permutations draw: there is one for each choice
+/// of the outputs' formats.
+pub trait InEitherStage: Fragment {}
 
 /// A program that is dispatched.
 pub trait Compute: Program {}
@@ -72,8 +125,51 @@ impl<'a> Sampled<'a> {
     }
 }
 
+/// Finds the permutation of a choice. A compute permutation beside fragment permutations stores to images of the formats `targets`, of
+/// which UNDEFINED fits every format.
+///
+/// # Errors
+/// [`Error::Usage`] if there is none.
+pub(super) fn permutation<P: Program>(
+    choice: PermutationChoice,
+    targets: &[vk::Format],
+) -> Result<&'static Permutation> {
+    let PermutationChoice { stage, rays } = choice;
+    let stores =
+        |(format, target): (&(u32, vk::Format), &vk::Format)| *target == vk::Format::UNDEFINED || format.1 == *target;
+    let is_chosen = |permutation: &&Permutation| {
+        permutation.is_compute == (stage == ShaderStage::Compute)
+            && permutation.rays == rays
+            && permutation.shader.stored.iter().zip(targets).all(stores)
+    };
+    P::PERMUTATIONS.iter().find(is_chosen).ok_or_else(|| {
+        let name = P::SHADER.name;
+        Error::Usage(format!("the shader {name} has no permutation {choice:?} for images of the formats {targets:?}"))
+    })
+}
+
+/// The specialization constants of a permutation: id and bits of each, in the order of ids.
+pub(super) fn entries(permutation: &Permutation, constants: &impl Constants) -> Vec<(u32, u32)> {
+    let mut entries = constants.entries();
+    entries.retain(|(id, _)| permutation.constants.contains(id));
+    entries.sort_unstable();
+    entries
+}
+
+/// Whether a fragment program's shaders agree with a vertex shader on the bindings that both have.
+pub(super) const fn permutations_agree(fragments: &[Permutation], vertex: &Shader) -> bool {
+    let mut i = 0;
+    while i < fragments.len() {
+        if !fragments[i].is_compute && !bindings_agree(fragments[i].shader, vertex) {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
 /// Whether two stages of a pipeline agree on the bindings that both have.
-pub(super) const fn bindings_agree(a: &Shader, b: &Shader) -> bool {
+const fn bindings_agree(a: &Shader, b: &Shader) -> bool {
     let mut i = 0;
     while i < a.bindings.len() {
         let mut j = 0;

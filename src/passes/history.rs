@@ -3,8 +3,9 @@
 use super::scene_data::MovableObject;
 use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
 use crate::error::Result;
+use crate::gpu::programs::{History, HistoryConstants};
 use crate::gpu::shader::{HistoryBlock, MoverData};
-use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Sampled, ShaderStage, Target, programs};
+use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
 use crate::passes::lost::{ENDS, unit};
 use ash::vk;
 use glam::{DMat4, Vec2, Vec4Swizzles};
@@ -40,6 +41,9 @@ pub struct HistoryPass {
     deviations: f32,
 }
 
+/// The history's program in the chosen stage. It makes the same images in both.
+type Pipeline = PixelPipeline<History<'static>>;
+
 /// The variant of the history's program.
 #[derive(Clone, Copy)]
 struct Variant {
@@ -62,12 +66,6 @@ impl HistorySearch {
     fn index(self) -> usize {
         usize::from(self.movers) | usize::from(self.motion) << 1
     }
-}
-
-/// The program of the chosen stage. The programs of both stages make the same images.
-enum Pipeline {
-    Fragment(GraphicsPipeline<programs::History<'static>>),
-    Compute(ComputePipeline<programs::HistoryCompute<'static>>),
 }
 
 /// The motion of the surfaces that pixels show since the frame before, as the caller knows it.
@@ -193,7 +191,7 @@ impl HistoryPass {
         let made = Self {
             gpu: gpu.clone(),
             variant,
-            at_rest: Pipeline::new(gpu, variant, None)?,
+            at_rest: pipeline(gpu, variant, None)?,
             searching: Default::default(),
             history_images: [make_images()?, make_images()?],
             composite: composite.then(|| image("composite", LIT_COLOR)).transpose()?,
@@ -266,45 +264,28 @@ impl HistoryPass {
             ..self.block(camera, &previous_frame, gbuffer.depth.extent(), motion)
         };
         let composite = self.composite.as_ref();
-        macro_rules! program {
-            ($program:ident { $($stored:ident: $image:expr),* }) => {
-                programs::$program {
-                    history: &block,
-                    depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-                    normal_buffer: gbuffer.normal.all(),
-                    reflection_buffer: reflection.0.all(),
-                    material_buffer: gbuffer.material.all(),
-                    color_before: earlier.reflection.all(),
-                    guide_before: earlier.guide.all(),
-                    color_buffer: gbuffer.color.level(0),
-                    // Images that stand for unknown ones are not read.
-                    ends_image: ends.unwrap_or(&self.no_ends).all(),
-                    triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
-                    motion_buffer: Sampled::nearest(motion.map_or(gbuffer.depth, |motion| motion.image).all()),
-                    $($stored: $image.all()),*
-                }
-            };
-        }
+        let program = History {
+            history: &block,
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            normal_buffer: gbuffer.normal.all(),
+            reflection_buffer: reflection.0.all(),
+            material_buffer: gbuffer.material.all(),
+            color_before: earlier.reflection.all(),
+            guide_before: earlier.guide.all(),
+            color_buffer: gbuffer.color.level(0),
+            // Images that stand for unknown ones are not read.
+            ends_image: ends.unwrap_or(&self.no_ends).all(),
+            triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
+            motion_buffer: Sampled::nearest(motion.map_or(gbuffer.depth, |motion| motion.image).all()),
+        };
+        let targets = [
+            Target::overwrite(now.reflection.all()),
+            Target::overwrite(now.guide.all()),
+            composite.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
+        ];
         let search = previous_frame.search(motion.is_some());
-        match search.map_or(Ok(&self.at_rest), |search| self.searching(search))? {
-            Pipeline::Fragment(pipeline) => {
-                let targets = [
-                    Target::overwrite(now.reflection.all()),
-                    Target::overwrite(now.guide.all()),
-                    composite.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
-                ];
-                frame.fullscreen("history", pipeline, targets, &program!(History {}))?;
-            }
-            Pipeline::Compute(pipeline) => {
-                let program = program!(HistoryCompute {
-                    reflection_image: now.reflection,
-                    guide_image: now.guide,
-                    color_image: composite.unwrap_or(&now.reflection)
-                });
-                let [width, height] = gbuffer.depth.extent();
-                frame.compute("history", pipeline, &program, [width, height, 1])?;
-            }
-        }
+        let pipeline = search.map_or(Ok(&self.at_rest), |search| self.searching(search))?;
+        frame.pixels("history", pipeline, targets, &program)?;
         Ok((Reflection(&now.reflection), composite))
     }
 
@@ -313,7 +294,7 @@ impl HistoryPass {
         if let Some(pipeline) = made.get() {
             return Ok(pipeline);
         }
-        let pipeline = Pipeline::new(&self.gpu, self.variant, Some(search))?;
+        let pipeline = pipeline(&self.gpu, self.variant, Some(search))?;
         Ok(made.get_or_init(|| pipeline))
     }
 
@@ -366,22 +347,13 @@ impl HistoryPass {
     }
 }
 
-impl Pipeline {
-    fn new(
-        gpu: &Gpu,
-        Variant { stage, is_orthographic: orthographic, composite }: Variant,
-        search: Option<HistorySearch>,
-    ) -> Result<Self> {
-        let HistorySearch { movers, motion } = search.unwrap_or_default();
-        let search = search.is_some();
-        if stage == ShaderStage::Compute {
-            let constants = programs::HistoryComputeConstants { orthographic, composite, motion, movers, search };
-            return Ok(Self::Compute(ComputePipeline::with(gpu, &constants)?));
-        }
-        let constants = programs::HistoryConstants { orthographic, composite, motion, movers, search };
-        let color = if composite { LIT_COLOR } else { vk::Format::UNDEFINED };
-        Ok(Self::Fragment(GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR, GUIDE, color], &constants)?))
-    }
+/// Compiles the program for what may have moved; `None` if nothing has.
+fn pipeline(gpu: &Gpu, variant: Variant, search: Option<HistorySearch>) -> Result<Pipeline> {
+    let Variant { stage, is_orthographic: orthographic, composite } = variant;
+    let HistorySearch { movers, motion } = search.unwrap_or_default();
+    let constants = HistoryConstants { orthographic, composite, motion, movers, search: search.is_some() };
+    let color = if composite { LIT_COLOR } else { vk::Format::UNDEFINED };
+    PixelPipeline::new(gpu, stage, [LIT_COLOR, GUIDE, color], &constants)
 }
 
 /// How far a camera's projection shifts the image, in pixels, x to the right and y down: for example by jitter.

@@ -4,11 +4,11 @@
 
 use super::lost::{LostRayBindings, LostRays};
 use super::tiles::UnifiedSetup;
-use super::tracer::{ByTracer, by_tracer};
-use super::triangle_scene::{TriangleBindings, with_reading};
+use super::triangle_scene::TriangleBindings;
 use super::{Canvas, GBuffer, Pyramid};
 use crate::error::Result;
-use crate::gpu::programs::{OwnRays, OwnRaysOnScreen, OwnRaysOnScreenConstants, OwnRaysQueried};
+use crate::gpu::program::RaySource;
+use crate::gpu::programs::{OwnRays, OwnRaysConstants};
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Sampled};
 
@@ -28,12 +28,7 @@ pub struct OwnRaysInput<'a> {
 }
 
 /// The pipeline; `None` if no pixel gets rays of its own.
-pub struct OwnRaysPass(Option<Pipeline>);
-
-enum Pipeline {
-    Triangles(ByTracer<ComputePipeline<OwnRays<'static>>, ComputePipeline<OwnRaysQueried<'static>>>),
-    Screen(ComputePipeline<OwnRaysOnScreen<'static>>),
-}
+pub struct OwnRaysPass(Option<ComputePipeline<OwnRays<'static>>>);
 
 impl OwnRaysPass {
     /// Compiles the pipeline for triangles, read as `setup` says, or for the screen alone.
@@ -45,21 +40,19 @@ impl OwnRaysPass {
         if own_rays == 0 {
             return Ok(Self(None));
         }
-        let (beside, orthographic) = (setup.beside(), setup.projection.is_orthographic());
-        let Some(reading) = setup.triangles else {
-            let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-            let followed = false;
-            let constants =
-                OwnRaysOnScreenConstants { strip, oracle, followed, over, own_rays, composite, beside, orthographic };
-            return Ok(Self(Some(Pipeline::Screen(ComputePipeline::with(gpu, &constants)?))));
+        let constants = OwnRaysConstants {
+            strip: setup.strip as i32,
+            oracle: u32::from(setup.oracle) as i32,
+            followed: false,
+            over,
+            own_rays,
+            composite,
+            beside: setup.beside(),
+            orthographic: setup.projection.is_orthographic(),
+            triangle_constants: setup.triangle_constants(),
         };
-        let constants = with_reading! { OwnRaysConstants of reading, own_rays, composite, beside, orthographic };
-        let queried = with_reading! { OwnRaysQueriedConstants of reading, own_rays, composite, beside, orthographic };
-        Ok(Self(Some(Pipeline::Triangles(if reading.queries {
-            ByTracer::Query(ComputePipeline::with(gpu, &queried)?)
-        } else {
-            ByTracer::Tree(ComputePipeline::with(gpu, &constants)?)
-        }))))
+        let rays = setup.triangles.map_or(RaySource::Screen, |reading| reading.ray_source());
+        Ok(Self(Some(ComputePipeline::by(gpu, rays, &constants)?)))
     }
 
     /// Records pass "lost/clear", which empties the list, if pixels get rays of their own.
@@ -71,42 +64,25 @@ impl OwnRaysPass {
     pub fn record(&self, frame: &mut Frame, name: &str, input: OwnRaysInput, parameters: &UnifiedBlock) -> Result<()> {
         let OwnRaysInput { gbuffer, pyramid, canvas, beyond, triangle_bindings } = input;
         let Some((pipeline, [color, reflection])) = self.0.as_ref().zip(canvas.stored()) else { return Ok(()) };
-        match (pipeline, triangle_bindings) {
-            (Pipeline::Screen(pipeline), _) => {
-                let program = OwnRaysOnScreen {
-                    unified: parameters,
-                    pyramid: pyramid.0.all(),
-                    normal_buffer: gbuffer.normal.all(),
-                    material_buffer: gbuffer.material.all(),
-                    color_buffer: gbuffer.color.level(0),
-                    color_chain: gbuffer.coarse_colors(),
-                    captures: beyond.block,
-                    environment: beyond.sky,
-                    lost_counts: beyond.counts,
-                    doubts: beyond.rays,
-                    color_image: color.all(),
-                    reflection_image: reflection.all(),
-                };
-                frame.compute_indirect(name, pipeline, &program, (beyond.counts, 0))
-            }
-            (Pipeline::Triangles(pipeline), Some(triangle_bindings)) => {
-                let program = by_tracer! { OwnRays or OwnRaysQueried of triangle_bindings,
-                    unified: parameters,
-                    depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-                    normal_buffer: gbuffer.normal.all(),
-                    material_buffer: gbuffer.material.all(),
-                    color_buffer: Sampled::nearest(gbuffer.color.level(0)),
-                    triangle_buffer: beyond.triangle_of(&gbuffer),
-                    captures: beyond.block,
-                    environment: beyond.sky,
-                    lost_counts: beyond.counts,
-                    doubts: beyond.rays,
-                    color_image: color.all(),
-                    reflection_image: reflection.all(),
-                };
-                pipeline.follow(frame, name, &program, beyond.counts)
-            }
-            (Pipeline::Triangles(_), None) => Ok(()),
-        }
+        let program = OwnRays {
+            unified: parameters,
+            pyramid: Some(pyramid.0.all()),
+            depth_buffer: Some(Sampled::nearest(gbuffer.depth.all())),
+            normal_buffer: gbuffer.normal.all(),
+            material_buffer: gbuffer.material.all(),
+            color_texels: Some(gbuffer.color.level(0)),
+            color_buffer: Some(Sampled::nearest(gbuffer.color.level(0))),
+            color_chain: Some(gbuffer.coarse_colors()),
+            triangle_buffer: Some(beyond.triangle_of(&gbuffer)),
+            captures: beyond.block,
+            environment: beyond.sky,
+            lost_counts: beyond.counts,
+            doubts: beyond.rays,
+            color_image: color.all(),
+            reflection_image: reflection.all(),
+            ray_structure: triangle_bindings.and_then(|bindings| bindings.triangles.structure),
+            triangle_resources: triangle_bindings.map(|bindings| bindings.resources()),
+        };
+        frame.compute_indirect(name, pipeline, &program, (beyond.counts, 0))
     }
 }

@@ -1,14 +1,14 @@
 //! Work over tiles: the lists of tiles that the classification writes, one for each kind of reflector, and programs that run over
-//! the tiles of a list. A program runs over the whole image if the list is known to cover all of it. Each program exists for
-//! fragment shaders and for compute shaders, and makes the same images in both.
+//! the tiles of a list. A program runs over the whole image if the list is known to cover all of it. Each program that walks over
+//! the screen has permutations for fragment shaders and for compute shaders, and makes the same images in both.
 
 use super::LIT_COLOR;
 use super::triangle_scene::TriangleReading;
 use crate::error::{Error, Result};
-use crate::gpu::program::{Compute, Fragment};
-use crate::gpu::programs::Tile;
+use crate::gpu::program::{InEitherStage, PermutationChoice, RaySource};
+use crate::gpu::programs::{Tile, TriangleConstants};
 use crate::gpu::shader::{TileListBlock, UnifiedBlock};
-use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ShaderStage, Target};
+use crate::gpu::{Buffer, Frame, Gpu, GraphicsPipeline, Image, ShaderStage, StoringPipeline, Target};
 use ash::vk;
 use ssct_ground::math::OracleVersion;
 use ssct_ground::math::constants::{LISTS, TILE_SIDE};
@@ -60,6 +60,20 @@ impl UnifiedSetup {
     /// Formats of the images that are drawn into, as [`Canvas`](super::Canvas) has them.
     pub fn formats(&self) -> [vk::Format; 2] {
         [LIT_COLOR, if self.beside() { LIT_COLOR } else { vk::Format::UNDEFINED }]
+    }
+
+    /// The permutation of the programs that trace. Rays that begin among the triangles are traced in compute shaders alone.
+    pub fn traced(&self) -> PermutationChoice {
+        match self.triangles {
+            None => PermutationChoice { stage: self.trace, rays: Some(RaySource::Screen) },
+            Some(_) if self.screen => PermutationChoice { stage: self.trace, rays: Some(RaySource::Confirmed) },
+            Some(reading) => PermutationChoice::compute(reading.ray_source()),
+        }
+    }
+
+    /// The constants of programs among the triangles.
+    pub fn triangle_constants(&self) -> TriangleConstants {
+        self.triangles.map_or_else(TriangleConstants::default, |reading| reading.constants())
     }
 
     /// Whether the reflection is wanted beside the composite.
@@ -117,106 +131,74 @@ pub struct TileRange {
     pub halved: bool,
 }
 
-/// A compute program that runs over the tiles of a list or over the whole image.
-pub struct TiledCompute<C> {
+/// A program that runs over the tiles of a list or over the whole image, in the chosen permutation.
+pub struct TiledPipeline<P> {
     range: TileRange,
-    tiles: ComputePipeline<C>,
-    whole: ComputePipeline<C>,
-}
-
-impl<C: Compute> TiledCompute<C> {
-    /// Compiles the program twice. `constants` returns its constants for the tiles (`false`) and for the whole image (`true`).
-    ///
-    /// # Errors
-    /// [`Error::NoDevice`] on a device whose shaders take fewer images or buffers than the program has.
-    pub fn new(gpu: &Gpu, range: TileRange, constants: impl Fn(bool) -> C::Constants) -> Result<Self> {
-        Ok(Self {
-            range,
-            tiles: ComputePipeline::with(gpu, &constants(false))?,
-            whole: ComputePipeline::with(gpu, &constants(true))?,
-        })
-    }
-
-    /// Records one pass over the list's tiles, or over the whole image.
-    pub fn run(
-        &self,
-        frame: &mut Frame,
-        name: &str,
-        (parameters, tiles): (&UnifiedBlock, Tiles),
-        program: &C,
-    ) -> Result<()> {
-        let TileRange { list, halved } = self.range;
-        if tiles.whole {
-            let [x, y] = parameters.size.map(|side| (side as u32).div_ceil(1 + u32::from(halved)));
-            return frame.compute(name, &self.whole, program, [x, y, 1]);
-        }
-        let offset = LISTS as u64 * DRAW_BYTES + (2 * list as u64 + u64::from(halved)) * DISPATCH_BYTES;
-        frame.compute_indirect(name, &self.tiles, program, (tiles.arguments, offset))
-    }
-}
-
-/// A program that runs over the tiles of a list or over the whole image: `F` in fragment shaders or `C` in compute
-/// shaders.
-pub struct TiledPipeline<F, C> {
-    range: TileRange,
-    pipelines: TilePipelines<F, C>,
+    pipelines: TilePipelines<P>,
 }
 
 /// The pipelines of the chosen stage.
-enum TilePipelines<F, C> {
-    Fragment { tiles: GraphicsPipeline<F, Tile<'static>>, whole: GraphicsPipeline<F> },
-    Compute(TiledCompute<C>),
+enum TilePipelines<P> {
+    Fragment { tiles: GraphicsPipeline<P, Tile<'static>>, whole: GraphicsPipeline<P> },
+    Compute { tiles: StoringPipeline<P>, whole: StoringPipeline<P> },
 }
 
-impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
-    /// Compiles the program of a stage twice. `formats` are the formats of its targets in fragment shaders. `fragment` and
-    /// `compute` return its constants for the tiles (`false`) and for the whole image (`true`).
+impl<P: InEitherStage> TiledPipeline<P>
+where
+    P::Outputs<vk::Format>: Copy,
+{
+    /// Compiles a permutation of the program twice. `formats` are the formats of its targets. `constants` returns its constants for the
+    /// tiles (`false`) and for the whole image (`true`).
     ///
     /// # Errors
     /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on a device whose shaders
-    /// take fewer images than the program has.
+    /// take fewer images or buffers than the program has.
     pub fn new(
         gpu: &Gpu,
-        (stage, range): (ShaderStage, TileRange),
-        formats: impl Fn() -> F::Outputs<vk::Format>,
-        fragment: impl Fn(bool) -> F::Constants,
-        compute: impl Fn(bool) -> C::Constants,
+        range: TileRange,
+        PermutationChoice { stage, rays }: PermutationChoice,
+        formats: P::Outputs<vk::Format>,
+        constants: impl Fn(bool) -> P::Constants,
     ) -> Result<Self> {
         let pipelines = match stage {
             ShaderStage::Fragment => {
                 check_points(gpu)?;
                 TilePipelines::Fragment {
-                    tiles: GraphicsPipeline::points(gpu, formats(), &fragment(false))?,
-                    whole: GraphicsPipeline::fullscreen_with(gpu, formats(), &fragment(true))?,
+                    tiles: GraphicsPipeline::points(gpu, rays, formats, &constants(false))?,
+                    whole: GraphicsPipeline::fullscreen_by(gpu, rays, formats, &constants(true))?,
                 }
             }
-            ShaderStage::Compute => TilePipelines::Compute(TiledCompute::new(gpu, range, compute)?),
+            ShaderStage::Compute => TilePipelines::Compute {
+                tiles: StoringPipeline::new(gpu, rays, &formats, &constants(false))?,
+                whole: StoringPipeline::new(gpu, rays, &formats, &constants(true))?,
+            },
         };
         Ok(Self { range, pipelines })
     }
 
-    /// Records one pass over the list's tiles, or over the whole image, in which every texel is written. The program of the chosen
-    /// stage is filled in (`in_either_stage`) and runs.
-    pub fn run<'t>(
+    /// Records one pass over the list's tiles, or over the whole image, in which every texel of the targets is written.
+    pub fn run(
         &self,
         frame: &mut Frame,
         name: &str,
         (parameters, tiles): (&UnifiedBlock, Tiles),
-        (fragment, compute): (impl FnOnce() -> (F::Outputs<Target<'t>>, F), impl FnOnce() -> C),
+        targets: P::Outputs<Target>,
+        program: &P,
     ) -> Result<()> {
         let TileRange { list, halved } = self.range;
         match &self.pipelines {
-            TilePipelines::Fragment { tiles: pipeline, whole } => {
-                let (targets, program) = fragment();
-                if tiles.whole {
-                    return frame.fullscreen(name, whole, targets, &program);
-                }
+            TilePipelines::Fragment { whole, .. } if tiles.whole => frame.fullscreen(name, whole, targets, program),
+            TilePipelines::Fragment { tiles: pipeline, .. } => {
                 let tile_list = TileListBlock { list, halve: i32::from(halved) };
                 let vertices = Tile { unified: parameters, Tiles: tiles.lists, tile_list: &tile_list };
                 let arguments = (tiles.arguments, DRAW_BYTES * list as u64);
-                frame.draw_indirect(name, pipeline, targets, (&program, &vertices), arguments)
+                frame.draw_indirect(name, pipeline, targets, (program, &vertices), arguments)
             }
-            TilePipelines::Compute(pipelines) => pipelines.run(frame, name, (parameters, tiles), &compute()),
+            TilePipelines::Compute { whole, .. } if tiles.whole => frame.store(name, whole, targets, program),
+            TilePipelines::Compute { tiles: pipeline, .. } => {
+                let offset = LISTS as u64 * DRAW_BYTES + (2 * list as u64 + u64::from(halved)) * DISPATCH_BYTES;
+                frame.store_indirect(name, pipeline, targets, program, (tiles.arguments, offset))
+            }
         }
     }
 }
@@ -232,33 +214,3 @@ fn check_points(gpu: &Gpu) -> Result<()> {
     }
     Ok(())
 }
-
-/// Makes the two programs of a pass for [`TiledPipeline::run`]: the fragment program with its targets, and the compute program with
-/// the [`Tiles`] that it runs over and the images that it stores to. Bindings that both programs have are written once, after them;
-/// `triangle_bindings` gives the bindings of a scene's triangles.
-macro_rules! in_either_stage {
-    (
-        $fragment:ident => $targets:expr,
-        $compute:ident over $tiles:ident => { $($stored:ident: $image:expr),+ $(,)? },
-        triangle_bindings: $triangle_bindings:expr,
-        $($field:ident: $value:expr),+ $(,)?
-    ) => {
-        (
-            || ($targets, $crate::passes::triangle_scene::with_triangles! { $fragment of $triangle_bindings, $($field: $value),+ }),
-            || $crate::passes::triangle_scene::with_triangles! { $compute of $triangle_bindings,
-                Tiles: $tiles.lists, Counts: $tiles.arguments, $($stored: $image,)+ $($field: $value),+
-            },
-        )
-    };
-    (
-        $fragment:ident => $targets:expr,
-        $compute:ident over $tiles:ident => { $($stored:ident: $image:expr),+ $(,)? },
-        $($field:ident: $value:expr),+ $(,)?
-    ) => {
-        (
-            || ($targets, $fragment { $($field: $value),+ }),
-            || $compute { Tiles: $tiles.lists, Counts: $tiles.arguments, $($stored: $image,)+ $($field: $value),+ },
-        )
-    };
-}
-pub(super) use in_either_stage;

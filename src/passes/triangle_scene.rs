@@ -7,6 +7,8 @@ pub use images::{TriangleImages, TriangleTable};
 
 use crate::error::Result;
 use crate::gpu::memory::MemoryPlace;
+use crate::gpu::program::RaySource;
+use crate::gpu::programs::{TriangleConstants, TriangleResources};
 use crate::gpu::ray_structure::{Corners, RayStructure};
 use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
@@ -160,13 +162,24 @@ pub struct TriangleBindings<'a> {
     pub screen_depth: Sampled<'a>,
 }
 
-/// A program with its bindings of a scene's triangles filled in from a [`TriangleBindings`], and its other fields.
-macro_rules! with_triangles {
-    ($name:ident of $triangle_bindings:expr, $($field:ident: $value:expr),+ $(,)?) => {{
-        let $crate::passes::triangle_scene::TriangleBindings {
-            triangles, block, lights, screen_color, screen_depth,
-        } = $triangle_bindings;
-        $crate::gpu::programs::$name {
+impl TriangleReading {
+    /// The specialization constants that programs among the triangles have together.
+    pub fn constants(&self) -> TriangleConstants {
+        let Self { geometry_texels, image_texels, asks, lights, screen_colors, walk_room, .. } = *self;
+        TriangleConstants { geometry_texels, image_texels, asks, lights, screen_colors, walk_room }
+    }
+
+    /// How rays among the triangles find where they end.
+    pub fn ray_source(&self) -> RaySource {
+        if self.queries { RaySource::Query } else { RaySource::Tree }
+    }
+}
+
+impl<'a> TriangleBindings<'a> {
+    /// The bindings that programs among the triangles have together.
+    pub fn resources(&self) -> TriangleResources<'a> {
+        let Self { triangles, block, lights, screen_color, screen_depth } = *self;
+        TriangleResources {
             geometry_texels: triangles.geometry,
             geometry: triangles.geometry.buffer(),
             table_texels: triangles.table,
@@ -177,24 +190,9 @@ macro_rules! with_triangles {
             scene: lights,
             screen_color,
             screen_depth,
-            $($field: $value,)+
         }
-    }};
+    }
 }
-/// Makes the specialization constants of a program among a scene's triangles: those of a [`TriangleReading`], and the program's
-/// own.
-macro_rules! with_reading {
-    ($constants:ident of $reading:expr, $($field:ident $(: $value:expr)?),* $(,)?) => {{
-        let $crate::passes::triangle_scene::TriangleReading {
-            geometry_texels, image_texels, asks, lights, screen_colors, walk_room, ..
-        } = $reading;
-        $crate::gpu::programs::$constants {
-            geometry_texels, image_texels, asks, lights, screen_colors, walk_room, $($field $(: $value)?),*
-        }
-    }};
-}
-
-pub(super) use {with_reading, with_triangles};
 
 /// Walks have room for a multiple of this number of levels, so that few programs are compiled.
 const ROOM_STEP: u32 = 4;

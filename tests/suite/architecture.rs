@@ -82,7 +82,7 @@ const MOST_DEPENDENCIES: usize = 10;
 const NOT_EMBEDDED: &[&str] = &["ash-window", "clap", "egui", "plotters", "ssct-lab", "ssct-scenes", "winit"];
 
 /// Modules of `passes` that are no pass: what several of them read, or are made of.
-const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles", "traced", "tracer", "triangle_scene"];
+const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles", "traced", "triangle_scene"];
 
 /// Words that only these files may contain, and do.
 ///

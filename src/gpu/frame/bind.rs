@@ -1,10 +1,10 @@
 //! Binds pipelines, and the resources that they read.
 
 use super::{Frame, Resource};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::pipeline::Layout;
 use crate::gpu::program::{Program, Sampled};
-use crate::gpu::shader::{Binding, BindingKind};
+use crate::gpu::shader::{Binding, BindingKind, Shader};
 use ash::vk;
 
 /// Resources and push constants of a pipeline's programs, for a draw or a dispatch.
@@ -14,23 +14,33 @@ pub(super) struct ProgramInputs<'a> {
 }
 
 impl<'a> ProgramInputs<'a> {
-    /// Takes the inputs from the fields of a program.
-    pub fn to<P: Program>(program: &'a P) -> Self {
-        let resources = P::SHADER.bindings.iter().copied().zip(program.resources()).collect();
-        Self { resources, push: program.push() }
+    /// Takes the inputs of a program's shader from the fields of the program.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if a field that the shader needs is `None`.
+    pub fn to<P: Program>(shader: &Shader, program: &'a P) -> Result<Self> {
+        let resource = |binding: &Binding| {
+            let found = program.resource(binding.name).map(|resource| (*binding, resource));
+            found.ok_or_else(|| Error::Usage(format!("{}: nothing is given for {}", shader.name, binding.name)))
+        };
+        let push = if shader.push_constant_size > 0 { program.push() } else { &[] };
+        // What a compute shader stores to is given as targets (`pixels.rs`).
+        let is_stored = |bound: &&Binding| shader.stored.iter().any(|(binding, _)| *binding == bound.binding);
+        let read = shader.bindings.iter().filter(|bound| !is_stored(bound));
+        Ok(Self { resources: read.map(resource).collect::<Result<_>>()?, push })
     }
 
-    /// Adds the fields of the other stage's program. Bindings and push constants that both programs have are taken from
-    /// the first.
-    pub fn and<P: Program>(mut self, other: &'a P) -> Self {
-        let other = ProgramInputs::to(other);
+    /// Adds the fields of the vertex program. Bindings and push constants that both programs have are taken from the
+    /// first.
+    pub fn and<P: Program>(mut self, vertex: &'a P) -> Result<Self> {
+        let other = ProgramInputs::to(P::SHADER, vertex)?;
         for (binding, resource) in other.resources {
             if self.resources.iter().all(|(known, _)| known.binding != binding.binding) {
                 self.resources.push((binding, resource));
             }
         }
         let push = if self.push.is_empty() { other.push } else { self.push };
-        Self { push, ..self }
+        Ok(Self { push, ..self })
     }
 }
 

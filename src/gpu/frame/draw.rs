@@ -29,7 +29,8 @@ impl Frame<'_> {
         program: &F,
     ) -> Result<()> {
         let targets = (targets.as_ref(), None);
-        self.shade(name, &pipeline.graphics, targets, &ProgramInputs::to(program), Vertices::Triangle)
+        let inputs = ProgramInputs::to(pipeline.fragment, program)?;
+        self.shade(name, &pipeline.graphics, targets, &inputs, Vertices::Triangle)
     }
 
     /// Clears the stencil of a depth target and marks every pixel that a fragment program doesn't discard; the target's
@@ -42,7 +43,8 @@ impl Frame<'_> {
         program: &F,
     ) -> Result<()> {
         let targets = (&[][..], Some(Target::unmarked(stencil)));
-        self.shade(name, &pipeline.graphics, targets, &ProgramInputs::to(program), Vertices::Triangle)
+        let inputs = ProgramInputs::to(pipeline.fragment, program)?;
+        self.shade(name, &pipeline.graphics, targets, &inputs, Vertices::Triangle)
     }
 
     /// Draws vertices without a vertex buffer. Four words of a buffer, from byte `offset`, are the arguments of an
@@ -55,7 +57,7 @@ impl Frame<'_> {
         (fragment, vertex): (&F, &V),
         (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        let inputs = ProgramInputs::to(fragment).and(vertex);
+        let inputs = ProgramInputs::to(pipeline.fragment, fragment)?.and(vertex)?;
         let vertices = Vertices::Indirect(arguments, offset);
         self.shade(name, &pipeline.graphics, (targets.as_ref(), None), &inputs, vertices)
     }
@@ -132,7 +134,8 @@ impl Frame<'_> {
         threads: [u32; 3],
     ) -> Result<()> {
         let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.compute.local_size[i]));
-        self.dispatch(name, &pipeline.compute, &ProgramInputs::to(program), Workgroups::Counted([x, y, z]))
+        let inputs = ProgramInputs::to(pipeline.shader, program)?;
+        self.dispatch(name, &pipeline.compute, &inputs, Workgroups::Counted([x, y, z]))
     }
 
     /// Dispatches a compute program. The buffer `arguments` holds the number of workgroups along each axis, in three
@@ -144,7 +147,8 @@ impl Frame<'_> {
         program: &P,
         (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        self.dispatch(name, &pipeline.compute, &ProgramInputs::to(program), Workgroups::Indirect(arguments, offset))
+        let inputs = ProgramInputs::to(pipeline.shader, program)?;
+        self.dispatch(name, &pipeline.compute, &inputs, Workgroups::Indirect(arguments, offset))
     }
 
     pub(super) fn dispatch(
@@ -270,7 +274,7 @@ impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
         fragment: &impl Fragment<Kind = F::Kind>,
         vertex: &impl VertexProgram<Kind = V::Kind>,
     ) -> Result<()> {
-        let (p, inputs) = (self.pipeline, ProgramInputs::to(fragment).and(vertex));
+        let (p, inputs) = (self.pipeline, ProgramInputs::to(F::SHADER, fragment)?.and(vertex)?);
         if !self.is_bound {
             self.frame.bind(p.handle, vk::PipelineBindPoint::GRAPHICS);
             self.is_bound = true;

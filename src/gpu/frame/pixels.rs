@@ -4,6 +4,7 @@ use super::bind::ProgramInputs;
 use super::draw::Workgroups;
 use super::{Frame, Resource, Target};
 use crate::error::{Error, Result};
+use crate::gpu::memory::Buffer;
 use crate::gpu::pixels::{PixelPipeline, StagePipeline, StoringPipeline};
 use crate::gpu::program::InEitherStage;
 use crate::gpu::shader::{Binding, BindingKind};
@@ -21,36 +22,55 @@ impl Frame<'_> {
     ) -> Result<()> {
         match &pipeline.0 {
             StagePipeline::Fragment(pipeline) => self.fullscreen(name, pipeline, targets, program),
-            StagePipeline::Compute(pipeline) => {
-                self.store(name, pipeline, targets.as_ref(), ProgramInputs::to(program))
-            }
+            StagePipeline::Compute(pipeline) => self.store(name, pipeline, targets, program),
         }
     }
 
     /// Dispatches a thread for each texel of the targets, which are bound as images beside what the program reads.
-    fn store<'g>(
+    pub fn store<F: InEitherStage>(
         &mut self,
         name: &str,
-        made: &'g StoringPipeline,
-        targets: &[Target<'g>],
-        mut inputs: ProgramInputs<'g>,
+        pipeline: &StoringPipeline<F>,
+        targets: F::Outputs<Target>,
+        program: &F,
     ) -> Result<()> {
-        let mut extent = None;
-        for ((target, (binding, _)), unwanted) in targets.iter().zip(made.shader.stored).zip(&made.unwanted) {
-            let image = match (target.slice(), unwanted) {
-                (Some(slice), _) => {
-                    extent.get_or_insert(slice.extent());
-                    slice.stored()
-                }
-                (None, Some(unwanted)) => unwanted.all(),
-                (None, None) => return Err(Error::Usage(format!("{name}: an output has no target"))),
-            };
-            let binding = Binding { name: "output", binding: *binding, kind: BindingKind::StorageImage, count: 1 };
-            inputs.resources.push((binding, Resource::Storage(image)));
-        }
-        let [width, height] = extent.unwrap_or([1, 1]);
-        let [x, y, _] = made.pipeline.local_size;
+        let targets = targets.as_ref();
+        let [width, height] = targets.iter().find_map(Target::slice).map_or([1, 1], |slice| slice.extent());
+        let [x, y, _] = pipeline.pipeline.local_size;
         let groups = Workgroups::Counted([width.div_ceil(x), height.div_ceil(y), 1]);
-        self.dispatch(name, &made.pipeline, &inputs, groups)
+        self.dispatch(name, &pipeline.pipeline, &stored(name, pipeline, targets, program)?, groups)
     }
+
+    /// Dispatches as many workgroups as a buffer says, in three words from byte `offset`; else as [`Self::store`].
+    pub fn store_indirect<F: InEitherStage>(
+        &mut self,
+        name: &str,
+        pipeline: &StoringPipeline<F>,
+        targets: F::Outputs<Target>,
+        program: &F,
+        (arguments, offset): (&Buffer, u64),
+    ) -> Result<()> {
+        let inputs = stored(name, pipeline, targets.as_ref(), program)?;
+        self.dispatch(name, &pipeline.pipeline, &inputs, Workgroups::Indirect(arguments, offset))
+    }
+}
+
+/// What a program reads, and the images that it stores to.
+fn stored<'a, F: InEitherStage>(
+    name: &str,
+    pipeline: &'a StoringPipeline<F>,
+    targets: &[Target<'a>],
+    program: &'a F,
+) -> Result<ProgramInputs<'a>> {
+    let mut inputs = ProgramInputs::to(pipeline.shader, program)?;
+    for ((target, (binding, _)), unwanted) in targets.iter().zip(pipeline.shader.stored).zip(&pipeline.unwanted) {
+        let image = match (target.slice(), unwanted) {
+            (Some(slice), _) => slice.stored(),
+            (None, Some(unwanted)) => unwanted.all(),
+            (None, None) => return Err(Error::Usage(format!("{name}: an output has no target"))),
+        };
+        let binding = Binding { name: "output", binding: *binding, kind: BindingKind::StorageImage, count: 1 };
+        inputs.resources.push((binding, Resource::Storage(image)));
+    }
+    Ok(inputs)
 }

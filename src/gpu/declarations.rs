@@ -1,0 +1,340 @@
+//! Writes the declarations in Rust of the programs, groups and blocks that GLSL declares. `build.rs` alone includes this file.
+
+use super::glsl::{self, Group, NamedProgram};
+use super::interface::{Block, Constant, Interface, StageBinding};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+/// The folder of the programs' modules, below the folder that Cargo gives to `build.rs`. A package contains it.
+pub const MODULES: &str = "spirv";
+
+/// The shader stage of a permutation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    Vertex,
+    Fragment,
+    Compute,
+}
+
+/// A compiled permutation of a program: one stage with its macros.
+pub struct Permutation {
+    /// Its name in a source, with its macros.
+    pub named: NamedProgram,
+    /// Its stage.
+    pub stage: Stage,
+    /// Path under `shaders-glsl/`.
+    pub file: String,
+    /// The file of its module, without the extension.
+    pub module: String,
+    /// What it binds.
+    pub interface: Interface,
+    /// Binding and format of the image for each output of the fragment permutations, if this is a compute permutation beside them.
+    pub stored: Vec<(u32, &'static str)>,
+}
+
+impl Permutation {
+    /// The bindings that the program's fields give.
+    fn given(&self) -> impl Iterator<Item = &StageBinding> {
+        let is_stored = |bound: &StageBinding| self.stored.iter().any(|(binding, _)| *binding == bound.binding);
+        self.interface.bindings.iter().filter(move |bound| !is_stored(bound))
+    }
+}
+
+/// The name of a shader, in labels and errors.
+pub fn title(file: &str, defines: &[String]) -> String {
+    [&[file.to_owned()], defines].concat().join(" ")
+}
+
+/// Finds the images that compute permutations store to in place of the outputs of fragment permutations. They are storage images that no
+/// fragment permutation has, in the order of the outputs.
+pub fn store_outputs(permutations: &mut [Permutation]) -> Result<(), String> {
+    let fragments: Vec<&Interface> =
+        permutations.iter().filter(|v| v.stage == Stage::Fragment).map(|v| &v.interface).collect();
+    let Some(outputs) = fragments.first().map(|interface| interface.outputs.len()) else { return Ok(()) };
+    if fragments.iter().any(|interface| interface.outputs.len() != outputs) {
+        return Err("its fragment permutations have different numbers of outputs".into());
+    }
+    let read: BTreeSet<String> = fragments.iter().flat_map(|i| &i.bindings).map(|bound| bound.name.clone()).collect();
+    for Permutation { interface, file, stored, .. } in permutations.iter_mut().filter(|v| v.stage == Stage::Compute) {
+        let is_output = |b: &&StageBinding| b.kind == "StorageImage" && !b.read_only && !read.contains(&b.name);
+        let images = interface.bindings.iter().filter(is_output).map(|bound| {
+            let found = interface.formats.get(&bound.binding).map(|format| (bound.binding, *format));
+            found.ok_or_else(|| format!("{file}: the output {} has no format", bound.name))
+        });
+        *stored = images.collect::<Result<_, _>>()?;
+        if stored.len() != outputs {
+            return Err(format!(
+                "{file}: it stores {} images, and the fragment permutations draw {outputs}",
+                stored.len()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The groups that sources name.
+pub struct Groups {
+    named: Vec<Group>,
+    /// The declarations of groups that programs have, by name.
+    pub declared: BTreeMap<String, String>,
+}
+
+impl Groups {
+    /// No group is declared yet.
+    pub fn new(named: Vec<Group>) -> Self {
+        Self { named, declared: BTreeMap::new() }
+    }
+
+    /// The group that a member belongs to, of those whose members all are among some names.
+    fn around(&self, member: &str, names: &BTreeSet<&str>) -> Option<&Group> {
+        let has_all = |group: &&Group| group.members.iter().all(|member| names.contains(member.as_str()));
+        self.named.iter().filter(has_all).find(|group| group.members.iter().any(|m| m == member))
+    }
+
+    /// Keeps the declaration of a group. All programs have to declare its members alike.
+    fn declare(&mut self, name: &str, text: String) -> Result<(), String> {
+        match self.declared.insert(name.to_owned(), text.clone()) {
+            Some(known) if known != text => Err(format!("its members of {name} are not those of other programs")),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The type of a binding's field in Rust, and the resource that it is, in which `{}` stands for the field's value.
+fn bound_type(bound: &StageBinding) -> (String, String) {
+    let StageBinding { kind, count, block, read_only, .. } = bound;
+    let (ty, resource) = match (*kind, *count, *read_only) {
+        ("SampledImage", 1, _) => ("Sampled<'a>".into(), "Sampled({})"),
+        ("SampledImage", n, _) => (format!("[Sampled<'a>; {n}]"), "SampledArray(&{})"),
+        ("StorageTexels", ..) => ("&'a TexelBuffer".into(), "Texels({})"),
+        ("StorageImage", _, true) => ("ImageSlice<'a>".into(), "Loaded({})"),
+        ("StorageImage", _, false) => ("ImageSlice<'a>".into(), "Storage({})"),
+        ("RayStructure", ..) => ("&'a RayStructure".into(), "Rays({})"),
+        ("UniformBuffer", ..) => (format!("&'a {block}"), "Uniform(bytemuck::bytes_of({}))"),
+        (_, _, true) => ("&'a Buffer".into(), "ReadBuffer({})"),
+        (_, _, false) => ("&'a Buffer".into(), "Buffer({})"),
+    };
+    (ty, resource.to_owned())
+}
+
+/// Declares the fields of a program's struct, and the arms that find the resource of a binding by its name. A binding that not all
+/// permutations have is an `Option`.
+fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(String, String), String> {
+    let names: Vec<BTreeSet<&str>> =
+        permutations.iter().map(|v| v.given().map(|bound| bound.name.as_str()).collect()).collect();
+    let (mut fields, mut arms) = (String::new(), String::new());
+    let mut known: BTreeMap<&str, (String, String)> = BTreeMap::new();
+    let mut grouped: BTreeSet<String> = BTreeSet::new();
+    for (permutation, own) in permutations.iter().zip(&names) {
+        for bound in permutation.given() {
+            let (ty, resource) = bound_type(bound);
+            let name = bound.name.as_str();
+            match known.insert(name, (ty.clone(), resource.clone())) {
+                Some(before) if before != (ty.clone(), resource.clone()) => {
+                    return Err(format!("its permutations differ in what the binding {name} is"));
+                }
+                Some(_) => continue,
+                None => {}
+            }
+            let is_everywhere = names.iter().all(|names| names.contains(name));
+            let mark = if is_everywhere { "" } else { "?" };
+            let group = groups.around(name, own).cloned();
+            let value = match &group {
+                Some(group) => format!("self.{}{mark}.{name}", group.field()),
+                // Only a reference to an array outlives the function.
+                None if bound.count > 1 && !is_everywhere => format!("*self.{name}.as_ref()?"),
+                None => format!("self.{name}{mark}"),
+            };
+            let _ = writeln!(arms, "            {name:?} => Resource::{},", resource.replace("{}", &value));
+            let (field, ty) = match group {
+                Some(group) if !grouped.insert(group.name.clone()) => continue,
+                Some(group) => {
+                    let of_group = |b: &&StageBinding| group.members.contains(&b.name);
+                    let members = permutation.given().filter(of_group);
+                    let members: String = members.map(|b| field(b, &bound_type(b).0)).collect();
+                    groups.declare(&group.name, format!("/// Bindings that several programs have together.\n#[derive(Clone, Copy)]\npub struct {}<'a> {{\n{members}}}\n", group.name))?;
+                    (group.field(), format!("{}<'a>", group.name))
+                }
+                None => (name.to_owned(), ty),
+            };
+            let ty = if is_everywhere { ty } else { format!("Option<{ty}>") };
+            let _ = writeln!(fields, "    /// Binding {}.\n    pub {field}: {ty},", bound.binding);
+        }
+    }
+    Ok((fields, arms))
+}
+
+fn field(bound: &StageBinding, ty: &str) -> String {
+    format!("    /// Binding {}.\n    pub {}: {ty},\n", bound.binding, bound.name)
+}
+
+/// Declares a program's struct, with the traits through which pipelines and frames use it (`src/gpu/program.rs`).
+pub fn program(name: &str, permutations: &[Permutation], groups: &mut Groups) -> Result<String, String> {
+    let (mut fields, arms) = program_fields(permutations, groups)?;
+    let push = permutations.iter().find_map(|v| v.interface.push.as_ref());
+    if let Some(push) = push {
+        let _ = writeln!(fields, "    /// Push constants.\n    pub {}: &'a {},", push.name, push.block);
+    }
+    let (generics, elided, fixed) = if fields.is_empty() { ("", "", "") } else { ("<'a>", "<'_>", "<'static>") };
+    let pushed = push.map_or("&[]".to_owned(), |p| format!("bytemuck::bytes_of(self.{})", p.name));
+    let (constants_type, constants) = program_constants(name, permutations, groups)?;
+    let mut title = String::new();
+    let mut known = BTreeSet::new();
+    for Permutation { file, named, stage, stored, .. } in permutations {
+        if !known.insert((*stage, &named.rays, stored)) {
+            return Err(format!("{file}: another permutation has the same stage and the same source of rays"));
+        }
+        let _ = writeln!(title, "/// - `{}/{}`", glsl::FOLDER, self::title(file, &named.defines));
+    }
+    let compiled: String = permutations.iter().map(permutation).collect();
+    let (found, argument) = match &arms[..] {
+        "" => ("None".to_owned(), "_"),
+        arms => (format!("Some(match name {{\n{arms}            _ => return None,\n        }})"), "name"),
+    };
+    let mut text = format!(
+        "/// What these shaders read:\n///\n{title}#[derive(Clone, Copy)]\n#[allow(non_snake_case)]\npub struct {name}{generics} {{\n{fields}}}\n\
+         impl Program for {name}{elided} {{\n    type Kind = {name}{fixed};\n    type Constants = {constants_type};\n    \
+         const PERMUTATIONS: &'static [Permutation] = &[\n{compiled}    ];\n    \
+         fn resource(&self, {argument}: &str) -> Option<Resource<'_>> {{\n        {found}\n    }}\n    \
+         fn push(&self) -> &[u8] {{ {pushed} }}\n}}\n{constants}"
+    );
+    let has = |stage: Stage| permutations.iter().find(|v| v.stage == stage);
+    if let Some(fragment) = has(Stage::Fragment) {
+        let outputs = fragment.interface.outputs.len();
+        let _ = writeln!(text, "impl Fragment for {name}{elided} {{ type Outputs<T> = [T; {outputs}]; }}");
+    }
+    if has(Stage::Vertex).is_some() {
+        let _ = writeln!(text, "impl VertexProgram for {name}{elided} {{}}");
+    }
+    if has(Stage::Compute).is_some() {
+        let kind = if has(Stage::Fragment).is_some() { "InEitherStage" } else { "Compute" };
+        let _ = writeln!(text, "impl {kind} for {name}{elided} {{}}");
+    }
+    Ok(text)
+}
+
+/// Declares a permutation of a program.
+fn permutation(permutation: &Permutation) -> String {
+    let Permutation { named, stage, file, module, interface, stored } = permutation;
+    let (title, defines) = (title(file, &named.defines), &named.defines);
+    let (push_size, local_size) = (interface.push.as_ref().map_or(0, |p| p.size), interface.local_size);
+    let binding = |StageBinding { binding, name, kind, count, .. }: &StageBinding| {
+        format!("Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }}, ")
+    };
+    let bindings: String = interface.bindings.iter().map(binding).collect();
+    let stored: String =
+        stored.iter().map(|(binding, format)| format!("({binding}, vk::Format::{format}), ")).collect();
+    let rays = named.rays.as_ref().map_or("None".to_owned(), |rays| format!("Some(RaySource::{rays})"));
+    let constants: Vec<u32> = interface.constants.iter().map(|constant| constant.id).collect();
+    let is_compute = *stage == Stage::Compute;
+    format!(
+        "        Permutation {{ rays: {rays}, is_compute: {is_compute}, constants: &{constants:?}, shader: &Shader {{\n        \
+         name: {title:?},\n        file: {file:?},\n        defines: &{defines:?},\n        \
+         spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{MODULES}/{module}.spv\")),\n        \
+         push_constant_size: {push_size},\n        local_size: {local_size:?},\n        bindings: &[{bindings}],\n        \
+         stored: &[{stored}],\n    }} }},\n"
+    )
+}
+
+/// Returns the name of the type of a program's specialization constants, and its declaration: all that any permutation has.
+fn program_constants(
+    program: &str,
+    permutations: &[Permutation],
+    groups: &mut Groups,
+) -> Result<(String, String), String> {
+    let mut constants: BTreeMap<u32, &Constant> = BTreeMap::new();
+    for constant in permutations.iter().flat_map(|v| &v.interface.constants) {
+        if constants.insert(constant.id, constant).is_some_and(|known| known != constant) {
+            return Err(format!("its permutations declare the constant {} differently", constant.name));
+        }
+    }
+    if constants.is_empty() {
+        return Ok(("()".into(), String::new()));
+    }
+    let names: BTreeSet<&str> = constants.values().map(|constant| constant.name.as_str()).collect();
+    let mut grouped: BTreeMap<String, (Group, Vec<&Constant>)> = BTreeMap::new();
+    let mut own = Vec::new();
+    for constant in constants.into_values() {
+        match groups.around(&constant.name, &names) {
+            Some(group) => {
+                grouped.entry(group.name.clone()).or_insert_with(|| (group.clone(), Vec::new())).1.push(constant);
+            }
+            None => own.push(constant),
+        }
+    }
+    let name = format!("{program}Constants");
+    let title = format!("Specialization constants of [`{program}`].");
+    for (group, members) in grouped.values() {
+        let text = constants_struct(
+            &group.name,
+            "Specialization constants that several programs have together.",
+            members,
+            &[],
+        );
+        groups.declare(&group.name, text)?;
+    }
+    let of_groups: Vec<&Group> = grouped.values().map(|(group, _)| group).collect();
+    let text = constants_struct(&name, &title, &own, &of_groups);
+    Ok((name, text))
+}
+
+/// Declares a struct of constants, and of groups of constants.
+fn constants_struct(name: &str, title: &str, constants: &[&Constant], groups: &[&Group]) -> String {
+    let (mut fields, mut entries) = (String::new(), String::new());
+    let (mut defaults, mut further) = (String::new(), String::new());
+    for Constant { id, name, ty, default } in constants {
+        let field = name.to_ascii_lowercase();
+        let value = match *ty {
+            "f32" => format!("f32::from_bits({default})"),
+            "bool" => (*default != 0).to_string(),
+            "i32" => default.cast_signed().to_string(),
+            _ => default.to_string(),
+        };
+        let _ = write!(defaults, "{field}: {value}, ");
+        let _ = writeln!(fields, "    /// `{name}`.\n    pub {field}: {ty},");
+        let bits = match *ty {
+            "f32" => format!("self.{field}.to_bits()"),
+            "bool" => format!("u32::from(self.{field})"),
+            "i32" => format!("self.{field}.cast_unsigned()"),
+            _ => format!("self.{field}"),
+        };
+        let _ = write!(entries, "({id}, {bits}), ");
+    }
+    for group in groups {
+        let (field, ty) = (group.field(), &group.name);
+        let _ = writeln!(fields, "    /// `{}`.\n    pub {field}: {ty},", group.members.join("`, `"));
+        let _ = write!(defaults, "{field}: {ty}::default(), ");
+        let _ = write!(further, ", self.{field}.entries()");
+    }
+    format!(
+        "/// {title}\n#[derive(Debug, Clone, Copy, PartialEq)]\npub struct {name} {{\n{fields}}}\n\
+         impl Constants for {name} {{\n    fn entries(&self) -> Vec<(u32, u32)> {{ [vec![{entries}]{further}].concat() }}\n}}\n\
+         /// The values that the shader gives them.\nimpl Default for {name} {{\n    fn default() -> Self {{ Self {{ {defaults}}} }}\n}}\n"
+    )
+}
+
+/// Declares the Rust struct that has the layout of a block.
+pub fn block_struct(block: &Block, name: &str) -> String {
+    let mut text = format!(
+        "/// Twin of the block `{name}` ({} bytes), first declared for `{}`.\n#[repr(C)]\n#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]\n#[allow(missing_docs, non_snake_case)]\npub struct {name} {{\n",
+        block.size, block.used_in
+    );
+    let (mut end, mut checks) = (0, String::new());
+    for (i, (field, offset, ty, size)) in block.fields.iter().enumerate() {
+        if end < *offset {
+            let _ = writeln!(text, "    pub _pad{i}: [u8; {}],", offset - end);
+        }
+        let _ = writeln!(text, "    pub {field}: {ty},");
+        let _ = writeln!(checks, "    assert!(std::mem::offset_of!({name}, {field}) == {offset});");
+        end = offset + size;
+    }
+    if end < block.size {
+        let _ = writeln!(text, "    pub _pad_end: [u8; {}],", block.size - end);
+    }
+    let _ = write!(
+        text,
+        "}}\nimpl Default for {name} {{ fn default() -> Self {{ bytemuck::Zeroable::zeroed() }} }}\nconst _: () = {{\n    assert!(std::mem::size_of::<{name}>() == {});\n{checks}}};\n",
+        block.size
+    );
+    text
+}
