@@ -1,12 +1,12 @@
 //! A device that runs out of memory or is lost, at every allocation and every submission of a small
 //! run: a typed error, nothing left behind, and the next run is as if nothing had been.
 //!
-//! The tests take turns because each makes and destroys devices under the validation layers: see
+//! Each test has a process of its own because it makes and destroys devices under the validation layers: see
 //! [`common::gpu`](crate::common::gpu).
 
-use crate::alone;
 use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
 use crate::common::{Builder, two_quads};
+use crate::is_alone;
 use glam::Vec3;
 use ssct::error::{Error, Result};
 use ssct::gpu::frame::Mode;
@@ -145,7 +145,9 @@ fn every_fault(methods: &[&MethodInfo], step: usize) -> usize {
 
 #[test]
 fn allocations_and_submissions_may_fail() {
-    let _alone = alone();
+    if !is_alone() {
+        return;
+    }
     let methods = ["unified", "ssct"].map(|name| methods::find(name).unwrap());
     let tried = every_fault(&methods, 3);
     println!("{tried} faults");
@@ -155,14 +157,18 @@ fn allocations_and_submissions_may_fail() {
 #[test]
 #[ignore = "minutes: every fault of every method"]
 fn every_allocation_and_submission_of_every_method_may_fail() {
-    let _alone = alone();
+    if !is_alone() {
+        return;
+    }
     let tried = every_fault(&METHODS.iter().collect::<Vec<_>>(), 1);
     println!("{tried} faults");
 }
 
 #[test]
 fn a_device_that_cannot_be_opened_leaves_nothing() {
-    let _alone = alone();
+    if !is_alone() {
+        return;
+    }
     let watch = Arc::<Watch>::default();
     drop(open(&watch).unwrap());
     let [allocations, _] = watch.calls();
@@ -177,7 +183,9 @@ fn a_device_that_cannot_be_opened_leaves_nothing() {
 
 #[test]
 fn a_frame_that_was_not_submitted_changed_nothing() {
-    let _alone = alone();
+    if !is_alone() {
+        return;
+    }
     let (watch, scene) = (Arc::<Watch>::default(), two_quads());
     let gpu = open(&watch).unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
@@ -194,7 +202,9 @@ fn a_frame_that_was_not_submitted_changed_nothing() {
 
 #[test]
 fn a_device_of_the_callers_may_fail() {
-    let _alone = alone();
+    if !is_alone() {
+        return;
+    }
     let watch = Arc::<Watch>::default();
     let mut on = Watched { gpu: open(&watch).unwrap(), watch, context: None };
     let mut engine = Engine::new(&on.gpu);
@@ -227,7 +237,9 @@ fn a_device_of_the_callers_may_fail() {
 
 #[test]
 fn a_frame_that_cannot_grow_is_an_error_and_the_next_one_grows() {
-    let _alone = alone();
+    if !is_alone() {
+        return;
+    }
     let mut b = Builder::new("many materials");
     for n in 0..3000 {
         let material = b.matt(Vec3::splat((n % 7) as f32 / 7.0));

@@ -1,5 +1,5 @@
-//! The integration tests that nothing may run beside, one at a time: they measure the memory of their process, build a
-//! crate, or make devices fail. Apart from them, `make test-drivers` runs the tests of other drivers, which may run beside each other.
+//! The integration tests that need a process of their own: they measure its memory, or make devices fail. Other processes may run
+//! beside it. Tests of other drivers are here, too; `make test-drivers` runs them.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -19,13 +19,29 @@ mod packaged;
 mod programs;
 mod soak;
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::process::Command;
 
 #[global_allocator]
 static MEMORY: memory::Counting = memory::Counting;
 
-/// To be held by each test while it runs.
-fn alone() -> MutexGuard<'static, ()> {
-    static ONE: Mutex<()> = Mutex::new(());
-    ONE.lock().unwrap_or_else(PoisonError::into_inner)
+/// The variable that says that a process is for one test.
+const ALONE: &str = "SSCT_TEST_ALONE";
+
+/// Whether the calling test has the process for itself. If not, the test runs in a process of its own before this returns.
+///
+/// # Panics
+/// If it does not pass there.
+fn is_alone() -> bool {
+    if std::env::var_os(ALONE).is_some() {
+        return true;
+    }
+    let thread = std::thread::current();
+    let name = thread.name().expect("a test's thread has its name");
+    let mut command = Command::new(std::env::current_exe().expect("this program has a path"));
+    let output = command.args([name, "--exact", "--include-ignored", "--nocapture"]).env(ALONE, "1").output();
+    let output = output.unwrap_or_else(|e| panic!("{name}: {e}"));
+    let said = [&output.stdout[..], &output.stderr].map(String::from_utf8_lossy).concat();
+    println!("{said}");
+    assert!(output.status.success() && said.contains("1 passed"), "{name} failed in a process of its own");
+    false
 }
