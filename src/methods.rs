@@ -9,6 +9,7 @@ pub mod captures;
 pub mod dda;
 pub mod effect;
 pub mod environment;
+pub mod exclusions;
 pub mod hzct;
 pub mod ibr;
 pub mod layers;
@@ -39,7 +40,7 @@ pub use effect::{Effect, Output, Prepared};
 use layers::LayerParams;
 use needs::Need;
 pub use setup::{EffectParams, Fallback, Setup, Wants};
-use ssct_ground::parameter::{Parameter, Parameters, Preset};
+use ssct_ground::parameter::{Parameter, Parameters};
 use ssct_ground::scene::{Camera, Material, Scene};
 use std::collections::HashSet;
 use std::sync::{PoisonError, RwLock};
@@ -244,8 +245,6 @@ pub struct MethodInfo {
     pub traces_hi_z: bool,
     /// The own parameters of a method of the table.
     pub parameters: fn() -> Vec<Parameter>,
-    /// Setups that the study of run time against error tries, beside a base setup and the sweeps of single parameters.
-    pub combinations: fn(&Setup) -> Vec<Setup>,
     /// Makes a method of the table.
     pub create: CreateMethod,
     /// The implementation of a method that was added; `None` in the table.
@@ -268,7 +267,6 @@ impl MethodInfo {
             takes_orthographic: false,
             traces_hi_z: false,
             parameters: Vec::new,
-            combinations: |_| Vec::new(),
             create,
             added: None,
         }
@@ -350,33 +348,6 @@ impl MethodInfo {
             _ => self.is_screen_space(),
         };
         EffectParams::table().into_iter().filter(reads).chain(self.own_parameters()).collect()
-    }
-
-    /// The setups that the study of run time against error runs, around a base: the base as published, each of its
-    /// parameters' sweeps, and the author's values where they differ.
-    pub fn sweep(&self, base: &Setup) -> Vec<Setup> {
-        let rows = self.reads();
-        let mut all: Vec<Setup> = Vec::new();
-        for preset in [Preset::Published, Preset::Author] {
-            if preset == Preset::Author && !rows.iter().any(|p| p.author != p.published) {
-                continue;
-            }
-            let of_preset = base.of_preset(preset);
-            all.push(of_preset.clone());
-            for row in &rows {
-                let tried = row
-                    .sweep
-                    .iter()
-                    .filter(|(swept_preset, value)| *swept_preset == preset && of_preset.values.value(row) != *value);
-                all.extend(tried.map(|(_, value)| {
-                    let mut setup = of_preset.clone();
-                    setup.values.set(row, *value);
-                    setup
-                }));
-            }
-        }
-        all.extend((self.combinations)(&base.of_preset(Preset::Published)));
-        all
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::capture::{CaptureImages, Renewal};
 use super::setup::{CaptureCount, Tracer};
-use super::{EffectParams, Fallback, MethodInfo, SceneInput, Setup, captures, environment, pccm, planar};
+use super::{EffectParams, Fallback, MethodInfo, SceneInput, captures, environment, pccm, planar};
 use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
 use crate::passes::scene_data::SceneData;
@@ -133,22 +133,4 @@ pub(super) fn captures_taken(
     }
     let placed = scene.data.captures(effect.captures_wanted().wanted().unwrap_or(WantedCaptures::Auto));
     Ok((placed.captures.iter().map(sized).collect(), placed.time_ms))
-}
-
-/// # Errors
-/// [`Error::Usage`] if neither a method nor its fallback follows rays in captures, or if captures are to be drawn.
-pub(super) fn takes_captures(info: &MethodInfo, setup: &Setup) -> Result<()> {
-    let effect = setup.effect();
-    let is_behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
-    if !info.takes_captures && !is_behind {
-        let name = info.name;
-        return Err(Error::Usage(format!(
-            "the method {name} follows no rays in captures; the methods unified and captures do, and the fallback \
-             captures behind every screen-space method"
-        )));
-    }
-    if effect.captures_per_frame > 0 || effect.captures_wanted() == CaptureCount::Camera {
-        return Err(Error::Usage("captures without their scene cannot be drawn anew in frames".into()));
-    }
-    Ok(())
 }

@@ -13,12 +13,6 @@ use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 pub const INFO: MethodInfo = MethodInfo {
     needs: &[Need::Impostors],
     parameters: BillboardParams::table,
-    // The sweeps change one parameter at a time.
-    combinations: |base| {
-        vec![base.with(|p: &mut BillboardParams| {
-            (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, Occlusion::Depth);
-        })]
-    },
     ..MethodInfo::scene(
         "billboard",
         "ray-traced impostor quads",

@@ -13,11 +13,6 @@ use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     parameters: DdaParams::table,
-    // The march without the refinement that is added to it, at the other two strides.
-    combinations: |base| {
-        let plain = |stride| base.with(|p: &mut DdaParams| (p.dda_stride, p.dda_refine) = (stride, false));
-        vec![plain(1), plain(16)]
-    },
     ..MethodInfo::screen(
         "dda",
         "perspective-correct march over pixels with a constant thickness, mirror lookup: no gloss",

@@ -1,9 +1,10 @@
 //! The whole effect: a method, and the passes around every method, down to the composite.
 
-use super::beyond::{CaptureSet, PreparedTriangles, captures_taken, takes_captures, triangles_for};
+use super::beyond::{CaptureSet, PreparedTriangles, captures_taken, triangles_for};
 use super::capture::{CaptureImages, Renewal, captured_of};
+use super::exclusions::{self, Asked, Brought};
 use super::layers::{LayerParams, SecondLayer};
-use super::setup::{BeyondScreen, CaptureCount, HistoryUse, Tracer, takes_projection};
+use super::setup::{CaptureCount, HistoryUse};
 use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest, SceneInput, Setup, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -73,8 +74,8 @@ impl Effect {
     /// needs none.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the method or its fallback needs a scene and there is none, or if there is a
-    /// fallback behind a method that is no screen-space method.
+    /// [`Error::Usage`] for what [`EXCLUSIONS`](exclusions::EXCLUSIONS) refuse, and if captures or triangles are wanted and there is no
+    /// scene.
     pub fn new(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -84,12 +85,17 @@ impl Effect {
     ) -> Result<Self> {
         let effect = setup.effect();
         let (places, placement_ms) = captures_taken(info, &effect, scene)?;
+        let has_triangles = effect.is_among_triangles(info, scene.is_some());
+        exclusions::check(&Asked {
+            info,
+            setup,
+            effect,
+            has_scene: scene.is_some(),
+            has_captures: !places.is_empty(),
+            has_triangles,
+            brought: None,
+        })?;
         let at_camera = effect.captures_wanted() == CaptureCount::Camera && !places.is_empty();
-        if at_camera && effect.captures_per_frame > 0 {
-            let message =
-                "captures per frame are for captures that stand: the one at the camera is drawn anew in each frame";
-            return Err(Error::Usage(message.into()));
-        }
         let faces = if at_camera { FACES_OF_A_CUBE } else { effect.captures_per_frame };
         let is_renewed = faces > 0 && !places.is_empty();
         let renewal = is_renewed.then(|| Renewal::new(context.gpu(), &places, faces)).transpose()?;
@@ -100,7 +106,7 @@ impl Effect {
         });
         let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
         let triangles = triangles_for(context, info, &effect, scene)?;
-        let mut made = Self::with_parts(context, info, setup, wants, (scene.is_some(), captured, triangles))?;
+        let mut made = Self::with_parts(context, info, setup, wants, (captured, triangles))?;
         let Some(scene) = scene else { return Ok(made) };
         made.prepare(context, scene)?;
         made.prepared = Prepared {
@@ -117,8 +123,8 @@ impl Effect {
     /// Makes the method and the passes around it for a G-buffer without its scene, and for captures that come from elsewhere.
     ///
     /// # Errors
-    /// Errors of [`Self::new`], but none for a method that needs no more of the scene than captures; [`Error::Usage`] if neither
-    /// the method nor its fallback follows rays in captures.
+    /// [`Error::Usage`] for what [`EXCLUSIONS`](exclusions::EXCLUSIONS) refuse of captures that are brought along, such as a method that
+    /// follows no rays in them.
     pub fn with_captures(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -126,9 +132,9 @@ impl Effect {
         wants: Wants,
         captures: CaptureImages,
     ) -> Result<Self> {
-        takes_captures(info, setup)?;
-        let captured = CaptureSet::from_elsewhere(captures.extent(), Some(captures));
-        Self::with_parts(context, info, setup, wants, (false, Some(captured), None))
+        exclusions::check(&Asked::beside_gbuffer(info, setup, Brought::Captures))?;
+        let captures = CaptureSet::from_elsewhere(captures.extent(), Some(captures));
+        Self::with_parts(context, info, setup, wants, (Some(captures), None))
     }
 
     /// Makes the method and the passes around it for captures that each input brings along ([`Input::captures`]), with faces of a
@@ -143,8 +149,8 @@ impl Effect {
         wants: Wants,
         face: [u32; 2],
     ) -> Result<Self> {
-        takes_captures(info, setup)?;
-        Self::with_parts(context, info, setup, wants, (false, Some(CaptureSet::from_elsewhere(face, None)), None))
+        exclusions::check(&Asked::beside_gbuffer(info, setup, Brought::Captures))?;
+        Self::with_parts(context, info, setup, wants, (Some(CaptureSet::from_elsewhere(face, None)), None))
     }
 
     /// Makes the method and the passes around it for a G-buffer without its scene, and for triangles that each input brings along
@@ -159,22 +165,8 @@ impl Effect {
         wants: Wants,
         reading: TriangleReading,
     ) -> Result<Self> {
-        if !info.takes_triangles {
-            let name = info.name;
-            let message =
-                format!("the method {name} follows no rays among triangles; the methods unified and traced do");
-            return Err(Error::Usage(message));
-        }
-        if matches!(setup.effect().beyond, BeyondScreen::None | BeyondScreen::Captures) {
-            let message = "triangles are given, and the parameter beyond says that no ray is followed among them";
-            return Err(Error::Usage(message.into()));
-        }
-        if setup.effect().tracer == Tracer::Query {
-            let message =
-                "triangles are given with their tree, and no ray query is asked among them: the tracer must be tree";
-            return Err(Error::Usage(message.into()));
-        }
-        Self::with_parts(context, info, setup, wants, (false, None, Some(reading)))
+        exclusions::check(&Asked::beside_gbuffer(info, setup, Brought::Triangles))?;
+        Self::with_parts(context, info, setup, wants, (None, Some(reading)))
     }
 
     fn with_parts(
@@ -182,62 +174,16 @@ impl Effect {
         info: &MethodInfo,
         setup: &Setup,
         wants: Wants,
-        (has_scene, captured, triangles): (bool, Option<CaptureSet>, Option<TriangleReading>),
+        (captures, triangles): (Option<CaptureSet>, Option<TriangleReading>),
     ) -> Result<Self> {
-        let (name, effect) = (info.name, setup.effect());
+        let effect = setup.effect();
         let Setup { extent, projection, .. } = *setup;
         let (divisor, stage) = (effect.divisor(), setup.stage());
-        // A method that follows rays in captures or among triangles needs no scene if they are made already.
-        let is_given =
-            |m: &MethodInfo| (m.takes_captures && captured.is_some()) || (m.takes_triangles && triangles.is_some());
-        let is_seen = |m: &MethodInfo| has_scene || m.is_screen_space() || is_given(m);
-        if !is_seen(info) {
-            return Err(Error::Usage(format!("the method {name} needs the scene; a G-buffer alone does not show it")));
-        }
-        takes_projection(info, setup)?;
-        if divisor != 1 && !info.is_screen_space() {
-            let message = format!("a lower resolution scale is for screen-space methods, and {name} is none");
-            return Err(Error::Usage(message));
-        }
-        let has_layers = info.takes_second_layer(setup);
-        if has_layers && !has_scene {
-            let message = "a second layer of depth is drawn from the scene; a G-buffer alone does not have one";
-            return Err(Error::Usage(message.into()));
-        }
         let other_normals = effect.trace_normals != TraceNormals::Shading;
-        if other_normals && !info.is_screen_space() {
-            let message = format!("other normals for rays are for screen-space methods, and {name} is none");
-            return Err(Error::Usage(message));
-        }
-        if effect.bounces != 1 && !info.is_screen_space() {
-            let message = format!("several bounces are for screen-space methods, and {name} is none");
-            return Err(Error::Usage(message));
-        }
-        if effect.bounces != 1 && triangles.is_some() {
-            let message = "several bounces are for rays that end on the screen or in captures: what rays meet among \
-                           triangles does not reflect";
-            return Err(Error::Usage(message.into()));
-        }
         let is_bumped = effect.bump_after > 0.0;
-        if is_bumped && !other_normals {
-            let message = "bumps after the tracing need rays that were reflected at normals without them: \
-                           trace-normals geometric or up";
-            return Err(Error::Usage(message.into()));
-        }
         let gpu: Gpu = context.gpu().clone();
-        let face = captured.as_ref().map(|c| c.face);
+        let face = captures.as_ref().map(|c| c.face);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
-            let behind_name = behind.name;
-            if !info.is_screen_space() {
-                return Err(Error::Usage(format!(
-                    "the fallback {behind_name}: only screen-space methods have a fallback, and {name} is none"
-                )));
-            }
-            if !is_seen(behind) {
-                return Err(Error::Usage(format!(
-                    "the fallback {behind_name} needs the scene; a G-buffer alone does not show it"
-                )));
-            }
             let request = MethodRequest {
                 setup: setup.clone(),
                 hits: false,
@@ -282,7 +228,8 @@ impl Effect {
                     Ok((TraceNormalsPass::new(&gpu, stage, extent, projection, effect.trace_normals)?, bump))
                 })
                 .transpose()?,
-            second_layer: has_layers
+            second_layer: info
+                .takes_second_layer(setup)
                 .then(|| SecondLayer::new(&gpu, stage, extent, divisor, setup.parameters::<LayerParams>()))
                 .transpose()?,
             scaled,
@@ -296,7 +243,7 @@ impl Effect {
                 .transpose()?,
             bounces,
             composite: (wants.composite && !history).then(|| CompositePass::new(&gpu, stage, extent)).transpose()?,
-            captures: captured,
+            captures,
             triangles: triangles.map(|reading| PreparedTriangles { reading, table: None }),
             prepared: Prepared::default(),
         };

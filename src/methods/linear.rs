@@ -13,12 +13,6 @@ use ssct_ground::parameter::{Parameter, Parameters, Preset, parameters};
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
     parameters: LinearParams::table,
-    // The march of a hundred steps that span the screen.
-    combinations: |base| {
-        vec![base.with(|p: &mut LinearParams| {
-            (p.march, p.numbers.march_stride) = (LinearMarch::Fixed, 0.01);
-        })]
-    },
     ..MethodInfo::screen(
         "linear",
         "linear march with a growing or constant stride, mirror lookup: no gloss",

@@ -1,7 +1,6 @@
 //! How methods are set up: the size, and the values of their parameters. Every record contains the whole setup.
 
-use super::{METHODS, MethodInfo};
-use crate::error::{Error, Result};
+use super::MethodInfo;
 use crate::gpu::{Gpu, ShaderStage};
 use crate::passes::trace_normals::TraceNormals;
 use ssct_ground::math::OracleVersion;
@@ -395,21 +394,6 @@ impl Setup {
         let size = [("width", width.value()), ("height", height.value()), ("preset", self.values.preset.value())];
         size.into_iter().chain(rows.map(|row| (row.name, self.values.value(&row)))).collect()
     }
-}
-
-/// # Errors
-/// [`Error::Usage`] if a method does not take cameras of the setup's projection.
-pub(super) fn takes_projection(info: &MethodInfo, setup: &Setup) -> Result<()> {
-    if info.takes_orthographic || !setup.projection.is_orthographic() {
-        return Ok(());
-    }
-    let others: Vec<&str> = METHODS.iter().filter(|m| m.takes_orthographic).map(|m| m.name).collect();
-    Err(Error::Usage(format!(
-        "the method {} needs a perspective, which its published formulas are made for, and the camera is orthographic; these \
-         take both: {}",
-        info.name,
-        others.join(", ")
-    )))
 }
 
 /// The outputs that are wanted of an effect.

@@ -21,11 +21,6 @@ use ssct_ground::parameter::{Parameter, Parameters, Preset, choices, parameters}
 pub const INFO: MethodInfo = MethodInfo {
     follows_oracle: true,
     parameters: StochasticParams::table,
-    // Rays of the pixel alone, as many as the filter would gather from neighbours.
-    combinations: |base| {
-        let alone = |rays| base.with(|p: &mut StochasticParams| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
-        vec![alone(4), alone(16)]
-    },
     ..MethodInfo::screen(
         "stochastic",
         "rays drawn from the lobe, resolved over neighbours by ratios; with a history over frames",

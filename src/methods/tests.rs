@@ -32,14 +32,3 @@ fn a_parameter_that_no_chosen_method_has_is_refused() {
     let refused = choose(&["ssct".into()], &setup).err().expect("refused").to_string();
     assert!(refused.contains("edge-retries") && refused.contains("poster"), "{refused}");
 }
-
-#[test]
-fn sweeps_differ_from_their_base_and_from_each_other() {
-    for method in METHODS {
-        let all = method.sweep(&Setup::new([64, 48]));
-        let recorded: Vec<_> = all.iter().map(|s| s.recorded(Some(method))).collect();
-        for (n, one) in recorded.iter().enumerate() {
-            assert!(!recorded[..n].contains(one), "{}: {one:?} twice", method.name);
-        }
-    }
-}

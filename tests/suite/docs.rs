@@ -39,6 +39,7 @@ mod world;
 
 use crate::common::repository;
 use ssct::methods::METHODS;
+use ssct::methods::exclusions::EXCLUSIONS;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -426,6 +427,11 @@ fn options() -> String {
             parameter.author,
             parameter.source
         );
+    }
+    page += "\n## What is refused\n\nAn effect refuses these requests with a sentence that names what was asked for.\n\n\
+             | parameter | is refused |\n|---|---|\n";
+    for exclusion in EXCLUSIONS {
+        page += &format!("| `{}` | {} |\n", exclusion.parameter.replace('_', "-"), exclusion.refused);
     }
     page
 }

@@ -4,6 +4,7 @@ use super::headings::METHOD;
 use crate::study::error::Variant;
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use ssct::methods::exclusions::EXCLUSIONS;
 use ssct::methods::{self, EffectParams, Setup};
 use ssct_ground::parameter::{Choices, Domain, Parameter, Parameters, Preset, Values};
 use std::path::PathBuf;
@@ -122,11 +123,14 @@ fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
         format!("[{names}published: {}{author}]", p.published)
     };
     let values = same.iter().map(values).collect::<Vec<_>>().join(" ");
+    let excluded = EXCLUSIONS.iter().filter(|exclusion| exclusion.parameter == parameter.name);
+    let refused: String = excluded.map(|exclusion| format!(" It is refused {}.", exclusion.refused)).collect();
+    let about = format!("{}{refused} {values}", parameter.help);
     let (first, _) = parameter.help.split_once(". ").unwrap_or((parameter.help.trim_end_matches('.'), ""));
     let argument = Arg::new(parameter.typed_name())
         .long(parameter.typed_name())
         .help(first.to_owned())
-        .long_help(format!("{} {values}", parameter.help))
+        .long_help(about.clone())
         .help_heading(heading(same));
     let row = parameter.clone();
     let parsed = StringValueParser::new().try_map(move |text| match row.parse(&text) {
@@ -143,7 +147,7 @@ fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
             let names: Vec<_> = named.iter().map(|c| c.name).collect();
             let told: String = named.iter().map(|c| format!("\n- {}: {}", c.name, c.help)).collect();
             let name = format!("N|{}", names.join("|"));
-            let help = format!("{} {values}{told}\n- N: so many, from {least} to {most}", parameter.help);
+            let help = format!("{about}{told}\n- N: so many, from {least} to {most}");
             argument.value_parser(parsed).value_name(name).long_help(help)
         }
         domain => argument.value_parser(possible(parameter)).value_name(match domain {

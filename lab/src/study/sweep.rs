@@ -1,8 +1,15 @@
 //! Variants that `ssct error` sweeps: methods with their settings.
 
 use super::error::Variant;
+use ssct::methods::billboard::{self, BillboardParams};
+use ssct::methods::dda::{self, DdaParams};
+use ssct::methods::linear::{self, LinearParams};
 use ssct::methods::setup::{BeyondScreen, CaptureCount, CaptureSide};
+use ssct::methods::stochastic::{self, StochasticParams};
 use ssct::methods::{EffectParams, Fallback, MethodInfo, Setup};
+use ssct::passes::billboard::{Occlusion, Order};
+use ssct::passes::linear_trace::LinearMarch;
+use ssct_ground::parameter::Preset;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
@@ -11,9 +18,59 @@ pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
     let method_variants = |method: &&'static MethodInfo| {
         let method = *method;
-        method.sweep(base).into_iter().map(move |setup| Variant { method, setup })
+        setups(method, base).into_iter().map(move |setup| Variant { method, setup })
     };
     methods.iter().flat_map(method_variants).collect()
+}
+
+/// The setups of a method around a base: the base as published, each of its parameters' sweeps, the author's values where they
+/// differ, and combinations of several parameters.
+pub fn setups(method: &MethodInfo, base: &Setup) -> Vec<Setup> {
+    let rows = method.reads();
+    let mut all: Vec<Setup> = Vec::new();
+    for preset in [Preset::Published, Preset::Author] {
+        if preset == Preset::Author && !rows.iter().any(|p| p.author != p.published) {
+            continue;
+        }
+        let of_preset = base.of_preset(preset);
+        all.push(of_preset.clone());
+        for row in &rows {
+            let tried = row
+                .sweep
+                .iter()
+                .filter(|(swept_preset, value)| *swept_preset == preset && of_preset.values.value(row) != *value);
+            all.extend(tried.map(|(_, value)| {
+                let mut setup = of_preset.clone();
+                setup.values.set(row, *value);
+                setup
+            }));
+        }
+    }
+    all.extend(combinations(method.name, &base.of_preset(Preset::Published)));
+    all
+}
+
+/// Setups of a method that differ from a base in several parameters.
+fn combinations(method: &str, base: &Setup) -> Vec<Setup> {
+    if method == stochastic::INFO.name {
+        // Rays of the pixel alone, as many as the filter would gather from neighbours.
+        let alone = |rays| base.with(|p: &mut StochasticParams| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
+        vec![alone(4), alone(16)]
+    } else if method == dda::INFO.name {
+        // The march without the refinement that is added to it, at the other two strides.
+        let plain = |stride| base.with(|p: &mut DdaParams| (p.dda_stride, p.dda_refine) = (stride, false));
+        vec![plain(1), plain(16)]
+    } else if method == linear::INFO.name {
+        // The march of a hundred steps that span the screen.
+        let fixed = |p: &mut LinearParams| (p.march, p.numbers.march_stride) = (LinearMarch::Fixed, 0.01);
+        vec![base.with(fixed)]
+    } else if method == billboard::INFO.name {
+        let nearest =
+            |p: &mut BillboardParams| (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, Occlusion::Depth);
+        vec![base.with(nearest)]
+    } else {
+        Vec::new()
+    }
 }
 
 /// Variants of a method without captures, and with each number of captures at each size of face, around a base setup.
@@ -65,6 +122,18 @@ mod tests {
     use super::*;
     use ssct::methods::{METHODS, unified};
     use std::collections::BTreeSet;
+
+    #[test]
+    fn sweeps_differ_from_their_base_and_from_each_other() {
+        for method in METHODS {
+            let recorded: Vec<_> =
+                setups(method, &Setup::new([64, 48])).iter().map(|s| s.recorded(Some(method))).collect();
+            for (n, one) in recorded.iter().enumerate() {
+                assert!(!recorded[..n].contains(one), "{}: {one:?} twice", method.name);
+            }
+        }
+        assert_eq!(combinations(stochastic::INFO.name, &Setup::new([64, 48])).len(), 2);
+    }
 
     #[test]
     fn a_sweep_of_captures_has_every_number_of_every_size_once() {

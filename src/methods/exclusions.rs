@@ -1,0 +1,314 @@
+//! What excludes what: one table of the requests that an effect refuses. Errors, the help of parameters and the page of options come
+//! from it. (That a method looks for captures or triangles where there is no scene is told where these are made.)
+
+use super::setup::{BeyondScreen, CaptureCount, Setup, Tracer};
+use super::{EffectParams, METHODS, MethodInfo};
+use crate::error::{Error, Result};
+use crate::passes::trace_normals::TraceNormals;
+
+/// What an effect is asked for.
+pub struct Asked<'a> {
+    /// The method.
+    pub info: &'a MethodInfo,
+    /// Its setup.
+    pub setup: &'a Setup,
+    /// The parameters of the effect around it.
+    pub effect: EffectParams,
+    /// Whether the scene is known, and not a G-buffer alone.
+    pub has_scene: bool,
+    /// True if there are captures for rays to go on in.
+    pub has_captures: bool,
+    /// Whether rays go among triangles.
+    pub has_triangles: bool,
+    /// The part of the scene that the caller brings along with a G-buffer.
+    pub brought: Option<Brought>,
+}
+
+/// A part of the scene that a caller brings along with a G-buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Brought {
+    /// Images of the scene from other places.
+    Captures,
+    /// Triangles with their tree.
+    Triangles,
+}
+
+impl<'a> Asked<'a> {
+    /// What is asked for with a G-buffer without its scene, and a part of the scene that the caller brings along.
+    pub fn beside_gbuffer(info: &'a MethodInfo, setup: &'a Setup, part: Brought) -> Self {
+        Self {
+            info,
+            setup,
+            effect: setup.effect(),
+            has_scene: false,
+            has_captures: part == Brought::Captures,
+            has_triangles: part == Brought::Triangles,
+            brought: Some(part),
+        }
+    }
+
+    /// Whether a method sees what it needs: the screen is enough, or the scene is known, or what it follows rays in is given.
+    fn is_seen(&self, method: &MethodInfo) -> bool {
+        let is_given = (method.takes_captures && self.has_captures) || (method.takes_triangles && self.has_triangles);
+        self.has_scene || method.is_screen_space() || is_given
+    }
+}
+
+/// A request that is refused.
+pub struct Exclusion {
+    /// The parameter that asks for it, or "method".
+    pub parameter: &'static str,
+    /// When it is refused, as the page of options says it.
+    pub refused: &'static str,
+    is_asked: fn(&Asked) -> bool,
+    message: fn(&Asked) -> String,
+}
+
+const DRAWN_ANEW: &str = "captures without their scene cannot be drawn anew in frames";
+
+/// The requests that are refused by what is asked for alone. If several are asked for, the error names the first.
+pub const EXCLUSIONS: &[Exclusion] = &[
+    Exclusion {
+        parameter: "captures",
+        refused: "for captures that are given beside a G-buffer, if neither the method nor its fallback follows rays in captures",
+        is_asked: |asked| {
+            let is_behind = asked.effect.fallback.method().is_some_and(|m| m.takes_captures);
+            asked.brought == Some(Brought::Captures) && !asked.info.takes_captures && !is_behind
+        },
+        message: |asked| {
+            format!(
+                "the method {} follows no rays in captures; the methods unified and captures do, and the fallback \
+                 captures behind every screen-space method",
+                asked.info.name
+            )
+        },
+    },
+    Exclusion {
+        parameter: "captures",
+        refused: "as `camera` for captures that are given beside a G-buffer",
+        is_asked: |asked| {
+            asked.brought == Some(Brought::Captures) && asked.effect.captures_wanted() == CaptureCount::Camera
+        },
+        message: |_| DRAWN_ANEW.into(),
+    },
+    Exclusion {
+        parameter: "captures_per_frame",
+        refused: "above 0 for captures that are given beside a G-buffer",
+        is_asked: |asked| asked.brought == Some(Brought::Captures) && asked.effect.captures_per_frame > 0,
+        message: |_| DRAWN_ANEW.into(),
+    },
+    Exclusion {
+        parameter: "captures_per_frame",
+        refused: "for the capture at the camera",
+        is_asked: |asked| {
+            asked.has_captures
+                && asked.brought.is_none()
+                && asked.effect.captures_wanted() == CaptureCount::Camera
+                && asked.effect.captures_per_frame > 0
+        },
+        message: |_| {
+            "captures per frame are for captures that stand: the one at the camera is drawn anew in each frame".into()
+        },
+    },
+    Exclusion {
+        parameter: "method",
+        refused: "for triangles that are given beside a G-buffer, if the method follows no rays among triangles",
+        is_asked: |asked| asked.brought == Some(Brought::Triangles) && !asked.info.takes_triangles,
+        message: |asked| {
+            format!("the method {} follows no rays among triangles; the methods unified and traced do", asked.info.name)
+        },
+    },
+    Exclusion {
+        parameter: "beyond",
+        refused: "as `none` and `captures` for triangles that are given beside a G-buffer",
+        is_asked: |asked| {
+            let is_elsewhere = matches!(asked.effect.beyond, BeyondScreen::None | BeyondScreen::Captures);
+            asked.brought == Some(Brought::Triangles) && is_elsewhere
+        },
+        message: |_| "triangles are given, and the parameter beyond says that no ray is followed among them".into(),
+    },
+    Exclusion {
+        parameter: "tracer",
+        refused: "as `query` for triangles that are given beside a G-buffer",
+        is_asked: |asked| asked.brought == Some(Brought::Triangles) && asked.effect.tracer == Tracer::Query,
+        message: |_| {
+            "triangles are given with their tree, and no ray query is asked among them: the tracer must be tree".into()
+        },
+    },
+    Exclusion {
+        parameter: "method",
+        refused: "for a G-buffer alone, if the method needs the scene",
+        is_asked: |asked| !asked.is_seen(asked.info),
+        message: |asked| format!("the method {} needs the scene; a G-buffer alone does not show it", asked.info.name),
+    },
+    Exclusion {
+        parameter: "method",
+        refused: "for an orthographic camera, if the method's formulas are made for a perspective",
+        is_asked: |asked| asked.setup.projection.is_orthographic() && !asked.info.takes_orthographic,
+        message: |asked| {
+            let others: Vec<&str> = METHODS.iter().filter(|m| m.takes_orthographic).map(|m| m.name).collect();
+            format!(
+                "the method {} needs a perspective, which its published formulas are made for, and the camera is \
+                 orthographic; these take both: {}",
+                asked.info.name,
+                others.join(", ")
+            )
+        },
+    },
+    Exclusion {
+        parameter: "resolution_scale",
+        refused: "below 1 for a method that is no screen-space method",
+        is_asked: |asked| asked.effect.divisor() != 1 && !asked.info.is_screen_space(),
+        message: |asked| {
+            format!("a lower resolution scale is for screen-space methods, and {} is none", asked.info.name)
+        },
+    },
+    Exclusion {
+        parameter: "layers",
+        refused: "as 2 for a G-buffer alone",
+        is_asked: |asked| asked.info.takes_second_layer(asked.setup) && !asked.has_scene,
+        message: |_| "a second layer of depth is drawn from the scene; a G-buffer alone does not have one".into(),
+    },
+    Exclusion {
+        parameter: "trace_normals",
+        refused: "as `geometric` and `up` for a method that is no screen-space method",
+        is_asked: |asked| asked.effect.trace_normals != TraceNormals::Shading && !asked.info.is_screen_space(),
+        message: |asked| {
+            format!("other normals for rays are for screen-space methods, and {} is none", asked.info.name)
+        },
+    },
+    Exclusion {
+        parameter: "bounces",
+        refused: "above 1 for a method that is no screen-space method",
+        is_asked: |asked| asked.effect.bounces != 1 && !asked.info.is_screen_space(),
+        message: |asked| format!("several bounces are for screen-space methods, and {} is none", asked.info.name),
+    },
+    Exclusion {
+        parameter: "bounces",
+        refused: "above 1 where rays go among triangles",
+        is_asked: |asked| asked.effect.bounces != 1 && asked.has_triangles,
+        message: |_| {
+            "several bounces are for rays that end on the screen or in captures: what rays meet among triangles does not \
+             reflect"
+                .into()
+        },
+    },
+    Exclusion {
+        parameter: "bump_after",
+        refused: "above 0 if rays are reflected at the normals of shading",
+        is_asked: |asked| asked.effect.bump_after > 0.0 && asked.effect.trace_normals == TraceNormals::Shading,
+        message: |_| {
+            "bumps after the tracing need rays that were reflected at normals without them: trace-normals geometric or up"
+                .into()
+        },
+    },
+    Exclusion {
+        parameter: "fallback",
+        refused: "behind a method that is no screen-space method",
+        is_asked: |asked| asked.effect.fallback.method().is_some() && !asked.info.is_screen_space(),
+        message: |asked| {
+            format!(
+                "the fallback {}: only screen-space methods have a fallback, and {} is none",
+                behind(asked),
+                asked.info.name
+            )
+        },
+    },
+    Exclusion {
+        parameter: "fallback",
+        refused: "for a G-buffer alone, if the fallback needs the scene",
+        is_asked: |asked| asked.effect.fallback.method().is_some_and(|method| !asked.is_seen(method)),
+        message: |asked| format!("the fallback {} needs the scene; a G-buffer alone does not show it", behind(asked)),
+    },
+];
+
+/// The name of the method that is a fallback.
+fn behind(asked: &Asked) -> &'static str {
+    asked.effect.fallback.method().map_or("none", |method| method.name)
+}
+
+/// Refuses what cannot be.
+///
+/// # Errors
+/// [`Error::Usage`] with the first of [`EXCLUSIONS`] that is asked for.
+pub fn check(asked: &Asked) -> Result<()> {
+    match EXCLUSIONS.iter().find(|exclusion| (exclusion.is_asked)(asked)) {
+        Some(exclusion) => Err(Error::Usage((exclusion.message)(asked))),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::layers::LayerParams;
+    use crate::methods::{Fallback, find, parameters};
+    use ssct_ground::scene::ProjectionKind;
+
+    /// A request for a method with the scene.
+    fn with_scene<'a>(method: &'static str, setup: &'a Setup) -> Asked<'a> {
+        let info = find(method).unwrap();
+        let (effect, brought) = (setup.effect(), None);
+        Asked { info, setup, effect, has_scene: true, has_captures: false, has_triangles: false, brought }
+    }
+
+    /// A request for a method with a G-buffer alone, and what is brought along.
+    fn without_scene<'a>(method: &'static str, setup: &'a Setup, brought: Option<Brought>) -> Asked<'a> {
+        let [has_captures, has_triangles] = [Brought::Captures, Brought::Triangles].map(|part| brought == Some(part));
+        Asked { has_scene: false, has_captures, has_triangles, brought, ..with_scene(method, setup) }
+    }
+
+    #[test]
+    fn each_is_the_first_that_some_request_asks_for() {
+        let plain = Setup::new([8, 8]);
+        let with = |change: fn(&mut EffectParams)| plain.with(change);
+        let (captures, triangles) = (Some(Brought::Captures), Some(Brought::Triangles));
+        let in_captures = |setup| Asked { has_captures: true, ..with_scene("unified", setup) };
+        let among_triangles = |setup| Asked { has_triangles: true, ..with_scene("unified", setup) };
+        let at_eye = with(|p| p.captures = CaptureCount::Camera);
+        let renewed = with(|p| p.captures_per_frame = 1);
+        let at_camera = with(|p| (p.captures, p.captures_per_frame) = (CaptureCount::Camera, 1));
+        let on_screen = with(|p| p.beyond = BeyondScreen::None);
+        let queried = with(|p| p.tracer = Tracer::Query);
+        let parallel = plain.seen_by(ProjectionKind::Orthographic);
+        let small = with(|p| p.resolution_scale = 0.5);
+        let layered = plain.with(|p: &mut LayerParams| p.layers = 2);
+        let level = with(|p| p.trace_normals = TraceNormals::Up);
+        let bouncing = with(|p| p.bounces = 2);
+        let bumped = with(|p| p.bump_after = 1.0);
+        let over_maps = with(|p| p.fallback = Fallback::Pccm);
+        let requests = [
+            without_scene("ssct", &plain, captures),
+            without_scene("unified", &at_eye, captures),
+            without_scene("unified", &renewed, captures),
+            in_captures(&at_camera),
+            without_scene("ssct", &plain, triangles),
+            without_scene("unified", &on_screen, triangles),
+            without_scene("unified", &queried, triangles),
+            without_scene("pccm", &plain, None),
+            with_scene("ssct", &parallel),
+            with_scene("pccm", &small),
+            without_scene("dda", &layered, None),
+            with_scene("pccm", &level),
+            with_scene("pccm", &bouncing),
+            among_triangles(&bouncing),
+            with_scene("ssct", &bumped),
+            with_scene("pccm", &over_maps),
+            without_scene("ssct", &over_maps, None),
+        ];
+        let first = |asked: &Asked| EXCLUSIONS.iter().position(|exclusion| (exclusion.is_asked)(asked));
+        assert_eq!(requests.iter().filter_map(first).collect::<Vec<_>>(), (0..EXCLUSIONS.len()).collect::<Vec<_>>());
+        for asked in &requests {
+            assert!(check(asked).is_err_and(|e| e.to_string().len() > 40));
+        }
+        assert!(check(&with_scene("unified", &plain)).is_ok());
+    }
+
+    #[test]
+    fn each_names_a_parameter_that_there_is() {
+        let named: Vec<&str> = parameters().into_iter().map(|(parameter, _)| parameter.name).collect();
+        for Exclusion { parameter, .. } in EXCLUSIONS {
+            assert!(*parameter == "method" || named.contains(parameter), "{parameter}");
+        }
+    }
+}
