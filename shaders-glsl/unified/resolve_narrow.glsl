@@ -7,6 +7,7 @@
 #define UNIFIED_RESOLVE_NARROW_GLSL
 
 #define GATHERS
+#define NARROW
 #include "triangles/push_doubt.glsl"
 #include "unified/gathered.glsl"
 #include "unified/gloss.glsl"

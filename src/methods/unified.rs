@@ -44,8 +44,8 @@
 //! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) takes one ray a pixel for narrow lobes, and one ray for 2 × 2 pixels
 //! for wide lobes. Neighbours have different directions of one pattern, and each pixel gathers the rays around it as samples of its
 //! own lobe: 9 rays of narrow lobes or 25 of wide ones. A fragment loads only 4 or 9 of them, since the four pixels of a block of 2
-//! × 2, which are shaded in step, exchange what they loaded (`gloss_resolve.frag`). In compute shaders a workgroup loads its rays
-//! once into shared memory (`gloss_resolve.comp`). Where a map turns the normals, the wide lobes of neighbours have little in
+//! × 2, which are shaded in step, exchange what they loaded (`exchanged_rays.glsl`). In compute shaders a workgroup loads its
+//! rays once into shared memory (`shared_rays.glsl`). Where a map turns the normals, the wide lobes of neighbours have little in
 //! common, and the footprint of each ray covers more of its own lobe. A pixel with a wide lobe interpolates between the cells
 //! around it that show its own surface. The pixels that stand for the cells lie on a chequerboard, so that not all of them miss a
 //! joint between tiles that is one pixel wide. Nothing is random. Among triangles, pixels whose neighbours say little of their
@@ -61,11 +61,11 @@
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
 //! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles; `traverse.glsl`;
-//! `surface.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `resolve_narrow.glsl`, `resolve_cells.glsl`
+//! `surface.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `exchanged_rays.glsl` and
+//! `shared_rays.glsl`, `resolve_narrow.glsl`, `resolve_cells.glsl`
 //! and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. A `.frag`
-//! and a `.comp` of the same stem include `mirror.glsl` and `gloss_trace.glsl`; `gloss_resolve.frag` and `gloss_resolve.comp`
-//! include the files that resolve. The `.comp` files that show pixels share `store.glsl`. The pyramid, the traversal and the passes
-//! of gloss have plain twins in `reference::unified`.
+//! and a `.comp` of the same stem include each file that traces or resolves. The `.comp` files that show pixels share `store.glsl`. The
+//! pyramid, the traversal and the passes of gloss have plain twins in `reference::unified`.
 
 mod beyond;
 
@@ -129,7 +129,7 @@ choices! {
     pub enum FirstTraced {
         /// The screen, on a device that is a CPU and in a scene with many triangles; the triangles everywhere else.
         Auto = "auto",
-        /// The screen; the triangles where it does not know.
+        /// The screen first, and the triangles for rays whose end the screen does not show.
         Screen = "screen",
         /// The triangles.
         Triangles = "triangles",
@@ -186,7 +186,7 @@ pub struct UnifiedMethod {
     composite: Option<Image>,
     reflection: Option<Image>,
     /// Whether a history asks where rays ended.
-    tells: bool,
+    stores_ends: bool,
     fade: bool,
     /// Where reflections fade.
     border: FadeParams,
@@ -226,7 +226,7 @@ impl UnifiedMethod {
         let followed = request.captures.is_some() || triangles.is_some();
         // A program that writes hits writes composite and reflection, too.
         let (composite, reflection) = (request.composite || hits, request.reflection || hits);
-        let tells = effect.history == HistoryUse::On;
+        let stores_ends = effect.history == HistoryUse::On;
         let parts = UnifiedSetup {
             extent,
             projection,
@@ -240,19 +240,19 @@ impl UnifiedMethod {
             followed,
             triangles,
             own_rays: if request.captures.is_some() { 0 } else { effect.own_rays.on(gpu, triangles.is_some()) },
-            tells,
+            stores_ends,
             trace,
             resolve,
         };
         let image = |name| parts.target(gpu, name, LIT_COLOR);
         let beyond = match (triangles, request.captures) {
             (Some(triangles), _) if screen => {
-                let wanted = TriangleWants { composite, reflection, hits, tells, projection };
+                let wanted = TriangleWants { composite, reflection, hits, stores_ends, projection };
                 Some(BeyondPass::Triangles(TriangleTracePass::new(gpu, triangles, wanted)?))
             }
             (None, Some(face)) => {
                 let over = parts.over;
-                let wanted = FollowWants { over, composite, reflection, hits, tells, behind: false, projection };
+                let wanted = FollowWants { over, composite, reflection, hits, stores_ends, behind: false, projection };
                 Some(BeyondPass::Captures(FollowPass::new(gpu, pyramid::strip(face), wanted)?))
             }
             // Rays that go among the triangles at once are on no list.
@@ -274,7 +274,7 @@ impl UnifiedMethod {
             beyond,
             screen,
             screen_colors: triangles.is_some_and(|triangles| triangles.screen_colors),
-            tells,
+            stores_ends,
             composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
             // Rays go on where the screen ends, so that nothing fades there.
@@ -431,7 +431,7 @@ impl Method for UnifiedMethod {
         }
 
         let reflection = canvas.reflection.map(Reflection);
-        let ends = self.tells.then_some(&between.ends);
+        let ends = self.stores_ends.then_some(&between.ends);
         let intermediates = self.screen.then(|| pyramid.shown(gbuffer.depth.extent())).into_iter().collect();
         Ok(MethodOutput { reflection, composite: canvas.composite, hits, ends, intermediates })
     }

@@ -1,36 +1,11 @@
 #version 460
-#pragma program(ResolveNarrow, NARROW)
-#pragma program(Cells, CELLS)
-#pragma program(ResolveWide)
-// Makes reflections from the rays of gloss_trace.glsl: of each pixel with a narrow lobe (NARROW), of each cell with a
-// wide lobe (CELLS), and of each pixel with a wide lobe, between such cells. The programs are drawn over tiles as
-// points or over the whole image. Pixels of a block of 2 x 2 hand each other the rays that they loaded.
+#pragma program(Cells)
+// The reflections of cells with wide lobes, drawn over tiles as points or over the whole image.
 
 layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
 
-#if defined(NARROW)
-#include "unified/resolve_narrow.glsl"
-#elif defined(CELLS)
 #include "unified/resolve_cells.glsl"
-#else
-#include "unified/resolve_wide.glsl"
-#endif
-
-#if defined(NARROW) || defined(CELLS)
-
-// The ray of the block's other pixel along an axis. `outward` is the asking pixel's direction out of the block along
-// this axis.
-NeighbourRay RayFromNeighbourX(NeighbourRay r, int outward) {
-    return NeighbourRay(r.key - float(outward) * dFdxFine(r.key), r.color - float(outward) * dFdxFine(r.color));
-}
-
-NeighbourRay RayFromNeighbourY(NeighbourRay r, int outward) {
-    return NeighbourRay(r.key - float(outward) * dFdyFine(r.key), r.color - float(outward) * dFdyFine(r.color));
-}
-
-#endif
-
-#ifdef CELLS
+#include "unified/exchanged_rays.glsl"
 
 layout(location = 0) out vec4 out_reflection;
 layout(location = 1) out vec4 out_surface;
@@ -82,45 +57,3 @@ void main() {
     out_reflection = resolved.reflection;
     out_surface = resolved.surface;
 }
-
-#else
-
-layout(location = 0) out vec4 out_color;
-layout(location = 1) out vec4 out_reflection; // the reflection, where it is wanted beside the composite
-
-#ifdef NARROW
-
-NeighbourRay LoadPixelRay(ivec2 pixel) {
-    // A block at the edge of an image of odd size reaches beyond the image.
-    bool inside = all(lessThan(pixel, unified.size));
-    return UnpackNeighbourRay(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
-}
-
-void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own, ivec2 pixel) {
-    ivec2 outward = DirectionOutOfBlock(pixel);
-    // All loads stand first, since lavapipe takes longer if they stand between what is gathered.
-    NeighbourRay beside = LoadNeighbourRay(pixel + ivec2(outward.x, 0));
-    NeighbourRay under = LoadNeighbourRay(pixel + ivec2(0, outward.y));
-    NeighbourRay corner = LoadNeighbourRay(pixel + outward);
-    NeighbourRay across = RayFromNeighbourX(own, outward.x);
-    GatherRay(statistics, own, across);
-    GatherRay(statistics, own, RayFromNeighbourY(own, outward.y));
-    GatherRay(statistics, own, RayFromNeighbourY(across, outward.y));
-    GatherRay(statistics, own, beside);
-    GatherRay(statistics, own, RayFromNeighbourY(beside, outward.y));
-    GatherRay(statistics, own, under);
-    GatherRay(statistics, own, RayFromNeighbourX(under, outward.x));
-    GatherRay(statistics, own, corner);
-}
-
-#endif
-
-void main() {
-    PixelOutput result;
-    if (!ShadePixel(ivec2(gl_FragCoord.xy), result))
-        discard;
-    out_color = result.color;
-    out_reflection = result.reflection;
-}
-
-#endif

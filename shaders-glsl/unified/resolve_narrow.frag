@@ -1,0 +1,42 @@
+#version 460
+#pragma program(ResolveNarrow)
+// The reflections of pixels with narrow lobes, drawn over tiles as points or over the whole image.
+
+layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
+
+#include "unified/resolve_narrow.glsl"
+#include "unified/exchanged_rays.glsl"
+
+layout(location = 0) out vec4 out_color;
+layout(location = 1) out vec4 out_reflection; // the reflection, where it is wanted beside the composite
+
+NeighbourRay LoadPixelRay(ivec2 pixel) {
+    // A block at the edge of an image of odd size reaches beyond the image.
+    bool inside = all(lessThan(pixel, unified.size));
+    return UnpackNeighbourRay(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
+}
+
+void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own, ivec2 pixel) {
+    ivec2 outward = DirectionOutOfBlock(pixel);
+    // All loads stand first, since lavapipe takes longer if they stand between what is gathered.
+    NeighbourRay beside = LoadNeighbourRay(pixel + ivec2(outward.x, 0));
+    NeighbourRay under = LoadNeighbourRay(pixel + ivec2(0, outward.y));
+    NeighbourRay corner = LoadNeighbourRay(pixel + outward);
+    NeighbourRay across = RayFromNeighbourX(own, outward.x);
+    GatherRay(statistics, own, across);
+    GatherRay(statistics, own, RayFromNeighbourY(own, outward.y));
+    GatherRay(statistics, own, RayFromNeighbourY(across, outward.y));
+    GatherRay(statistics, own, beside);
+    GatherRay(statistics, own, RayFromNeighbourY(beside, outward.y));
+    GatherRay(statistics, own, under);
+    GatherRay(statistics, own, RayFromNeighbourX(under, outward.x));
+    GatherRay(statistics, own, corner);
+}
+
+void main() {
+    PixelOutput result;
+    if (!ShadePixel(ivec2(gl_FragCoord.xy), result))
+        discard;
+    out_color = result.color;
+    out_reflection = result.reflection;
+}
