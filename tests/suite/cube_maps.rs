@@ -143,6 +143,37 @@ fn in_its_own_box_a_corrected_map_is_exact() {
 }
 
 #[test]
+fn within_one_box_its_map_counts_alone() {
+    let gpu = gpu();
+    let extent = [161, 119];
+    // The boxes part the room where x is 1.
+    let probe = |x: f32, from: f32, to: f32| {
+        let bounds = Aabb { min: Vec3 { x: from, ..MIN }, max: Vec3 { x: to, ..MAX } };
+        Probe { name: "probe".into(), position: Vec3::new(x, 0.3, -0.5), bounds }
+    };
+    let (left, right) = (probe(-0.5, MIN.x, 1.0), probe(2.5, 1.0, MAX.x));
+    let view = camera(Vec3::new(1.0, 1.6, -2.9), Vec3::new(1.0, -0.6, 1.0), extent);
+    let reflection = |probes: &[&Probe]| {
+        let scene = Scene { probes: probes.iter().copied().cloned().collect(), ..room(true) };
+        let shown = show(&gpu, &scene, view, "pccm", &Setup::new(extent), &Globals::default());
+        (shown.get("reflection").clone(), floor_rays(shown.get("material"), &view, f64::from(MIN.y)))
+    };
+    let [(of_left, _), (of_right, _)] = [&left, &right].map(|probe| reflection(&[probe]));
+    let (both, rays) = reflection(&[&left, &right]);
+    let mut pixels = [0, 0];
+    for (x, y, place, _) in rays {
+        // A surface that lies on a box counts as inside it.
+        if (place.x - 1.0).abs() > 0.1 {
+            let side = usize::from(place.x > 1.0);
+            let alone = [&of_left, &of_right][side].texel(x, y);
+            assert_eq!(both.texel(x, y), alone, "({x}, {y}), at {place}");
+            pixels[side] += usize::from(of_left.texel(x, y) != of_right.texel(x, y));
+        }
+    }
+    assert!(pixels.iter().all(|count| *count > 1000), "{pixels:?} pixels tell the maps apart");
+}
+
+#[test]
 fn a_local_map_shows_what_is_seen_from_where_it_was_captured() {
     let gpu = gpu();
     let extent = [321, 239];

@@ -1,13 +1,16 @@
 //! The colour of a hit on the screen has nothing of the surface that reflects in it, and where the screen shows sky, rays that go on
 //! for ever have its colour (docs/definitions.md, "The colour of a hit").
 
-use crate::common::{Builder, Shown, camera, check_validation, gpu, show, unfaded};
-use glam::Vec3;
-use ssct::methods::Setup;
+use crate::common::{Builder, Shown, camera, check_validation, clutter, clutter_camera, gpu, show, unfaded};
+use glam::{DVec3, Vec3};
+use ssct::gpu::frame::Mode;
 use ssct::methods::setup::StageChoice;
-use ssct::methods::unified::UnifiedParams;
-use ssct_lab::stage::Globals;
-use ssct_scenes::Scene;
+use ssct::methods::unified::{self, UnifiedParams};
+use ssct::methods::{Setup, Wants};
+use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
+use ssct_scenes::{Scene, View};
+use ssct_truth::reference::surface_color::{ReflectedRay, SurfaceColors};
+use ssct_truth::reference::{Hierarchy, Outcome};
 
 /// An even height, so that no row of pixels is the horizon.
 const EXTENT: [u32; 2] = [160, 120];
@@ -88,4 +91,44 @@ fn a_ray_that_goes_on_for_ever_shows_the_sky_of_the_screen() {
         }
         assert!(all > 2000, "{method}: {all}");
     }
+}
+
+#[test]
+fn a_mirror_shows_what_the_reference_shows_where_its_ray_hits() {
+    let gpu = gpu();
+    let (scene, extent) = (clutter(), [321, 239]);
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let mirrors = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&scene, &View::default());
+    let camera = clutter_camera(extent);
+    let shot = Shot::new(&mut stage, &unified::INFO, &unfaded(extent), Wants::HITS, camera, mirrors).unwrap();
+    let (_, _, output) = stage.output_in(Mode::Plain, &shot).unwrap();
+    let reflection = gbuffer::reflection(&mut stage.context, &output).unwrap();
+    let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+    let (hierarchy, colors) = (Hierarchy::new(&data), SurfaceColors::new(&data));
+    let rays = hierarchy.rays();
+    let view_to_world = camera.world_to_view.as_dmat4().inverse();
+    let (mut hits, mut off) = (0, 0);
+    for (x, y) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (x, y))) {
+        let Some(direction) = data.reflects(data.index(x, y)).then(|| rays.mirror(x, y)).flatten() else { continue };
+        let Outcome::Hit { pixel: [i, j], position } = hierarchy.trace(x, y).outcome else { continue };
+        // The reference shows the sky behind everything as the camera sees it.
+        let around = [-0.5, 0.5].map(|step| [position.x + step, position.y + step]);
+        let clamped = |v: f64, side: u32| (v.max(0.0) as u32).min(side - 1);
+        let [low, high] = around.map(|[x, y]| [clamped(x, extent[0]), clamped(y, extent[1])]);
+        if [low, [high[0], low[1]], [low[0], high[1]], high].iter().any(|[x, y]| data.depth[data.index(*x, *y)] <= 0.0)
+        {
+            continue;
+        }
+        let ray = rays.position(x, y).zip(rays.normal(x, y));
+        let ray = ray.map(|(point, normal)| ReflectedRay { point, normal, direction });
+        let towards = view_to_world.transform_vector3(direction);
+        let right = colors.shown(data.index(i, j), [position.x, position.y], towards, ray);
+        let found = reflection.texel(x, y);
+        let found = DVec3::new(f64::from(found[0]), f64::from(found[1]), f64::from(found[2]));
+        hits += 1;
+        off += usize::from((found - right).abs().max_element() > 0.01);
+    }
+    println!("{off} of {hits} hits have another colour");
+    assert!(hits > 1000 && off * 1000 < hits, "{off} of {hits} hits have another colour");
+    check_validation(&gpu).unwrap();
 }

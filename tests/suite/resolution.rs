@@ -1,10 +1,13 @@
 //! Reflections at half resolution (thesis §4.4): in place, of the right surface, and for a quarter of
 //! the rays.
 
-use crate::common::{clutter, clutter_camera, gpu, show};
-use ssct::gpu::Pixels;
+use crate::common::{check_validation, clutter, clutter_camera, gpu, show};
+use crate::unified::random_gbuffer;
 use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Pixels, ShaderStage};
 use ssct::methods::{EffectParams, Setup, Wants, find};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::resolution::DownsamplePass;
 use ssct_lab::stage::{Globals, Shot, Stage};
 use ssct_scenes::View;
 use ssct_truth::metrics::rmse;
@@ -110,4 +113,44 @@ fn half_resolution_traces_a_quarter_of_the_pixels() {
         return;
     };
     assert!(full >= 640 * 480 && half.abs_diff(full / 4) <= full / 64, "{half} of {full}");
+}
+
+#[test]
+fn a_block_has_the_surface_of_its_first_pixel_and_the_mean_of_its_colors() {
+    let gpu = gpu();
+    let mut context = FrameContext::new(&gpu).unwrap();
+    let extent = [37, 22];
+    let images = GBufferImages::upload(&mut context, &random_gbuffer(0, extent)).unwrap();
+    let full = images.gbuffer();
+    for (stage, divisor) in [(ShaderStage::Fragment, 2), (ShaderStage::Compute, 4)] {
+        let pass = DownsamplePass::new(&gpu, stage, extent, divisor).unwrap();
+        let mut frame = context.begin(Mode::Plain).unwrap();
+        let small = pass.record(&mut frame, &full).unwrap();
+        frame.finish().unwrap();
+        let images = [[full.depth, small.depth], [full.normal, small.normal], [full.material, small.material]]
+            .map(|images| images.map(|image| context.read(image.level(0)).unwrap()));
+        for (x, y) in (0..images[0][1].height).flat_map(|y| (0..images[0][1].width).map(move |x| (x, y))) {
+            for [whole, part] in &images {
+                assert_eq!(
+                    part.texel(x, y),
+                    whole.texel(divisor * x, divisor * y),
+                    "{stage:?}, 1/{divisor}, ({x}, {y})"
+                );
+            }
+        }
+        let [whole, part] = [full.color, small.color].map(|image| context.read(image.level(0)).unwrap());
+        for (x, y) in (0..part.height).flat_map(|y| (0..part.width).map(move |x| (x, y))) {
+            let column = |x: u32| divisor * x..(divisor * (x + 1)).min(whole.width);
+            let row = divisor * y..(divisor * (y + 1)).min(whole.height);
+            let places = row.flat_map(|y| column(x).map(move |x| (x, y)));
+            let block: Vec<&[f32]> = places.map(|(x, y)| whole.texel(x, y)).collect();
+            for channel in 0..3 {
+                let mean = block.iter().map(|texel| texel[channel]).sum::<f32>() / block.len() as f32;
+                let found = part.texel(x, y)[channel];
+                let what = format!("{stage:?}, 1/{divisor}, ({x}, {y}), channel {channel}");
+                assert!((found - mean).abs() <= 1e-3 * mean.abs().max(1.0), "{what}: {found}, not {mean}");
+            }
+        }
+    }
+    check_validation(&gpu).unwrap();
 }

@@ -1,7 +1,7 @@
 //! Rays that are followed among the triangles of a scene (docs/definitions.md, "Triangles"): the device against the
 //! hierarchy in 64-bit floats, however buffers are read, and nothing that a scene does not need.
 
-use crate::common::{check_validation, gpu};
+use crate::common::{Builder, camera, check_validation, gpu, show};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{Gpu, Pixels};
@@ -185,4 +185,61 @@ fn no_built_in_scene_has_a_tree_by_halves() {
             tree.levels
         );
     }
+}
+
+#[test]
+fn behind_a_surface_that_lets_a_ray_pass_the_one_in_the_same_place_stops_it() {
+    let gpu = gpu();
+    let mut b = Builder::new("two walls in one place");
+    b.light(Vec3::Z);
+    let [passed, stops] = [Vec3::X, Vec3::Y].map(|albedo| b.matt(albedo));
+    // Both ask their material at each hit: the first has a hole everywhere, and the second none.
+    for (material, mask) in [(passed, 0), (stops, 255)] {
+        b.picture(1, 1, |_, _| [mask; 3]);
+        b.0.materials[material].alpha_mask = Some(b.0.textures.len() - 1);
+        b.quad(material, Vec3::new(-30.0, 0.0, 6.0), Vec3::X * 60.0, Vec3::Y * 30.0, -Vec3::Z);
+    }
+    let mirror = b.mirror();
+    b.quad(mirror, Vec3::new(-8.0, 0.0, 0.0), Vec3::X * 16.0, Vec3::Z * 5.9, Vec3::Y);
+    let seen_from = camera(Vec3::new(0.0, 1.2, 0.0), Vec3::new(0.0, 0.6, 4.0), EXTENT);
+    let shown = show(&gpu, &b.0, seen_from, "traced", &Setup::new(EXTENT), &Globals::default());
+    let (reflection, material) = (shown.get("reflection"), shown.get("material"));
+    let floor = reflection.texels().zip(material.texels()).filter(|(_, material)| material[0] > 0.5);
+    let (found, of_first): (Vec<_>, Vec<_>) = floor.map(|(color, _)| (color[1] > 0.1, color[0] > 0.1)).unzip();
+    let count = |all: &[bool]| all.iter().filter(|is| **is).count();
+    assert!(found.len() > 3000 && count(&of_first) == 0, "{} rays see what they pass", count(&of_first));
+    assert!(count(&found) * 100 > 99 * found.len(), "{} of {} rays are stopped", count(&found), found.len());
+}
+
+#[test]
+fn a_hit_on_a_pixel_of_unknown_triangle_is_not_confirmed_by_another_triangle() {
+    let gpu = gpu();
+    // The other way round, another triangle is the first of the tree.
+    for (along, turned) in [(Vec3::Z, 1.0), (-Vec3::Z, -1.0)] {
+        let mut b = Builder::new("stairs over a mirror");
+        b.light(along);
+        let mirror = b.mirror();
+        b.quad(mirror, Vec3::new(-8.0, 0.0, 0.0), Vec3::X * 16.0, along * 7.0, Vec3::Y);
+        for step in 0..6 {
+            let albedo = Vec3::new((step % 2) as f32, (step / 2 % 2) as f32, 1.0);
+            let (material, up) = (b.matt(albedo), 0.5 + 0.5 * step as f32);
+            let corner = Vec3::new(-8.0, 0.0, 0.0) + along * (3.5 + up);
+            b.quad(material, corner, Vec3::X * 16.0, Vec3::Y * up, -along);
+        }
+        let seen_from = camera(Vec3::Y * 1.2, Vec3::new(0.0, 0.8, 4.0 * turned), EXTENT);
+        let mut stage = Stage::new(&gpu, &b.0).unwrap();
+        let setup = Setup::new(EXTENT);
+        let shot = Shot::new(&mut stage, traced(), &setup, Wants::IMAGE, seen_from, b.0.materials.clone()).unwrap();
+        stage.run(&shot, Mode::Plain).unwrap();
+        // Read back, it has no numbers of triangles.
+        let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+        let made = |method, setup| gbuffer::reflect_in(&gpu, &b.0, &data, method, setup).unwrap().reflection;
+        let (screen, world) = (made(&methods::unified::INFO, &beyond(FirstTraced::Screen)), made(traced(), &setup));
+        let differ = |(a, b): (&[f32], &[f32])| (0..3).any(|c| (a[c] - b[c]).abs() > 0.05);
+        let pixels: Vec<_> = screen.texels().zip(world.texels()).filter(|(_, world)| world[2] > 0.1).collect();
+        let wrong = pixels.iter().filter(|pair| differ(**pair)).count();
+        println!("{wrong} of {} pixels show another step", pixels.len());
+        assert!(pixels.len() > 2000 && wrong * 100 < pixels.len(), "{wrong} of {} show another step", pixels.len());
+    }
+    check_validation(&gpu).unwrap();
 }
