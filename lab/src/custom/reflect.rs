@@ -12,41 +12,71 @@ mod code;
 pub use blocks::{BlockField, BlockLayout};
 
 use code::{SpirvCode, decoration, op};
+use rspirv::spirv::{Capability, ExecutionModel};
 use ssct::gpu::interface::Constant;
 use std::collections::BTreeMap;
 
 /// Storage classes of variables.
 mod class {
-    pub const UNIFORM_CONSTANT: u32 = 0;
-    pub const INPUT: u32 = 1;
-    pub const UNIFORM: u32 = 2;
-    pub const OUTPUT: u32 = 3;
-    pub const WORKGROUP: u32 = 4;
-    pub const PUSH_CONSTANT: u32 = 9;
-    pub const STORAGE_BUFFER: u32 = 12;
+    use rspirv::spirv::StorageClass;
+
+    pub const UNIFORM_CONSTANT: u32 = StorageClass::UniformConstant as u32;
+    pub const INPUT: u32 = StorageClass::Input as u32;
+    pub const UNIFORM: u32 = StorageClass::Uniform as u32;
+    pub const OUTPUT: u32 = StorageClass::Output as u32;
+    pub const WORKGROUP: u32 = StorageClass::Workgroup as u32;
+    pub const PUSH_CONSTANT: u32 = StorageClass::PushConstant as u32;
+    pub const STORAGE_BUFFER: u32 = StorageClass::StorageBuffer as u32;
 }
 
-/// Capabilities, by their numbers (SPIR-V, 3.31), that every device of this program has: plain shaders, images of every kind with their
+/// Capabilities (SPIR-V, 3.31) that every device of this program has: plain shaders, images of every kind with their
 /// queries and gathering, arrays of descriptors, derivatives, and subgroups.
-const CAPABILITIES: [std::ops::RangeInclusive<u32>; 8] =
-    [0..=1, 25..=25, 28..=31, 34..=34, 43..=47, 49..=52, 55..=56, 61..=68];
+const CAPABILITIES: [Capability; 27] = [
+    Capability::Matrix,
+    Capability::Shader,
+    Capability::ImageGatherExtended,
+    Capability::UniformBufferArrayDynamicIndexing,
+    Capability::SampledImageArrayDynamicIndexing,
+    Capability::StorageBufferArrayDynamicIndexing,
+    Capability::StorageImageArrayDynamicIndexing,
+    Capability::ImageCubeArray,
+    Capability::Sampled1D,
+    Capability::Image1D,
+    Capability::SampledCubeArray,
+    Capability::SampledBuffer,
+    Capability::ImageBuffer,
+    Capability::StorageImageExtendedFormats,
+    Capability::ImageQuery,
+    Capability::DerivativeControl,
+    Capability::InterpolationFunction,
+    Capability::StorageImageReadWithoutFormat,
+    Capability::StorageImageWriteWithoutFormat,
+    Capability::GroupNonUniform,
+    Capability::GroupNonUniformVote,
+    Capability::GroupNonUniformArithmetic,
+    Capability::GroupNonUniformBallot,
+    Capability::GroupNonUniformShuffle,
+    Capability::GroupNonUniformShuffleRelative,
+    Capability::GroupNonUniformClustered,
+    Capability::GroupNonUniformQuad,
+];
 
 /// Names of other capabilities that shaders of engines ask for.
-const NAMES: [(u32, &str); 14] = [
-    (2, "geometry shaders"),
-    (3, "tessellation"),
-    (9, "16-bit floats"),
-    (10, "64-bit floats"),
-    (11, "64-bit integers"),
-    (22, "16-bit integers"),
-    (32, "clip distances"),
-    (35, "shading of each sample"),
-    (36, "rectangle images"),
-    (37, "rectangle images"),
-    (39, "8-bit integers"),
-    (40, "input attachments"),
-    (41, "sparse images"),
-    (4472, "ray queries"),
+const NAMES: [(Capability, &str); 14] = [
+    (Capability::Geometry, "geometry shaders"),
+    (Capability::Tessellation, "tessellation"),
+    (Capability::Float16, "16-bit floats"),
+    (Capability::Float64, "64-bit floats"),
+    (Capability::Int64, "64-bit integers"),
+    (Capability::Int16, "16-bit integers"),
+    (Capability::ClipDistance, "clip distances"),
+    (Capability::SampleRateShading, "shading of each sample"),
+    (Capability::ImageRect, "rectangle images"),
+    (Capability::SampledRect, "rectangle images"),
+    (Capability::Int8, "8-bit integers"),
+    (Capability::InputAttachment, "input attachments"),
+    (Capability::SparseResidency, "sparse images"),
+    (Capability::RayQueryKHR, "ray queries"),
 ];
 
 /// The type of the numbers that an image, an input or an output has.
@@ -154,8 +184,8 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
     check_entry(&code, is_fragment)?;
     for capability in code.all(op::CAPABILITY) {
         let number = capability.word(0);
-        if !CAPABILITIES.iter().any(|known| known.contains(&number)) {
-            let name = NAMES.iter().find(|(known, _)| *known == number).map(|(_, name)| (*name).to_owned());
+        if !CAPABILITIES.iter().any(|known| *known as u32 == number) {
+            let name = NAMES.iter().find(|(known, _)| *known as u32 == number).map(|(_, name)| (*name).to_owned());
             let name = name.unwrap_or_else(|| format!("the capability {number} of SPIR-V"));
             return Err(format!("needs {name}, which this program does not turn on"));
         }
@@ -213,8 +243,8 @@ fn input_place(code: &SpirvCode, inputs: &[Crossing]) -> Option<u32> {
 }
 
 fn check_entry(code: &SpirvCode, is_fragment: bool) -> Result<(), String> {
-    const FRAGMENT: u32 = 4;
-    const COMPUTE: u32 = 5;
+    const FRAGMENT: u32 = ExecutionModel::Fragment as u32;
+    const COMPUTE: u32 = ExecutionModel::GLCompute as u32;
     let entries: Vec<(u32, String)> = code.all(op::ENTRY_POINT).map(|e| (e.word(0), e.text(2))).collect();
     let Some((stage, _)) = entries.iter().find(|(_, name)| name == "main") else {
         return Err("has no entry point main".to_owned());

@@ -1,57 +1,62 @@
 //! The words of a SPIR-V module, with its types, names and decorations at hand.
 
 use super::Component;
+use rspirv::spirv::{BuiltIn, ExecutionMode, MAGIC_NUMBER, Op};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Instructions that are read here.
 pub(super) mod op {
-    pub const NAME: u16 = 5;
-    pub const MEMBER_NAME: u16 = 6;
-    pub const ENTRY_POINT: u16 = 15;
-    pub const EXECUTION_MODE: u16 = 16;
-    pub const CAPABILITY: u16 = 17;
-    pub const TYPE_VOID: u16 = 19;
-    pub const TYPE_BOOL: u16 = 20;
-    pub const TYPE_INT: u16 = 21;
-    pub const TYPE_FLOAT: u16 = 22;
-    pub const TYPE_VECTOR: u16 = 23;
-    pub const TYPE_MATRIX: u16 = 24;
-    pub const TYPE_IMAGE: u16 = 25;
-    pub const TYPE_SAMPLER: u16 = 26;
-    pub const TYPE_SAMPLED_IMAGE: u16 = 27;
-    pub const TYPE_ARRAY: u16 = 28;
-    pub const TYPE_RUNTIME_ARRAY: u16 = 29;
-    pub const TYPE_STRUCT: u16 = 30;
-    pub const TYPE_POINTER: u16 = 32;
-    pub const TYPE_PIPE: u16 = 38;
-    pub const CONSTANT: u16 = 43;
-    pub const CONSTANT_COMPOSITE: u16 = 44;
-    pub const SPEC_CONSTANT_TRUE: u16 = 48;
-    pub const SPEC_CONSTANT_FALSE: u16 = 49;
-    pub const SPEC_CONSTANT: u16 = 50;
-    pub const SPEC_CONSTANT_COMPOSITE: u16 = 51;
-    pub const FUNCTION: u16 = 54;
-    pub const VARIABLE: u16 = 59;
-    pub const ACCESS_CHAIN: u16 = 65;
-    pub const IN_BOUNDS_ACCESS_CHAIN: u16 = 66;
-    pub const DECORATE: u16 = 71;
-    pub const MEMBER_DECORATE: u16 = 72;
-    pub const EXECUTION_MODE_ID: u16 = 331;
+    use rspirv::spirv::Op;
+
+    pub const NAME: u16 = Op::Name as u16;
+    pub const MEMBER_NAME: u16 = Op::MemberName as u16;
+    pub const ENTRY_POINT: u16 = Op::EntryPoint as u16;
+    pub const EXECUTION_MODE: u16 = Op::ExecutionMode as u16;
+    pub const CAPABILITY: u16 = Op::Capability as u16;
+    pub const TYPE_VOID: u16 = Op::TypeVoid as u16;
+    pub const TYPE_BOOL: u16 = Op::TypeBool as u16;
+    pub const TYPE_INT: u16 = Op::TypeInt as u16;
+    pub const TYPE_FLOAT: u16 = Op::TypeFloat as u16;
+    pub const TYPE_VECTOR: u16 = Op::TypeVector as u16;
+    pub const TYPE_MATRIX: u16 = Op::TypeMatrix as u16;
+    pub const TYPE_IMAGE: u16 = Op::TypeImage as u16;
+    pub const TYPE_SAMPLER: u16 = Op::TypeSampler as u16;
+    pub const TYPE_SAMPLED_IMAGE: u16 = Op::TypeSampledImage as u16;
+    pub const TYPE_ARRAY: u16 = Op::TypeArray as u16;
+    pub const TYPE_RUNTIME_ARRAY: u16 = Op::TypeRuntimeArray as u16;
+    pub const TYPE_STRUCT: u16 = Op::TypeStruct as u16;
+    pub const TYPE_POINTER: u16 = Op::TypePointer as u16;
+    pub const TYPE_PIPE: u16 = Op::TypePipe as u16;
+    pub const CONSTANT: u16 = Op::Constant as u16;
+    pub const CONSTANT_COMPOSITE: u16 = Op::ConstantComposite as u16;
+    pub const SPEC_CONSTANT_TRUE: u16 = Op::SpecConstantTrue as u16;
+    pub const SPEC_CONSTANT_FALSE: u16 = Op::SpecConstantFalse as u16;
+    pub const SPEC_CONSTANT: u16 = Op::SpecConstant as u16;
+    pub const SPEC_CONSTANT_COMPOSITE: u16 = Op::SpecConstantComposite as u16;
+    pub const FUNCTION: u16 = Op::Function as u16;
+    pub const VARIABLE: u16 = Op::Variable as u16;
+    pub const ACCESS_CHAIN: u16 = Op::AccessChain as u16;
+    pub const IN_BOUNDS_ACCESS_CHAIN: u16 = Op::InBoundsAccessChain as u16;
+    pub const DECORATE: u16 = Op::Decorate as u16;
+    pub const MEMBER_DECORATE: u16 = Op::MemberDecorate as u16;
+    pub const EXECUTION_MODE_ID: u16 = Op::ExecutionModeId as u16;
 }
 
 /// Decorations that are read here.
 pub(super) mod decoration {
-    pub const SPEC_ID: u32 = 1;
-    pub const BUFFER_BLOCK: u32 = 3;
-    pub const ROW_MAJOR: u32 = 4;
-    pub const ARRAY_STRIDE: u32 = 6;
-    pub const MATRIX_STRIDE: u32 = 7;
-    pub const BUILT_IN: u32 = 11;
-    pub const NON_WRITABLE: u32 = 24;
-    pub const LOCATION: u32 = 30;
-    pub const BINDING: u32 = 33;
-    pub const SET: u32 = 34;
-    pub const OFFSET: u32 = 35;
+    use rspirv::spirv::Decoration;
+
+    pub const SPEC_ID: u32 = Decoration::SpecId as u32;
+    pub const BUFFER_BLOCK: u32 = Decoration::BufferBlock as u32;
+    pub const ROW_MAJOR: u32 = Decoration::RowMajor as u32;
+    pub const ARRAY_STRIDE: u32 = Decoration::ArrayStride as u32;
+    pub const MATRIX_STRIDE: u32 = Decoration::MatrixStride as u32;
+    pub const BUILT_IN: u32 = Decoration::BuiltIn as u32;
+    pub const NON_WRITABLE: u32 = Decoration::NonWritable as u32;
+    pub const LOCATION: u32 = Decoration::Location as u32;
+    pub const BINDING: u32 = Decoration::Binding as u32;
+    pub const SET: u32 = Decoration::DescriptorSet as u32;
+    pub const OFFSET: u32 = Decoration::Offset as u32;
 }
 
 /// The words before the first instruction.
@@ -83,21 +88,22 @@ impl<'a> Instruction<'a> {
     /// The operands that may be pointers, for instructions that read, write or hand on a pointer. Other instructions have numbers among
     /// their operands, which may look like ids.
     fn pointers(&self) -> &'a [u32] {
-        const CALL: u16 = 57;
-        const TEXEL_POINTER: u16 = 60;
-        const LOAD: u16 = 61;
-        const STORE: u16 = 62;
-        const COPY_MEMORY: u16 = 63;
-        const COPY_MEMORY_SIZED: u16 = 64;
-        const ARRAY_LENGTH: u16 = 68;
-        const COPY_OBJECT: u16 = 83;
-        const SELECT: u16 = 169;
-        const PHI: u16 = 245;
-        const ATOMICS: std::ops::RangeInclusive<u16> = 227..=242;
+        const CALL: u16 = Op::FunctionCall as u16;
+        const TEXEL_POINTER: u16 = Op::ImageTexelPointer as u16;
+        const LOAD: u16 = Op::Load as u16;
+        const STORE: u16 = Op::Store as u16;
+        const COPY_MEMORY: u16 = Op::CopyMemory as u16;
+        const COPY_MEMORY_SIZED: u16 = Op::CopyMemorySized as u16;
+        const ARRAY_LENGTH: u16 = Op::ArrayLength as u16;
+        const COPY_OBJECT: u16 = Op::CopyObject as u16;
+        const SELECT: u16 = Op::Select as u16;
+        const PHI: u16 = Op::Phi as u16;
+        const ATOMICS: std::ops::RangeInclusive<u16> = Op::AtomicLoad as u16..=Op::AtomicXor as u16;
+        const LAST_CHAIN: u16 = Op::InBoundsPtrAccessChain as u16;
         match self.opcode {
             STORE | COPY_MEMORY | COPY_MEMORY_SIZED => &self.operands[..self.operands.len().min(2)],
             LOAD | TEXEL_POINTER | ARRAY_LENGTH | COPY_OBJECT => &self.from(2)[..self.from(2).len().min(1)],
-            op::ACCESS_CHAIN..=70 => &self.from(2)[..self.from(2).len().min(1)],
+            op::ACCESS_CHAIN..=LAST_CHAIN => &self.from(2)[..self.from(2).len().min(1)],
             CALL | SELECT | PHI => self.from(2),
             other if ATOMICS.contains(&other) => self.operands,
             _ => &[],
@@ -126,7 +132,7 @@ pub(super) struct SpirvCode<'a> {
 impl<'a> SpirvCode<'a> {
     /// Reads a module; `None` if the words are not SPIR-V.
     pub fn read(words: &'a [u32]) -> Option<Self> {
-        if words.len() < HEADER || words[0] != 0x0723_0203 {
+        if words.len() < HEADER || words[0] != MAGIC_NUMBER {
             return None;
         }
         let mut code = Self {
@@ -326,9 +332,9 @@ impl<'a> SpirvCode<'a> {
 
     /// The threads of a workgroup along each axis, by the built-in constant or by the execution mode.
     pub fn local_size(&self) -> Result<[u32; 3], String> {
-        const LOCAL_SIZE: u32 = 17;
-        const LOCAL_SIZE_ID: u32 = 38;
-        const WORKGROUP_SIZE: u32 = 25;
+        const LOCAL_SIZE: u32 = ExecutionMode::LocalSize as u32;
+        const LOCAL_SIZE_ID: u32 = ExecutionMode::LocalSizeId as u32;
+        const WORKGROUP_SIZE: u32 = BuiltIn::WorkgroupSize as u32;
         let unknown = || "has a workgroup whose size is no constant".to_owned();
         let of_ids = |ids: &[u32]| -> Result<[u32; 3], String> {
             let size: Option<Vec<u32>> = ids.iter().take(3).map(|id| self.constant(*id)).collect();
