@@ -18,10 +18,10 @@ mod interface;
 #[path = "src/gpu/declarations.rs"]
 mod declarations;
 
-use declarations::{Groups, MODULES, Permutation, Stage, block_struct, program, store_outputs, title};
+use declarations::{Groups, MODULES, Permutation, Stage, block_struct, find_stored, program, title};
 use glsl::NamedProgram;
 use interface::{Block, Interface};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -52,6 +52,7 @@ fn run() -> Result<(), String> {
     std::fs::write(modules.join(FINGERPRINT), fingerprint).map_err(|e| format!("{FINGERPRINT}: {e}"))?;
     let mut structs: BTreeMap<String, Block> = BTreeMap::new();
     // The permutations of each program, in the order in which files name the programs.
+    let mut files = BTreeSet::new();
     let (mut order, mut programs) = (Vec::new(), BTreeMap::<String, Vec<Permutation>>::new());
     for path in glsl::stages(Path::new(ROOT))? {
         let source = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -60,11 +61,14 @@ fn run() -> Result<(), String> {
             return Err(format!("{}: it names no program (`#pragma program(Name)`)", path.display()));
         }
         let in_compute = glsl::in_either_stage(&source, &path)?;
-        for fragment in named {
-            let twins = in_compute.iter().map(|defines| fragment.in_compute(defines));
-            for named in std::iter::once(fragment.clone()).chain(twins) {
+        for written in named {
+            let twins = in_compute.iter().map(|defines| written.in_compute(defines));
+            for named in std::iter::once(written.clone()).chain(twins) {
                 let permutation = compile(&compiler, &path, &named, &modules)?;
                 collect(&permutation.interface, &permutation.file, &mut structs)?;
+                if !files.insert(permutation.module.clone()) {
+                    return Err(format!("{}: another module has the file {}", path.display(), permutation.module));
+                }
                 if !programs.contains_key(&named.name) {
                     order.push(named.name.clone());
                 }
@@ -76,13 +80,13 @@ fn run() -> Result<(), String> {
     let (mut text, mut all) = (String::new(), String::new());
     for name in &order {
         let permutations = programs.get_mut(name).map_or(&mut [][..], |permutations| &mut permutations[..]);
-        store_outputs(permutations).map_err(|e| format!("{name}: {e}"))?;
+        find_stored(permutations).map_err(|e| format!("{name}: {e}"))?;
         text.push_str(&program(name, permutations, &mut groups).map_err(|e| format!("{name}: {e}"))?);
         for n in 0..permutations.len() {
             let _ = writeln!(all, "    {name}::PERMUTATIONS[{n}].shader,");
         }
     }
-    text.extend(groups.declared.into_values());
+    text.push_str(&groups.text()?);
     let _ = write!(text, "/// The shaders of all programs.\npub static ALL: &[&Shader] = &[\n{all}];\n");
     let blocks: String = structs.iter().map(|(name, block)| block_struct(block, name)).collect();
     for (name, text) in [("programs.rs", text), ("blocks.rs", blocks)] {

@@ -231,7 +231,7 @@ pub struct HiZ<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
 
-/// The images that a method draws into if it composites along the way. Without both of them nothing is drawn.
+/// The images that a method draws into if it composites along the way. At least one of them is wanted.
 #[derive(Clone, Copy)]
 pub struct Canvas<'a> {
     /// The finished image, linear, where it is wanted. RGBA16F.
@@ -315,7 +315,7 @@ pub struct Captures<'a> {
     pub bounds: Aabb,
 }
 
-/// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.
+/// Reflection colour in rgb before fade and reflectivity, and the fade in alpha. A miss is 0. RGBA16F.
 #[derive(Clone, Copy)]
 pub struct Reflection<'a>(pub &'a Image);
 

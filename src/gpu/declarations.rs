@@ -47,12 +47,15 @@ pub fn title(file: &str, defines: &[String]) -> String {
 
 /// Finds the images that compute permutations store to in place of the outputs of fragment permutations. They are storage images that no
 /// fragment permutation has, in the order of the outputs.
-pub fn store_outputs(permutations: &mut [Permutation]) -> Result<(), String> {
+pub fn find_stored(permutations: &mut [Permutation]) -> Result<(), String> {
     let fragments: Vec<&Interface> =
         permutations.iter().filter(|v| v.stage == Stage::Fragment).map(|v| &v.interface).collect();
     let Some(outputs) = fragments.first().map(|interface| interface.outputs.len()) else { return Ok(()) };
     if fragments.iter().any(|interface| interface.outputs.len() != outputs) {
         return Err("its fragment permutations have different numbers of outputs".into());
+    }
+    if permutations.iter().any(|v| v.stage == Stage::Vertex) {
+        return Err("a vertex shader has the name of a fragment shader".into());
     }
     let read: BTreeSet<String> = fragments.iter().flat_map(|i| &i.bindings).map(|bound| bound.name.clone()).collect();
     for Permutation { interface, file, stored, .. } in permutations.iter_mut().filter(|v| v.stage == Stage::Compute) {
@@ -72,17 +75,48 @@ pub fn store_outputs(permutations: &mut [Permutation]) -> Result<(), String> {
     Ok(())
 }
 
+/// Refuses a compute permutation that was made from a fragment shader's source and reads something else.
+fn check_twins(permutations: &[Permutation]) -> Result<(), String> {
+    for twin in permutations.iter().filter(|v| v.named.defines.iter().any(|define| define == glsl::COMPUTE)) {
+        let own = twin.named.defines.iter().take_while(|define| *define != glsl::COMPUTE);
+        let is_source = |v: &&Permutation| {
+            v.stage == Stage::Fragment && v.file == twin.file && v.named.defines.iter().eq(own.clone())
+        };
+        let reads_alike = permutations.iter().find(is_source).is_some_and(|fragment| {
+            twin.given().eq(fragment.given())
+                && twin.interface.push == fragment.interface.push
+                && twin.interface.constants == fragment.interface.constants
+        });
+        if !reads_alike {
+            let file = &twin.file;
+            return Err(format!("{file}: its fragment and its compute shader differ in more than where they write"));
+        }
+    }
+    Ok(())
+}
+
 /// The groups that sources name.
 pub struct Groups {
     named: Vec<Group>,
     /// The declarations of groups that programs have, by name.
-    pub declared: BTreeMap<String, String>,
+    declared: BTreeMap<String, String>,
 }
 
 impl Groups {
     /// No group is declared yet.
     pub fn new(named: Vec<Group>) -> Self {
         Self { named, declared: BTreeMap::new() }
+    }
+
+    /// The declarations of all groups.
+    ///
+    /// # Errors
+    /// A sentence about a group whose members no program has.
+    pub fn text(self) -> Result<String, String> {
+        match self.named.iter().find(|group| !self.declared.contains_key(&group.name)) {
+            Some(Group { name, .. }) => Err(format!("no program has all members of the group {name}")),
+            None => Ok(self.declared.into_values().collect()),
+        }
     }
 
     /// The group that a member belongs to, of those whose members all are among some names.
@@ -146,19 +180,25 @@ fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(
                 None => format!("self.{name}{mark}"),
             };
             let _ = writeln!(arms, "            {name:?} => Resource::{},", resource.replace("{}", &value));
-            let (field, ty) = match group {
+            let (field, ty, numbers) = match group {
                 Some(group) if !grouped.insert(group.name.clone()) => continue,
                 Some(group) => {
-                    let of_group = |b: &&StageBinding| group.members.contains(&b.name);
-                    let members = permutation.given().filter(of_group);
-                    let members: String = members.map(|b| field(b, &bound_type(b).0)).collect();
-                    groups.declare(&group.name, format!("/// Bindings that several programs have together.\n#[derive(Clone, Copy)]\npub struct {}<'a> {{\n{members}}}\n", group.name))?;
-                    (group.field(), format!("{}<'a>", group.name))
+                    let members: Vec<&StageBinding> =
+                        permutation.given().filter(|b| group.members.contains(&b.name)).collect();
+                    let declared: String = members.iter().map(|b| field(b, &bound_type(b).0)).collect();
+                    let title = "/// Bindings that several programs have together.\n#[derive(Clone, Copy)]\n";
+                    let name = &group.name;
+                    groups.declare(name, format!("{title}pub struct {name}<'a> {{\n{declared}}}\n"))?;
+                    let numbers: Vec<String> = members.iter().map(|b| b.binding.to_string()).collect();
+                    (group.field(), format!("{name}<'a>"), format!("Bindings {}", numbers.join(", ")))
                 }
-                None => (name.to_owned(), ty),
+                None => (name.to_owned(), ty, format!("Binding {}", bound.binding)),
             };
-            let ty = if is_everywhere { ty } else { format!("Option<{ty}>") };
-            let _ = writeln!(fields, "    /// Binding {}.\n    pub {field}: {ty},", bound.binding);
+            let (ty, some) = match is_everywhere {
+                true => (ty, ""),
+                false => (format!("Option<{ty}>"), ", which some permutations have"),
+            };
+            let _ = writeln!(fields, "    /// {numbers}{some}.\n    pub {field}: {ty},");
         }
     }
     Ok((fields, arms))
@@ -170,8 +210,13 @@ fn field(bound: &StageBinding, ty: &str) -> String {
 
 /// Declares a program's struct, with the traits through which pipelines and frames use it (`src/gpu/program.rs`).
 pub fn program(name: &str, permutations: &[Permutation], groups: &mut Groups) -> Result<String, String> {
+    check_twins(permutations)?;
     let (mut fields, arms) = program_fields(permutations, groups)?;
-    let push = permutations.iter().find_map(|v| v.interface.push.as_ref());
+    let mut pushes = permutations.iter().filter_map(|v| v.interface.push.as_ref());
+    let push = pushes.next();
+    if pushes.any(|other| Some(other) != push) {
+        return Err("its permutations have different push constants".into());
+    }
     if let Some(push) = push {
         let _ = writeln!(fields, "    /// Push constants.\n    pub {}: &'a {},", push.name, push.block);
     }
@@ -337,4 +382,79 @@ pub fn block_struct(block: &Block, name: &str) -> String {
         block.size
     );
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// A permutation whose bindings and outputs have names.
+    fn made(source: &str, bindings: &[(&str, &'static str)], outputs: usize) -> Permutation {
+        let path = Path::new(source);
+        let named = glsl::programs("#pragma program(Made: Tree)\n", path).unwrap().remove(0);
+        let bound = |(n, (name, kind)): (usize, &(&str, &'static str))| StageBinding {
+            binding: n as u32,
+            name: (*name).to_owned(),
+            kind,
+            count: 1,
+            block: String::new(),
+            read_only: *kind != "StorageImage",
+        };
+        let interface = Interface {
+            bindings: bindings.iter().enumerate().map(bound).collect(),
+            push: None,
+            outputs: vec![("out_color".into(), "f32"); outputs],
+            constants: Vec::new(),
+            local_size: [0; 3],
+            blocks: BTreeMap::new(),
+            formats: (0..bindings.len() as u32).map(|n| (n, "R32_SFLOAT")).collect(),
+        };
+        let stage = if source.ends_with(".frag") { Stage::Fragment } else { Stage::Compute };
+        Permutation { named, stage, file: source.into(), module: String::new(), interface, stored: Vec::new() }
+    }
+
+    fn declared(permutations: &mut [Permutation], groups: &[(&str, &[&str])]) -> Result<String, String> {
+        let named = groups.iter().map(|(name, members)| Group {
+            name: (*name).to_owned(),
+            members: members.iter().map(|member| (*member).to_owned()).collect(),
+        });
+        let mut groups = Groups::new(named.collect());
+        find_stored(permutations)?;
+        let text = program("Made", permutations, &mut groups)?;
+        Ok(text + &groups.text()?)
+    }
+
+    const READ: (&str, &str) = ("depth", "SampledImage");
+    const ONLY: (&str, &str) = ("tree", "StorageBuffer");
+    const STORED: (&str, &str) = ("color_image", "StorageImage");
+
+    #[test]
+    fn a_binding_of_some_permutations_is_an_option_and_an_output_is_no_field() {
+        let text = declared(&mut [made("a.frag", &[READ], 1), made("a.comp", &[READ, ONLY, STORED], 0)], &[]).unwrap();
+        assert!(text.contains("pub depth: Sampled<'a>,") && text.contains("pub tree: Option<&'a Buffer>,"), "{text}");
+        assert!(
+            text.contains("stored: &[(2, vk::Format::R32_SFLOAT), ]") && !text.contains("pub color_image"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn bindings_of_a_group_are_one_field() {
+        let group: (&str, &[&str]) = ("TreeParts", &["depth", "tree"]);
+        let text = declared(&mut [made("a.comp", &[READ, ONLY], 0)], &[group]).unwrap();
+        assert!(text.contains("pub tree_parts: TreeParts<'a>") && text.contains("self.tree_parts.tree"), "{text}");
+        let unused = declared(&mut [made("a.comp", &[READ], 0)], &[group]).unwrap_err();
+        assert!(unused.contains("TreeParts"), "{unused}");
+    }
+
+    #[test]
+    fn permutations_that_do_not_fit_each_other_are_refused() {
+        let refused = |mut permutations: Vec<Permutation>| declared(&mut permutations, &[]).unwrap_err();
+        let buffer = ("depth", "StorageBuffer");
+        assert!(refused(vec![made("a.comp", &[READ], 0), made("b.frag", &[buffer], 1)]).contains("stores 0 images"));
+        assert!(refused(vec![made("a.frag", &[READ], 1), made("b.frag", &[buffer], 1)]).contains("depth"));
+        assert!(refused(vec![made("a.frag", &[READ], 1), made("b.frag", &[READ], 1)]).contains("same stage"));
+        assert!(refused(vec![made("a.frag", &[READ], 1), made("b.frag", &[READ], 2)]).contains("outputs"));
+    }
 }

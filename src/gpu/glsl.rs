@@ -9,8 +9,8 @@
 //! #pragma program(BlurDown)
 //! ```
 //!
-//! Programs of one name are permutations of one program, and have one struct: a `.frag` and a `.comp` file may both name
-//! it, and after a colon stands where the rays of a permutation end (`RaySource` in `program.rs`):
+//! Programs of one name are permutations of one program, and have one struct. A `.frag` and a `.comp` file may both name
+//! it. After a colon stands where the rays of a permutation end (`RaySource` in `program.rs`):
 //!
 //! ```glsl
 //! #pragma program(Mirror: Confirmed, CONFIRMED)
@@ -145,6 +145,7 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> 
 fn named(list: &str) -> Option<NamedProgram> {
     let (rays, list) = match list.split_once(':') {
         None => (None, list.to_owned()),
+        Some((name, _)) if name.contains(',') => return None,
         Some((name, rest)) => {
             let (rays, defines) = rest.split_once(',').map_or((rest, String::new()), |(r, d)| (r, format!(",{d}")));
             (Some(words(rays)?.remove(0)), format!("{name}{defines}"))
@@ -169,7 +170,7 @@ pub struct Group {
 }
 
 impl Group {
-    /// The name of its field: its own in small letters.
+    /// The name of its field: its own in snake case.
     pub fn field(&self) -> String {
         let spaced = |(i, c): (usize, char)| {
             let space = (i > 0 && c.is_ascii_uppercase()).then_some('_');
@@ -182,20 +183,26 @@ impl Group {
 /// The groups that the files below a folder name, sorted by file.
 ///
 /// # Errors
-/// A sentence about a pragma without members, or about a file that cannot be read.
+/// A sentence about a file that cannot be read, or a pragma that is not known here.
 pub fn groups(folder: &Path) -> Result<Vec<Group>, String> {
     let mut found = Vec::new();
     for path in files(folder, &["glsl"])? {
         let source = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-        for text in source.lines() {
-            let Some(list) = text.strip_prefix("#pragma group(") else { continue };
-            let list = list.strip_suffix(')').and_then(words).filter(|list| list.len() > 1);
-            let mut list =
-                list.ok_or_else(|| format!("{}: {text:?} should be `#pragma group(Name, member, …)`", path.display()))?;
-            found.push(Group { name: list.remove(0), members: list });
-        }
+        found.extend(groups_in(&source, &path)?);
     }
     Ok(found)
+}
+
+/// The groups that a source names.
+fn groups_in(source: &str, path: &Path) -> Result<Vec<Group>, String> {
+    let lists = source.lines().filter_map(|text| text.strip_prefix("#pragma group(").map(|list| (text, list)));
+    let group = |(text, list): (&str, &str)| {
+        let words = list.strip_suffix(')').and_then(words).filter(|words| words.len() > 1);
+        let wrong = || format!("{}: {text:?} should be `#pragma group(Name, member, …)`", path.display());
+        let mut members = words.ok_or_else(wrong)?;
+        Ok(Group { name: members.remove(0), members })
+    };
+    lists.map(group).collect()
 }
 
 /// Compiles a stage for Vulkan 1.3 with some macros defined; `root` is the folder of included files that do not lie
@@ -288,11 +295,22 @@ mod tests {
             "#pragma program(A:)",
             "#pragma program(A:, B)",
             "#pragma program(: B)",
+            "#pragma program(A, B: C)",
             "#pragma programme(A)",
         ] {
             let source = format!("#version 460\n{wrong}\n");
             let message = programs(&source, Path::new("a.frag")).unwrap_err();
             assert!(message.starts_with("a.frag:2: ") && message.contains(wrong), "{message}");
+        }
+    }
+
+    #[test]
+    fn groups_are_read_off_their_pragmas() {
+        let named = |source: &str| groups_in(source, Path::new("a.glsl"));
+        let group = named("// Text.\n#pragma group(LightConstants, LIGHTS, SHADOWS)\n").unwrap().remove(0);
+        assert_eq!((group.field().as_str(), group.members.len()), ("light_constants", 2));
+        for wrong in ["#pragma group(Empty)", "#pragma group(Open, A", "#pragma group(A, )"] {
+            assert!(named(wrong).unwrap_err().contains("a.glsl"), "{wrong}");
         }
     }
 }

@@ -176,6 +176,9 @@ impl<F: Fragment> GraphicsPipeline<F> {
     }
 
     /// Makes a pipeline that draws a full-screen triangle, for the permutation of a program with a source of rays.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if there is none.
     pub fn fullscreen_by(
         gpu: &Gpu,
         rays: Option<RaySource>,
@@ -199,6 +202,9 @@ impl<F: Fragment> GraphicsPipeline<F> {
 impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
     /// Makes a pipeline that draws points, that is squares of pixels, which a vertex program makes from their number alone. It has the
     /// permutation of the fragment program with a source of rays.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if there is none.
     pub fn points(
         gpu: &Gpu,
         rays: Option<RaySource>,
@@ -430,7 +436,7 @@ impl<P: program::Compute> ComputePipeline<P> {
 
     /// Makes the pipeline of a program with specialization constants.
     pub fn with(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
-        Self::of_permutation(gpu, &P::PERMUTATIONS[0], constants)
+        Self::of_permutation(gpu, permutation::<P>(ShaderStage::Compute.into(), &[])?, constants)
     }
 
     /// Makes the pipeline of the permutation of a program with a source of rays.

@@ -5,8 +5,7 @@
 use super::device::Gpu;
 use super::image::{Image, ImageDesc};
 use super::pipeline::{GraphicsPipeline, SharedPipeline};
-use super::program::{InEitherStage, PermutationChoice, RaySource, entries, permutation};
-use super::shader::Shader;
+use super::program::{InEitherStage, Permutation, PermutationChoice, RaySource, entries, permutation};
 use crate::error::Result;
 use ash::vk;
 use std::marker::PhantomData;
@@ -42,10 +41,10 @@ pub(super) enum StagePipeline<F> {
 /// The compute permutation of a program, which stores what the fragment permutation draws.
 pub struct StoringPipeline<F> {
     pub(super) pipeline: Arc<SharedPipeline>,
-    pub(super) shader: &'static Shader,
+    pub(super) permutation: &'static Permutation,
     /// Images of one texel for the outputs that nobody wants. The program stores nothing to them, but every binding needs an
     /// image.
-    pub(super) unwanted: Vec<Option<Image>>,
+    pub(super) unwanted: Arc<[Option<Image>]>,
     /// Keeps the device until the pipeline is gone.
     _gpu: Gpu,
     program: PhantomData<fn() -> F>,
@@ -90,13 +89,26 @@ impl<F: InEitherStage> StoringPipeline<F> {
             let is_unwanted = *target == vk::Format::UNDEFINED;
             is_unwanted.then(|| unwanted_image(gpu, *format)).transpose()
         };
-        Ok(Self {
-            pipeline: SharedPipeline::compute(gpu, chosen.shader, entries(chosen, constants))?,
-            shader: chosen.shader,
-            unwanted: targets.iter().zip(chosen.shader.stored).map(unwanted).collect::<Result<_>>()?,
-            _gpu: gpu.clone(),
-            program: PhantomData,
-        })
+        let unwanted = targets.iter().zip(chosen.shader.stored).map(unwanted).collect::<Result<_>>()?;
+        Self::of_permutation(gpu, chosen, unwanted, constants)
+    }
+
+    /// Compiles the same permutation for the same targets with other constants.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn with_constants(&self, gpu: &Gpu, constants: &F::Constants) -> Result<Self> {
+        Self::of_permutation(gpu, self.permutation, Arc::clone(&self.unwanted), constants)
+    }
+
+    fn of_permutation(
+        gpu: &Gpu,
+        permutation: &'static Permutation,
+        unwanted: Arc<[Option<Image>]>,
+        constants: &F::Constants,
+    ) -> Result<Self> {
+        let pipeline = SharedPipeline::compute(gpu, permutation.shader, entries(permutation, constants))?;
+        Ok(Self { pipeline, permutation, unwanted, _gpu: gpu.clone(), program: PhantomData })
     }
 }
 

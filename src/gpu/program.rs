@@ -71,8 +71,11 @@ pub trait Program {
     /// Its shaders.
     const PERMUTATIONS: &'static [Permutation];
 
-    /// The shader of a program without permutations.
-    const SHADER: &'static Shader = Self::PERMUTATIONS[0].shader;
+    /// The shader of a program that has one alone. For any other program this does not compile.
+    const SHADER: &'static Shader = {
+        assert!(Self::PERMUTATIONS.len() == 1, "the program has several permutations");
+        Self::PERMUTATIONS[0].shader
+    };
 
     /// The resource of a binding, by its name; `None` if none is given.
     fn resource(&self, name: &str) -> Option<Resource<'_>>;
@@ -143,8 +146,12 @@ pub(super) fn permutation<P: Program>(
             && permutation.shader.stored.iter().zip(targets).all(stores)
     };
     P::PERMUTATIONS.iter().find(is_chosen).ok_or_else(|| {
-        let name = P::SHADER.name;
-        Error::Usage(format!("the shader {name} has no permutation {choice:?} for images of the formats {targets:?}"))
+        let names: Vec<&str> = P::PERMUTATIONS.iter().map(|permutation| permutation.shader.name).collect();
+        let source = rays.map_or(String::new(), |rays| format!(" whose rays end by {rays:?}"));
+        Error::Usage(format!(
+            "there is no {stage:?} shader{source}, for images of the formats {targets:?}, among these: {}",
+            names.join(", ")
+        ))
     })
 }
 

@@ -18,8 +18,8 @@ pub struct Shader {
     pub local_size: [u32; 3],
     /// Bindings of descriptor set 0.
     pub bindings: &'static [Binding],
-    /// Binding and format of the image for each output, by location, if a compute program was made from a fragment
-    /// program's source; else empty.
+    /// Binding and format of the image for each output, by location, if this is a compute shader of a program that has
+    /// fragment shaders, too; else empty.
     pub stored: &'static [(u32, ash::vk::Format)],
 }
 

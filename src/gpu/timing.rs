@@ -54,7 +54,7 @@ impl Queries {
     }
 
     /// Takes the next query, and returns its pool and its number in the pool.
-    fn take(&mut self) -> Result<(vk::QueryPool, u32)> {
+    fn next_query(&mut self) -> Result<(vk::QueryPool, u32)> {
         if self.taken == QUERIES * self.pools.len() as u32 {
             self.grow()?;
         }
@@ -115,7 +115,7 @@ impl Timestamps {
 
     /// Writes the next timestamp; timestamps are numbered in the order of recording.
     pub fn stamp(&mut self, commands: vk::CommandBuffer) -> Result<()> {
-        let (pool, query) = self.0.take()?;
+        let (pool, query) = self.0.next_query()?;
         // SAFETY: the command buffer is recording; the query was reset and is written once.
         unsafe {
             self.0.gpu.raw().cmd_write_timestamp2(commands, vk::PipelineStageFlags2::ALL_COMMANDS, pool, query);
@@ -170,8 +170,9 @@ impl Statistics {
         self.begun = None;
     }
 
+    /// Begins the next query, which [`Self::end`] ends.
     pub fn begin(&mut self, commands: vk::CommandBuffer) -> Result<()> {
-        let (pool, query) = self.queries.take()?;
+        let (pool, query) = self.queries.next_query()?;
         // SAFETY: outside a render pass, and ended by `end` before the next.
         unsafe { self.queries.gpu.raw().cmd_begin_query(commands, pool, query, vk::QueryControlFlags::empty()) };
         self.begun = Some((pool, query));

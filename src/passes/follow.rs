@@ -29,7 +29,7 @@ pub struct FollowWants {
     /// Where each ray ended.
     pub hits: bool,
     /// Where each ray of a glossy pixel ended, for a history.
-    pub tells: bool,
+    pub stores_ends: bool,
     /// Rays begin only where another reflection does not cover all.
     pub behind: bool,
     /// The screen's projection.
@@ -52,14 +52,14 @@ impl FollowPass {
     /// where they begin make a fallback behind another reflection.
     pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;
-        let FollowWants { over, composite, reflection, hits, tells, behind, projection } = wanted;
+        let FollowWants { over, composite, reflection, hits, stores_ends, behind, projection } = wanted;
         let begin = programs::BeginInCapturesConstants { behind, orthographic: projection.is_orthographic() };
         let mirrors = programs::FollowMirrorsConstants { strip, over, composite, reflection, hits };
         Ok(Self {
             begin: ComputePipeline::with(gpu, &begin)?,
             mirrors: ComputePipeline::with(gpu, &mirrors)?,
-            narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over, tells })?,
-            wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over, tells })?,
+            narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over, stores_ends })?,
+            wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over, stores_ends })?,
             unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
     }

@@ -149,7 +149,7 @@ enum CameraChange {
 
 impl CameraChange {
     fn between(before: &Camera, now: &Camera) -> Self {
-        let unshifted = |camera: &Camera| Projection { shift: [0.0; 2], ..camera.numbers() };
+        let unshifted = |camera: &Camera| Projection { shift: [0.0; 2], ..camera.projection_numbers() };
         let is_seen_alike = before.world_to_view == now.world_to_view && before.near_plane == now.near_plane;
         match before == now {
             true => Self::None,

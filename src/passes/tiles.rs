@@ -49,7 +49,7 @@ pub struct UnifiedSetup {
     /// in captures.
     pub own_rays: i32,
     /// Whether a history asks where rays ended.
-    pub tells: bool,
+    pub stores_ends: bool,
     /// The stage that traces rays.
     pub trace: ShaderStage,
     /// The stage that gathers what the rays saw.
@@ -63,7 +63,7 @@ impl UnifiedSetup {
     }
 
     /// The permutation of the programs that trace. Rays that begin among the triangles are traced in compute shaders alone.
-    pub fn traced(&self) -> PermutationChoice {
+    pub fn trace_permutation(&self) -> PermutationChoice {
         match self.triangles {
             None => PermutationChoice { stage: self.trace, rays: Some(RaySource::Screen) },
             Some(_) if self.screen => PermutationChoice { stage: self.trace, rays: Some(RaySource::Confirmed) },
@@ -116,7 +116,7 @@ impl Tiles<'_> {
         if self.whole { Target::overwrite(image.all()) } else { Target::kept(image.all()) }
     }
 
-    /// Returns a target that is cleared to a value where no tile is drawn.
+    /// Returns a target that fragment shaders clear to a value where no tile is drawn. Compute shaders clear none.
     pub fn target_in<'i>(&self, image: &'i Image, elsewhere: [f32; 4]) -> Target<'i> {
         if self.whole { Target::overwrite(image.all()) } else { Target::cleared(image.all(), elsewhere) }
     }
@@ -152,7 +152,7 @@ where
     ///
     /// # Errors
     /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on a device whose shaders
-    /// take fewer images or buffers than the program has.
+    /// take fewer images or buffers than the program has; [`Error::Usage`] for a permutation that there is not.
     pub fn new(
         gpu: &Gpu,
         range: TileRange,
@@ -168,15 +168,16 @@ where
                     whole: GraphicsPipeline::fullscreen_by(gpu, rays, formats, &constants(true))?,
                 }
             }
-            ShaderStage::Compute => TilePipelines::Compute {
-                tiles: StoringPipeline::new(gpu, rays, &formats, &constants(false))?,
-                whole: StoringPipeline::new(gpu, rays, &formats, &constants(true))?,
-            },
+            ShaderStage::Compute => {
+                let tiles = StoringPipeline::new(gpu, rays, &formats, &constants(false))?;
+                TilePipelines::Compute { whole: tiles.with_constants(gpu, &constants(true))?, tiles }
+            }
         };
         Ok(Self { range, pipelines })
     }
 
-    /// Records one pass over the list's tiles, or over the whole image, in which every texel of the targets is written.
+    /// Records one pass over the list's tiles. If the list is known to cover the whole image, the pass runs over the image, and writes every
+    /// texel of its targets.
     pub fn run(
         &self,
         frame: &mut Frame,
@@ -189,7 +190,7 @@ where
         match &self.pipelines {
             TilePipelines::Fragment { whole, .. } if tiles.whole => frame.fullscreen(name, whole, targets, program),
             TilePipelines::Fragment { tiles: pipeline, .. } => {
-                let tile_list = TileListBlock { list, halve: i32::from(halved) };
+                let tile_list = TileListBlock { list, halved: i32::from(halved) };
                 let vertices = Tile { unified: parameters, Tiles: tiles.lists, tile_list: &tile_list };
                 let arguments = (tiles.arguments, DRAW_BYTES * list as u64);
                 frame.draw_indirect(name, pipeline, targets, (program, &vertices), arguments)

@@ -31,7 +31,7 @@ pub struct TriangleWants {
     /// Where each ray ended.
     pub hits: bool,
     /// True if the pass stores, for the history, where each ray of a glossy pixel ended.
-    pub tells: bool,
+    pub stores_ends: bool,
     /// The screen's projection.
     pub projection: ProjectionKind,
 }
@@ -53,11 +53,11 @@ impl TriangleTracePass {
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer buffers than the programs have.
     pub fn new(gpu: &Gpu, reading: TriangleReading, wanted: TriangleWants) -> Result<Self> {
-        let TriangleWants { composite, reflection, hits, tells, projection } = wanted;
+        let TriangleWants { composite, reflection, hits, stores_ends, projection } = wanted;
         let (orthographic, triangle_constants) = (projection.is_orthographic(), reading.constants());
         let mirrors = TriangleMirrorsConstants { composite, reflection, hits, orthographic, triangle_constants };
-        let narrow = TriangleNarrowConstants { tells, orthographic, triangle_constants };
-        let wide = TriangleWideConstants { tells, orthographic, triangle_constants };
+        let narrow = TriangleNarrowConstants { stores_ends, orthographic, triangle_constants };
+        let wide = TriangleWideConstants { stores_ends, orthographic, triangle_constants };
         let rays = reading.ray_source();
         Ok(Self {
             mirrors: ComputePipeline::by(gpu, rays, &mirrors)?,

@@ -72,12 +72,12 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { over, composite, screen, followed, own_rays, tells, .. } = *setup;
+        let UnifiedSetup { over, composite, screen, followed, own_rays, stores_ends, .. } = *setup;
         let (formats, beside) = (setup.formats(), setup.beside());
         let (orthographic, triangle_constants) = (setup.projection.is_orthographic(), setup.triangle_constants());
         let narrow = TileRange { list: NARROW_LIST, halved: false };
         let [pixels, halves] = [false, true].map(|halved| TileRange { list: WIDE_LIST, halved });
-        let (trace, resolve) = (setup.traced(), setup.resolve.into());
+        let (trace, resolve) = (setup.trace_permutation(), setup.resolve.into());
         let cells = setup.extent.map(|n| n.div_ceil(2));
         Ok(Self {
             trace_narrow: TiledPipeline::new(gpu, narrow, trace, [RECORD], |whole| TraceNarrowConstants {
@@ -85,7 +85,7 @@ impl UnifiedGlossPass {
                 oracle,
                 whole,
                 followed,
-                tells,
+                stores_ends,
                 own_rays,
                 orthographic,
                 triangle_constants,
@@ -103,7 +103,7 @@ impl UnifiedGlossPass {
                 oracle,
                 whole,
                 followed,
-                tells,
+                stores_ends,
                 orthographic,
                 triangle_constants,
             })?,
@@ -131,7 +131,7 @@ impl UnifiedGlossPass {
                 seen: image("seen color", LIT_COLOR, cells)?,
                 cell_reflection: image("cell reflection", LIT_COLOR, cells)?,
                 cell_surface: image("cell surface", LIT_COLOR, cells)?,
-                ends: image("ends", ENDS, if tells { setup.extent } else { [1, 1] })?,
+                ends: image("ends", ENDS, if stores_ends { setup.extent } else { [1, 1] })?,
             },
         })
     }

@@ -60,7 +60,7 @@ impl UnifiedTracePass {
             orthographic,
             triangle_constants,
         };
-        let (range, permutation) = (TileRange { list: MIRROR_LIST, halved: false }, setup.traced());
+        let (range, permutation) = (TileRange { list: MIRROR_LIST, halved: false }, setup.trace_permutation());
         Ok(Self {
             stage: permutation.stage,
             mirrors: TiledPipeline::new(gpu, range, permutation, formats, constants)?,

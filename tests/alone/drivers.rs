@@ -38,7 +38,7 @@ fn greatest_flip(method: &str) -> [f64; 2] {
         // Levels of chains per pixel: SwiftShader samples the four pixels of a block at one level, that of the first
         // (`lodOrBias` in src/Pipeline/SamplerCore.cpp is one number for all).
         "ssct" | "hzct" | "sslr" | "poster" => [0.01, 0.04],
-        // They draw the scene into maps or a mirror's image with the device itself, whose filters differ (`drawn`).
+        // These methods draw the scene again, into cube maps or a mirror's image, and there the devices' filters differ.
         "local-map" | "pccm" | "captures" | "planar" => [0.04, 0.04],
         // It looks into levels of material maps that the device makes by its own filter: with the finest level alone, the
         // images are as near as those of the methods below.

@@ -82,8 +82,8 @@ impl Watched {
         assert_eq!(left, [""; 0], "the layers, of what was left or misused");
     }
 
-    /// Does something once as it should go, then with every `step`th of its faults, each of which must be
-    /// an error of its type and leave nothing, and then as it should go again; how many faults.
+    /// Runs an action once without a fault, once for every `step`th fault, and once more without one. Each fault must return an error of
+    /// its type and leave no object alive. Returns the number of faults that were tried.
     fn try_faults<T>(
         &self,
         what: &str,

@@ -14,6 +14,7 @@ use crate::gpu::pipeline::{ComputePipeline, GraphicsPipeline, SharedPipeline};
 use crate::gpu::program::{Compute, Fragment, VertexProgram};
 #[cfg(feature = "reload")]
 use crate::gpu::shader::Binding;
+use crate::gpu::shader::Shader;
 use crate::gpu::sync::Access;
 use ash::vk;
 use std::marker::PhantomData;
@@ -93,7 +94,7 @@ impl Frame<'_> {
                 }
                 frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, inputs)?;
                 let (device, commands) = (frame.device(), frame.context.commands);
-                // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
+                // SAFETY: a pipeline and everything it reads are bound; the indirect arguments lie in their buffer, as was checked.
                 unsafe {
                     match vertices {
                         Vertices::Triangle => device.cmd_draw(commands, 3, 1, 0, 0),
@@ -117,10 +118,10 @@ impl Frame<'_> {
         draw: impl FnOnce(&mut Raster<F, V>) -> Result<()>,
     ) -> Result<()> {
         self.note_program(name, &pipeline.graphics);
-        let pipeline: &SharedPipeline = &pipeline.graphics;
+        let (fragment, pipeline): (_, &SharedPipeline) = (pipeline.fragment, &pipeline.graphics);
         self.pass(name, |frame| {
             frame.rendering(targets.as_ref(), Some(depth), View::Up, |frame| {
-                draw(&mut Raster { frame, pipeline, is_bound: false, programs: PhantomData })
+                draw(&mut Raster { frame, pipeline, fragment, is_bound: false, programs: PhantomData })
             })
         })
     }
@@ -172,7 +173,7 @@ impl Frame<'_> {
             frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, inputs)?;
             frame.settle_compute(pipeline);
             let (device, commands) = (frame.device(), frame.context.commands);
-            // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
+            // SAFETY: a pipeline and everything it reads are bound; the indirect arguments lie in their buffer, as was checked.
             unsafe {
                 match workgroups {
                     Workgroups::Counted([x, y, z]) => device.cmd_dispatch(commands, x, y, z),
@@ -259,6 +260,8 @@ const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
 pub struct Raster<'f, 'c, F, V> {
     pub(super) frame: &'f mut Frame<'c>,
     pipeline: &'f SharedPipeline,
+    /// The fragment program's shader.
+    fragment: &'static Shader,
     /// Whether the pipeline is bound. A pass without draws never binds it, because the validation layers report a bound
     /// pipeline that reads vertices and draws none.
     is_bound: bool,
@@ -274,7 +277,7 @@ impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
         fragment: &impl Fragment<Kind = F::Kind>,
         vertex: &impl VertexProgram<Kind = V::Kind>,
     ) -> Result<()> {
-        let (p, inputs) = (self.pipeline, ProgramInputs::to(F::SHADER, fragment)?.and(vertex)?);
+        let (p, inputs) = (self.pipeline, ProgramInputs::to(self.fragment, fragment)?.and(vertex)?);
         if !self.is_bound {
             self.frame.bind(p.handle, vk::PipelineBindPoint::GRAPHICS);
             self.is_bound = true;

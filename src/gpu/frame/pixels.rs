@@ -26,7 +26,8 @@ impl Frame<'_> {
         }
     }
 
-    /// Dispatches a thread for each texel of the targets, which are bound as images beside what the program reads.
+    /// Dispatches a thread for each texel of the targets, which are bound as images beside what the program reads. Targets are
+    /// overwritten or kept: none is cleared.
     pub fn store<F: InEitherStage>(
         &mut self,
         name: &str,
@@ -62,8 +63,9 @@ fn stored<'a, F: InEitherStage>(
     targets: &[Target<'a>],
     program: &'a F,
 ) -> Result<ProgramInputs<'a>> {
-    let mut inputs = ProgramInputs::to(pipeline.shader, program)?;
-    for ((target, (binding, _)), unwanted) in targets.iter().zip(pipeline.shader.stored).zip(&pipeline.unwanted) {
+    let shader = pipeline.permutation.shader;
+    let mut inputs = ProgramInputs::to(shader, program)?;
+    for ((target, (binding, _)), unwanted) in targets.iter().zip(shader.stored).zip(pipeline.unwanted.iter()) {
         let image = match (target.slice(), unwanted) {
             (Some(slice), _) => slice.stored(),
             (None, Some(unwanted)) => unwanted.all(),
