@@ -588,8 +588,8 @@ uint64_t ssct_context_allocated_bytes(const struct SsctContext *context);
 /// compiles nothing twice.
 void ssct_context_trim(const struct SsctContext *context);
 
-/// Returns the methods that need no more than a G-buffer, and writes their number to `count`. "captures" needs capture cubes, too.
-/// The array stays for as long as the library is loaded.
+/// Returns the methods that need no scene, and writes their number to `count`. All need a G-buffer; "captures" also needs capture cubes,
+/// and "traced" also needs triangles. The array stays for as long as the library is loaded.
 const struct SsctMethod *ssct_methods(uint32_t *count);
 
 /// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.

@@ -190,8 +190,8 @@ pub unsafe extern "C" fn ssct_context_trim(context: *const SsctContext) {
     or((), || unsafe { live::read("context", context) }.map(|context| context.context.trim()));
 }
 
-/// Returns the methods that need no more than a G-buffer, and writes their number to `count`. "captures" needs capture cubes, too.
-/// The array stays for as long as the library is loaded.
+/// Returns the methods that need no scene, and writes their number to `count`. All need a G-buffer; "captures" also needs capture cubes,
+/// and "traced" also needs triangles. The array stays for as long as the library is loaded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_methods(count: *mut u32) -> *const SsctMethod {
     static METHODS: OnceLock<Methods> = OnceLock::new();

@@ -113,7 +113,7 @@ fn structs_of_another_type_are_refused() {
     let (mut features, mut features12) = (Default::default(), vk::PhysicalDeviceVulkan12Features::default());
     let s_type = features12.s_type;
     let mut features13 = vk::PhysicalDeviceVulkan13Features { s_type, ..Default::default() };
-    // SAFETY: these are such structs.
+    // SAFETY: each pointer is to a live struct of the type that the function takes; only the `sType` of the third is wrong.
     let untyped = unsafe { ssct_enable_features(&mut features, &mut features12, &mut features13) };
     refused(untyped, SsctResult::Usage, "features13 is 51; it must be VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3");
 }

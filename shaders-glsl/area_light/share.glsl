@@ -23,7 +23,9 @@ float LobeExponent(float roughness) { // m; 1.4105871 is -ln xi, and xi is 0.244
     return min(2.0 * 1.4105871 / max(LogCos(0.5 * roughness), 1e-12), MIRROR_M);
 }
 
-float G(float x, float m) {
+// The angle x in standard deviations of the Gaussian that stands for the lobe (G above), with the sign of x. The angle
+// stops just below 90 degrees, where the logarithm has no value.
+float LobeDeviations(float x, float m) {
     float g = sqrt(m * LogCos(min(abs(x), 1.5607)));
     return x < 0.0 ? -g : g;
 }
@@ -39,7 +41,7 @@ float Angle(vec3 a, vec3 b) {
 }
 
 float ShareBetween(float from, float to, float m) {
-    return max(Phi(G(to, m)) - Phi(G(from, m)), 0.0);
+    return max(Phi(LobeDeviations(to, m)) - Phi(LobeDeviations(from, m)), 0.0);
 }
 
 // The part of a light above the surface, for a light from elevation e0 to e1, as the lobe weighs it along the
@@ -71,7 +73,7 @@ float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
     float s = HalfAngle(centre, radius);
     float x = Angle(r, centre);
     // Across the ray, the share is that of a ray through the sphere's middle, which is known.
-    float g = G(s, m);
+    float g = LobeDeviations(s, m);
     float across = (1.0 - exp(-0.5 * g * g)) / max(2.0 * Phi(g) - 1.0, 1e-6);
     float e = Elevation(centre, n);
     return ShareBetween(x - s, x + s, m) * across * AboveHorizon(r, n, e - s, e + s, m);
@@ -139,7 +141,7 @@ float EdgeShare(vec3 r, vec3 from, vec3 to, vec3 centre, float m) {
     vec3 normal = normalize(cross(from, to));
     if (dot(normal, centre) < 0.0)
         normal = -normal;
-    return Phi(G(asin(clamp(dot(r, normal), -1.0, 1.0)), m));
+    return Phi(LobeDeviations(asin(clamp(dot(r, normal), -1.0, 1.0)), m));
 }
 
 float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, float m) {

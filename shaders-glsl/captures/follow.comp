@@ -67,12 +67,15 @@ bool IsOutsideScene(vec3 point) {
     return any(lessThan(point, captures.least.xyz)) || any(greaterThan(point, captures.greatest.xyz));
 }
 
+// Follows a lost ray from capture to capture, until it ends, leaves the scene, no capture sees where it is, or it has
+// had two turns for each capture.
 CaptureRayEnd TraceCaptures(LostRay ray) {
     CaptureRayEnd ray_end = CaptureRayEnd(PATH_UNKNOWN, ray.start, -1, 0.0);
     vec3 point = ray.start;
     uint candidates = AllCapturesMask();
     bool exhausted = false;
-    // In each turn the ray moves on, or the capture in which it does not is left out from then on.
+    // A turn advances the ray, after which every other capture may be asked again, or it takes this capture off the
+    // candidates until the ray advances.
     for (int i = 0; i < 2 * CAPTURE_SLOTS && ray_end.code == PATH_UNKNOWN; ++i) {
         if (IsOutsideScene(point)) {
             ray_end.code = PATH_SKY;
@@ -85,7 +88,7 @@ CaptureRayEnd TraceCaptures(LostRay ray) {
         CaptureTrace traced = TraceCapture(capture, point - place, ray.direction, exhausted);
         precise vec3 there = traced.place + place;
         float distance = Dot(there - ray.start, ray.direction);
-        precise float least = Dot(point - ray.start, ray.direction) + GETS_ON;
+        precise float least = Dot(point - ray.start, ray.direction) + LEAST_ADVANCE_M;
         bool has_moved = distance > least;
         bool has_ended = traced.how == FOLLOW_HIT || traced.how == FOLLOW_SKY;
         candidates = (has_moved ? AllCapturesMask() : candidates) & ~(1u << capture);

@@ -8,7 +8,7 @@
 #include "common/sound.glsl"
 
 layout(binding = 0) uniform sampler2D color_buffer;
-layout(binding = 1) uniform sampler2D reflection_buffer; // rgb, and the fade in a
+layout(binding = 1) uniform sampler2D reflection_buffer; // rgb, and the fade in alpha
 layout(binding = 2) uniform sampler2D material_buffer;   // reflectivity, roughness
 
 // The image becomes the lit colour of another bounce: it is reflected again, and keeps the a of the lit colour.

@@ -6,7 +6,7 @@
 
 #include "common/either_stage.glsl"
 
-layout(binding = 0) uniform sampler2D reflection_buffer; // of the method: rgb, and the fade in a
+layout(binding = 0) uniform sampler2D reflection_buffer; // of the method: rgb, and the fade in alpha
 layout(binding = 1) uniform sampler2D fallback_buffer;   // of the fallback: rgb, and 1 in a; all 0 where it shows nothing
 
 OUTPUT(0, rgba16f, vec4, out_reflection);

@@ -19,7 +19,7 @@
 
 // The result for a pixel of this frame.
 struct AccumulatedPixel {
-    vec4 reflection; // colour, and fade in a
+    vec4 reflection; // colour, and fade in alpha
     uvec4 guide;     // Guide, packed
     vec4 color;      // lit colour + reflectivity * fade * reflection, where it is wanted
 };
@@ -55,25 +55,28 @@ struct MeanHit {
 };
 
 // The summands of a pixel, from what its ray met, for the sums over its block. `eye` is the distance of the pixel's
-// point from the eye, negative if the pixel does not reflect. `first` sums inverse distances, by which images move, and
-// counts them: in xy for things at rest, in zw for movers. `second` sums the numbers of the movers, and counts them and
-// the pixels that reflect.
+// point from the eye, negative if the pixel does not reflect. `first` has the sum of the inverse distances from the eye
+// to hits, and the number of these hits: in xy for objects at rest, in zw for movers. (A reflected image shifts by the
+// inverse distance.) `second` has the sum of the movers' indices, the number of hits on movers, and the number of pixels
+// that reflect.
 BlockSums HitSummands(ivec2 pixel, bool is_wide, float eye) {
-    // A wide lobe has only the ray of its cell, so that the pixels of a block ask four cells.
+    // A wide lobe has one ray for its cell of 2 x 2 pixels. So the four pixels of a block read the rays of four cells.
     ivec2 asked = is_wide ? (pixel & ~1) + 2 * (pixel & 1) : pixel;
     uvec2 ray_end = imageLoad(ends_image, min(asked, history.size - 1)).xy;
     float hit_distance = eye >= 0.0 && history.has_ends != 0 ? uintBitsToFloat(ray_end.x) * history.unit : 0.0;
     int mover = FindMover(ray_end.y);
-    vec2 one = hit_distance > 0.0 ? vec2(1.0 / (eye + hit_distance), 1.0) : vec2(0.0);
-    vec4 hits = mover < 0 ? vec4(one, 0.0, 0.0) : vec4(0.0, 0.0, one);
+    vec2 counted_inverse = hit_distance > 0.0 ? vec2(1.0 / (eye + hit_distance), 1.0) : vec2(0.0);
+    vec4 hits = mover < 0 ? vec4(counted_inverse, 0.0, 0.0) : vec4(0.0, 0.0, counted_inverse);
     return BlockSums(hits, vec4(mover < 0 ? vec2(0.0) : vec2(float(mover), 1.0), eye >= 0.0 ? 1.0 : 0.0, 0.0));
 }
 
+// The mean hit of a block, from the sums of HitSummands. If more rays met movers than objects at rest, it is that on the
+// movers. Its distance from the eye is the harmonic mean.
 MeanHit FindMeanHit(BlockSums hit_sums, float eye) {
     bool moves = hit_sums.first.w > hit_sums.first.y;
-    vec2 counted = moves ? hit_sums.first.zw : hit_sums.first.xy;
+    vec2 sum_and_count = moves ? hit_sums.first.zw : hit_sums.first.xy;
     int mover = moves ? int(hit_sums.second.x / max(hit_sums.second.y, 1.0) + 0.5) : -1;
-    return MeanHit(counted.y > 0.5 ? counted.y / counted.x - eye : 0.0, mover);
+    return MeanHit(sum_and_count.y > 0.5 ? sum_and_count.y / sum_and_count.x - eye : 0.0, mover);
 }
 
 // The number of frames, with this one, that may be averaged so that a measure of the lag is at most `most`. This frame

@@ -39,7 +39,7 @@ layout(std140, binding = 0) uniform HistoryBlock {
 
 layout(binding = 1) uniform sampler2D depth_buffer;                      // reversed; 0 is sky
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer;     // view space
-layout(binding = 3, rgba16f) uniform readonly image2D reflection_buffer; // of this frame: colour, and fade in a
+layout(binding = 3, rgba16f) uniform readonly image2D reflection_buffer; // of this frame: colour, and fade in alpha
 layout(binding = 4, rg16f) uniform readonly image2D material_buffer;     // reflectivity, roughness
 layout(binding = 5, rgba16f) uniform readonly image2D color_before;      // AccumulatedPixel of the frame before
 layout(binding = 6, rgba32ui) uniform readonly uimage2D guide_before;

@@ -125,8 +125,8 @@ HistorySample SampleHistory(vec2 position, HistoryQuery query) {
     return whole > LEAST_SHARE ? HistorySample(sampled.color / whole, sampled.age / whole, whole, lag) : NO_HISTORY;
 }
 
-// The history of the pixel itself, for a frame in which nothing moved. The lag stays along the pixel's own two
-// Tangents.
+// The history of the pixel itself, for a frame in which nothing moved. The lag needs no change of basis, since it is
+// along the pixel's own two Tangents.
 HistorySample LoadHistoryAtRest(ivec2 pixel, Guide guide, HistoryQuery query) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
     HistorySample sampled = HistorySample(EncodeForMean(imageLoad(color_before, pixel)), guide.age, 1.0,

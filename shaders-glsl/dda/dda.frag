@@ -33,7 +33,7 @@ layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, bilinear
 layout(binding = 5) uniform sampler2D behind_depth;    // the same two of the second layer, which are read with two
 layout(binding = 6) uniform sampler2D behind_color;
 
-OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
 // A ray on the screen. Everything about it is a function of s, the pixels along the longer of its two axes from the

@@ -47,7 +47,7 @@ layout(constant_id = 23) const float SEARCH_DECREASE = 0.5;
 layout(constant_id = 0) const bool HITS = false;   // whether out_hit is wanted
 layout(constant_id = 1) const bool LAYERS = false; // whether there is a second layer
 
-OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
 vec4 Filtered(FILTERED tex, vec2 texCoord, float level) {

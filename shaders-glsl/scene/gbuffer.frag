@@ -56,11 +56,12 @@ bool IsPeeled() {
 // 256th of a texel of a map of 4096 texels, which is what filters resolve.
 #define POINT_WIDTH (1.0 / 1048576.0)
 
-// The texture coordinates at which a pixel samples. A surface that is seen from a hand's breadth, or whose coordinates
-// rounding tears apart, has thousands of repeats in a pixel. That is the last level already, but lavapipe's anisotropic
-// filter goes over the repeats one by one, for seconds. One repeat a pixel is the last level as well. A surface without
-// coordinates has one point in every pixel. There the anisotropic filter of lavapipe since Mesa 24 divides zero by zero
-// and gives 0 (by Vulkan, the ratio of anisotropy is 1). Neighbours therefore get different coordinates.
+// The texture coordinates at which a pixel samples. Very close to the eye, or where rounding makes neighbouring
+// coordinates jump, a map repeats thousands of times within a pixel. The sampler then uses the last level anyway, but
+// lavapipe's anisotropic filter goes over the repeats one by one, for seconds. The pixel's own position repeats the map
+// once a pixel, which selects the last level, too. On a surface without coordinates all pixels have the same ones. There
+// the anisotropic filter of lavapipe since Mesa 24 divides zero by zero and gives 0 (by Vulkan, the ratio of anisotropy
+// is 1). Neighbours therefore get slightly different coordinates.
 vec2 SamplingUv() {
     vec2 repeats = fwidthCoarse(in_uv);
     if (repeats == vec2(0.0)) {

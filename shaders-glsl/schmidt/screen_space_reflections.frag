@@ -236,7 +236,7 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
     return vec4(reflectedColor.rgb, fadeToScreenEdge.x * fadeToScreenEdge.y);
 }
 
-OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
 SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {

@@ -16,7 +16,7 @@ layout(binding = 4) uniform sampler2D place_buffer;    // written by StochasticE
 layout(binding = 5) uniform sampler2D seen_buffer;
 layout(binding = 6, rgba32f) uniform image2D sum_image;                  // of all turns so far: colours, and fades
 layout(binding = 7, rgba32f) uniform image2D weight_image;               // weights of rays, of hits, and hits times distance
-layout(binding = 8, rgba16f) uniform writeonly image2D reflection_image; // colour, and fade in a
+layout(binding = 8, rgba16f) uniform writeonly image2D reflection_image; // colour, and fade in alpha
 layout(binding = 9, rg32ui) uniform writeonly uimage2D ends_image;       // distance to the reflected point (unified/ends.glsl)
 
 layout(constant_id = 0) const bool OVER = false; // another reflection shows where this one misses

@@ -29,7 +29,7 @@ layout(constant_id = 10) const bool HITS = false; // out_hit is wanted
 
 OUTPUT(0, rgba32f, vec4, out_place); // the hit (ViewPoint's scale), or the direction of a miss; in w the logarithm
                                      // of the density, negative for a miss; 0 for no ray
-OUTPUT(1, rgba16f, vec4, out_color); // lit colour there, and fade in a; a miss is 0
+OUTPUT(1, rgba16f, vec4, out_color); // lit colour there, and fade in alpha; a miss is 0
 OUTPUT(2, rgba32f, vec4, out_hit);   // of a mirror: texture coordinates, standard depth, PATH_*
 
 // Where a ray ended.

@@ -14,7 +14,7 @@ layout(binding = 6) uniform sampler2D hiZBuffer;       // standard depth
 #include "thesis/reflection_ray.glsl"
 #include "thesis/cone_trace.glsl"
 
-OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 
 SHADE(out_reflection) {
     ivec2 pixel = ivec2(PIXEL_CENTRE);

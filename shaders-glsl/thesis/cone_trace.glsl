@@ -85,7 +85,7 @@ vec3 HiZConeTrace(vec2 R_origin, vec2 R_intersection, float theta) {
     return C.rgb / C.a;
 }
 
-// Reflection colour, and its fade in a; a miss is black.
+// Reflection colour, and its fade in alpha; a miss is black.
 vec4 Reflection(vec2 texCoord, vec3 hit, vec3 reflectionVS, float roughness) {
     if (hit == vec3(-1.0))
         return vec4(0.0);

@@ -15,7 +15,7 @@ layout(binding = 4) uniform sampler2D colorBuffer; // lit colour, bilinear
 layout(constant_id = 0) const bool FIXED = false; // the first listing, of a constant stride; else the second
 layout(constant_id = 1) const bool HITS = false;  // whether out_hit is wanted
 
-OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
 SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {

@@ -10,7 +10,7 @@
 
 layout(constant_id = 1) const bool HITS = false; // whether out_hit is wanted
 
-OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in a
+OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
 SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {

@@ -16,7 +16,7 @@ layout(std430, binding = 19) LIST_ACCESS buffer Doubts {
 // A pixel, and what its neighbours' rays say of its reflection.
 struct Doubt {
     ivec2 pixel;
-    vec4 color; // of the reflection, and its fade in a
+    vec4 color; // of the reflection, and its fade in alpha
     float rays; // number of own rays that would say as much
 };
 

@@ -22,9 +22,9 @@ void main() {
     if (gl_GlobalInvocationID.xy == uvec2(0)) {
         for (int list = 0; list < LISTS; ++list) {
             counts[DrawArguments(list) + 1] = 1;
-            for (int halve = 0; halve < 2; ++halve) {
-                int parts = GroupsPerTile(halve);
-                counts[DispatchArguments(list, halve)] = uint(parts * parts);
+            for (int halved = 0; halved < 2; ++halved) {
+                int parts = GroupsPerTile(halved);
+                counts[DispatchArguments(list, halved)] = uint(parts * parts);
             }
         }
     }
@@ -39,18 +39,18 @@ void main() {
         }
     }
     imageStore(listed_image, tile, uvec4(found));
-    int room = tile_count.x * tile_count.y;
+    int list_capacity = tile_count.x * tile_count.y;
     for (int list = 0; list < LISTS; ++list) {
         if ((found >> list & 1u) == 0u)
             continue;
         int index = int(atomicAdd(counts[DrawArguments(list)], 1u));
-        tiles[list * room + index] = PackTile(uvec2(tile));
+        tiles[list * list_capacity + index] = PackTile(uvec2(tile));
         // A row grows up to TILES_TO_A_ROW tiles, and each multiple of that begins another row.
-        for (int halve = 0; halve < 2; ++halve) {
+        for (int halved = 0; halved < 2; ++halved) {
             if (index < TILES_TO_A_ROW)
-                atomicAdd(counts[DispatchArguments(list, halve) + 1], 1u);
+                atomicAdd(counts[DispatchArguments(list, halved) + 1], 1u);
             if (index % TILES_TO_A_ROW == 0)
-                atomicAdd(counts[DispatchArguments(list, halve) + 2], 1u);
+                atomicAdd(counts[DispatchArguments(list, halved) + 2], 1u);
         }
     }
 }

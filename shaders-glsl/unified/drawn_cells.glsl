@@ -21,7 +21,8 @@ bool IsWideTile(ivec2 tile) {
     return (imageLoad(listed_image, clamped_tile).r >> WIDE_LIST & 1u) != 0u;
 }
 
-// Loads the tiles around a cell towards a side, which is 1 or -1 along each axis. Must be called before IsDrawn.
+// Loads whether the three tiles beside a cell's own tile are drawn: the next along x, the next along y, and the
+// diagonal one. `side` is 1 or -1 along each axis. Must be called before IsDrawn.
 void LoadNeighbourTiles(ivec2 cell, ivec2 side) {
     if (WHOLE)
         return;
@@ -29,7 +30,8 @@ void LoadNeighbourTiles(ivec2 cell, ivec2 side) {
     drawn = NeighbourTiles(home, IsWideTile(home + ivec2(side.x, 0)), IsWideTile(home + ivec2(0, side.y)), IsWideTile(home + side));
 }
 
-// Whether a cell of the home tile, or of a tile towards that side, is drawn.
+// Whether a cell has been drawn. It must lie in the tile of the cell that LoadNeighbourTiles got, or in one of the
+// three tiles beside that.
 bool IsDrawn(ivec2 cell) {
     if (WHOLE)
         return true;

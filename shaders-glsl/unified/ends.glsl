@@ -5,13 +5,13 @@
 #ifndef UNIFIED_ENDS_GLSL
 #define UNIFIED_ENDS_GLSL
 
-layout(constant_id = 13) const bool TELLS = false; // the ends are wanted
+layout(constant_id = 13) const bool STORES_ENDS = false; // the ends are wanted
 
 // The distance from where the ray began, in units of ViewPoint, as bits; and what it met (PackRayEnd). 0 for a ray that missed.
-layout(binding = 13, rg32ui) uniform writeonly uimage2D ends_image; // without TELLS, any image of this format is bound
+layout(binding = 13, rg32ui) uniform writeonly uimage2D ends_image; // without STORES_ENDS, any image of this format is bound
 
 void StoreRayEnd(ivec2 pixel, uvec2 ray_end) {
-    if (TELLS)
+    if (STORES_ENDS)
         imageStore(ends_image, pixel, uvec4(ray_end, 0u, 0u));
 }
 

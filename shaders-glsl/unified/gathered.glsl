@@ -18,7 +18,7 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 // A ray as it is gathered. All is 0 for no ray.
 struct NeighbourRay {
     vec4 key;   // what its weight depends on; w is 0 for no ray, and negative for a miss
-    vec4 color; // of the hit, and its fade in a
+    vec4 color; // of the hit, and its fade in alpha
 };
 
 // A pixel's or a cell's reflection is a weighted mean of rays.
@@ -39,7 +39,7 @@ void AddRay(inout RaySum sum, float weight, bool hit, vec4 color) {
     sum.squares += weight * weight;
 }
 
-// Reflection colour, and its fade in a. A miss counts as black. Over another reflection it does not: the hits keep
+// Reflection colour, and its fade in alpha. A miss counts as black. Over another reflection it does not: the hits keep
 // their colour, and the fade falls with the share of misses. Colour times fade is the same, with the fade rounded to 16
 // bits.
 vec4 ReflectionFromSum(RaySum sum) {

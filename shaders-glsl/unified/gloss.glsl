@@ -38,7 +38,7 @@ Lobe MakeLobe(vec3 point, vec3 normal, float roughness) {
 struct LobeSample {
     bool is_hit;
     float density; // density that the ray was drawn with: see LogDensity
-    vec4 color;    // of the hit, and its fade in a; a miss is 0
+    vec4 color;    // of the hit, and its fade in alpha; a miss is 0
 };
 
 // The level of the colour chain for a ray of a density (LogDensity) that stands for a share of the lobe. The ray's
@@ -76,7 +76,7 @@ vec2 LatticePoint(ivec2 texel, int side, int g, vec2 place) {
 struct RayRecord {
     vec3 mirror; // the lobe's middle, a unit vector
     float root;  // of alpha + 1; negative for a miss; 0 for no ray
-    vec4 color;  // of the hit, and its fade in a; a miss is 0
+    vec4 color;  // of the hit, and its fade in alpha; a miss is 0
 };
 
 uint PackMirror(vec3 mirror) {

@@ -36,7 +36,7 @@ struct RayEnd {
     bool touches;  // near, and on another surface than the one that reflects
 };
 
-// Traces a ray whose footprint widens by `spread` with each metre. `color` is what the ray sees, with the fade in a.
+// Traces a ray whose footprint widens by `spread` with each metre. `color` is what the ray sees, with the fade in alpha.
 // False for a miss.
 #if defined(AMONG_TRIANGLES)
 

@@ -18,9 +18,9 @@ layout(std430, binding = 10) readonly buffer Counts {
     uint counts[]; // as classify.comp wrote them
 };
 
-// The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halve` is as in
+// The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halved` is as in
 // GroupsPerTile. A thread may stand beyond the border of the image.
-bool ThreadTexel(int list, int halve, out ivec2 texel) {
+bool ThreadTexel(int list, int halved, out ivec2 texel) {
     texel = ivec2(gl_GlobalInvocationID.xy);
     if (WHOLE)
         return true;
@@ -29,14 +29,14 @@ bool ThreadTexel(int list, int halve, out ivec2 texel) {
         return false;
     ivec2 count = TileCount();
     ivec2 tile = UnpackTile(tiles[list * count.x * count.y + int(index)]);
-    int part = int(gl_WorkGroupID.x), parts = GroupsPerTile(halve);
+    int part = int(gl_WorkGroupID.x), parts = GroupsPerTile(halved);
     ivec2 group = tile * parts + ivec2(part % parts, part / parts);
     texel = group * GROUP_SIDE + ivec2(gl_LocalInvocationID.xy);
     return true;
 }
 
-bool IsInside(ivec2 texel, int halve) {
-    return all(lessThan(texel, (unified.size + halve) >> halve));
+bool IsInside(ivec2 texel, int halved) {
+    return all(lessThan(texel, (unified.size + halved) >> halved));
 }
 
 #endif

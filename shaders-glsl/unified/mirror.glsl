@@ -34,7 +34,7 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 
 struct PixelOutput {
     vec4 color;      // lit colour + reflectivity * fade * reflection; or the reflection
-    vec4 reflection; // colour, and fade in a; a miss is 0
+    vec4 reflection; // colour, and fade in alpha; a miss is 0
     vec4 hit;        // with HITS: texture coordinates, standard depth, PATH_*
 };
 

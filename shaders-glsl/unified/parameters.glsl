@@ -52,14 +52,14 @@ ivec2 UnpackTile(uint word) {
     return ivec2(word & 0xffffu, word >> 16);
 }
 
-// Workgroups of a compute program along a side of a tile. `halve` is 1 where the images that the program writes have a
+// Workgroups of a compute program along a side of a tile. `halved` is 1 where the images that the program writes have a
 // texel for 2 x 2 pixels, else 0.
-int GroupsPerTile(int halve) {
-    return (TILE_SIDE >> halve) / GROUP_SIDE;
+int GroupsPerTile(int halved) {
+    return (TILE_SIDE >> halved) / GROUP_SIDE;
 }
 
 // The arguments of indirect draws and dispatches over the lists stand in one buffer (passes::tiles): those of a draw
-// for each list, and then those of two dispatches for each list, one for each `halve`. Both functions below return the
+// for each list, and then those of two dispatches for each list, one for each `halved`. Both functions below return the
 // index of the first word.
 
 // Vertices (a point a tile), instances, first vertex, first instance.
@@ -68,8 +68,8 @@ int DrawArguments(int list) {
 }
 
 // Workgroups along each axis: those of a tile, tiles in a row, rows. No axis has more than every device takes.
-int DispatchArguments(int list, int halve) {
-    return 4 * LISTS + 3 * (2 * list + halve);
+int DispatchArguments(int list, int halved) {
+    return 4 * LISTS + 3 * (2 * list + halved);
 }
 
 // The border fade of the thesis (4.2.9, Eq. 4.7), by the hit's place.

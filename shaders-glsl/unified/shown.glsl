@@ -11,10 +11,10 @@ layout(constant_id = 6) const bool COMPOSITE = true; // false: only the reflecti
 
 struct PixelOutput {
     vec4 color;      // the composite, or the reflection
-    vec4 reflection; // colour, and fade in a
+    vec4 reflection; // colour, and fade in alpha
 };
 
-// The output of a pixel with a reflection (colour, and fade in a) and the reflectivity of its surface.
+// The output of a pixel with a reflection (colour, and fade in alpha) and the reflectivity of its surface.
 PixelOutput CompositePixel(ivec2 pixel, vec4 reflection, float reflectivity) {
     vec4 color = ScreenColor(pixel);
     color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);

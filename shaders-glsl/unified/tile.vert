@@ -7,7 +7,7 @@
 
 layout(push_constant) uniform TileListBlock {
     int list;  // MIRROR_LIST, NARROW_LIST or WIDE_LIST
-    int halve; // 1 where the targets have a texel for 2 x 2 pixels, else 0
+    int halved; // 1 where the targets have a texel for 2 x 2 pixels, else 0
 } tile_list;
 
 layout(std430, binding = 9) readonly buffer Tiles {
@@ -17,8 +17,8 @@ layout(std430, binding = 9) readonly buffer Tiles {
 void main() {
     ivec2 count = TileCount();
     ivec2 tile = UnpackTile(tiles[tile_list.list * count.x * count.y + gl_VertexIndex]);
-    ivec2 size = (unified.size + tile_list.halve) >> tile_list.halve;
-    int side = TILE_SIDE >> tile_list.halve;
+    ivec2 size = (unified.size + tile_list.halved) >> tile_list.halved;
+    int side = TILE_SIDE >> tile_list.halved;
     // A point whose centre is off screen is dropped. The last tiles therefore move in, over pixels that their
     // neighbours may shade as well, with the same result. They move by an even number of pixels, so that no block of 2
     // x 2 pixels is cut. A screen smaller than a tile is covered from the screen's middle.

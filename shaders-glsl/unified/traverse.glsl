@@ -61,10 +61,11 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
     return pixel + ivec2(entries.x >= entries.y ? back.x : 0, entries.y >= entries.x ? back.y : 0);
 }
 
-// The test of version 2 of the oracle (reference::oracle): whether a ray that enters a pixel behind its block's front
-// has come behind the block. The ray has done so if it is behind the front of the pixel before. Beside an edge, it has
-// also done so if it is deeper in the block than the thickness times the cosine at which it runs against the normal.
-// The border to sky, whose thickness is negative, is an edge.
+// The test of version 2 of the oracle (reference::oracle), for a ray that enters a pixel behind the front of its block.
+// If it is true, the ray passes behind the block and does not hit it. That is so if the ray was behind the front of the
+// pixel before. At an edge, it is also so if the ray is deeper in the block than the thickness times the cosine between
+// the ray and the reversed normal. Sky has a negative thickness, so that its border with a surface always counts as an
+// edge.
 bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, vec3 normal, ivec2 ahead) {
     vec2 before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
     precise float thickness = block.x - block.y;

@@ -20,8 +20,9 @@ vec3 ViewRay(vec2 position) {
     return ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : vec3(OffAxis(position), 1.0);
 }
 
-// Converts continuous pixel coordinates and reversed depth to a point in view space. In a perspective the point is
-// divided by near (1 + k), which changes no direction; else it is in metres.
+// Converts continuous pixel coordinates and reversed depth to a point in view space. With a perspective camera the
+// point in metres is divided by near * (1 + k), where k is unified.depth_offset; this changes no direction. With an
+// orthographic camera it is in metres.
 vec3 ViewPoint(vec2 position, float depth) {
     if (ORTHOGRAPHIC) {
         precise float z = (unified.depth_origin - depth) / unified.depth_offset;

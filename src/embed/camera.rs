@@ -28,7 +28,7 @@ pub(super) struct ConvertedCamera {
     /// Factor and offset that turn the caller's depth into reversed depth.
     pub to_reversed: [f32; 2],
     /// The matrix from the caller's view space to ours.
-    pub view_to_view: Mat3,
+    pub their_view_to_ours: Mat3,
 }
 
 /// Ratio of the far to the near plane that stands for an infinite projection, since formulas of some published methods need a far
@@ -40,24 +40,28 @@ impl CameraInput {
     ///
     /// # Errors
     /// [`Error::Usage`] with the matrix that cannot be a camera's, and why.
-    pub(super) fn take(&self) -> Result<ConvertedCamera> {
+    pub(super) fn converted(&self) -> Result<ConvertedCamera> {
         let wrong = |which: &str, why: &str| Error::Usage(format!("the camera's {which} {why}"));
         if !self.world_to_view.iter().all(|v| v.is_finite()) {
             return Err(wrong("world_to_view", "has numbers that are not finite"));
         }
         let clip = Mat4::from_cols_array(&self.view_to_clip);
         let read = ReadProjection::new(&clip, self.clip_y == ClipY::Up).map_err(|why| wrong("view_to_clip", why))?;
-        let ReadProjection { projection, turn, is_reversed, near: near_m, .. } = read;
-        let view_to_view = Mat3::from_diagonal(turn);
+        let ReadProjection { projection, axis_signs, is_reversed, near: near_m, .. } = read;
+        let their_view_to_ours = Mat3::from_diagonal(axis_signs);
         let world = Mat4::from_cols_array(&self.world_to_view);
         if !is_rotation(&Mat3::from_mat4(world).as_dmat3()) || world.row(3) != Vec4::W {
             return Err(wrong("world_to_view", "is no rotation and translation: scale belongs to the scene"));
         }
-        let mut camera = Camera::of_projection(Mat4::from_mat3(view_to_view) * world, projection);
+        let mut camera = Camera::of_projection(Mat4::from_mat3(their_view_to_ours) * world, projection);
         if !projection.kind.is_orthographic() {
             camera.lens.far_m = camera.lens.far_m.min(INFINITE_FAR * near_m);
         }
-        Ok(ConvertedCamera { camera, to_reversed: if is_reversed { [1.0, 0.0] } else { [-1.0, 1.0] }, view_to_view })
+        Ok(ConvertedCamera {
+            camera,
+            to_reversed: if is_reversed { [1.0, 0.0] } else { [-1.0, 1.0] },
+            their_view_to_ours,
+        })
     }
 }
 
@@ -125,7 +129,7 @@ mod tests {
             let world = Mat4::from_rotation_y(0.4) * Mat4::from_translation(Vec3::new(1.0, -2.0, 0.5));
             let input =
                 CameraInput { world_to_view: world.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
-            let ConvertedCamera { camera, to_reversed, .. } = input.take().expect(name);
+            let ConvertedCamera { camera, to_reversed, .. } = input.converted().expect(name);
             assert_eq!(camera.kind().is_orthographic(), name.starts_with("parallel"), "{name}");
             let planes = [camera.lens.near_m, 80.0 / camera.lens.far_m];
             assert!((planes[0] - 0.25).abs() < 1e-5 || name.contains("at the eye") && planes[0] == 0.0, "{name}");
@@ -151,11 +155,11 @@ mod tests {
         let (_, clip, clip_y, _) = conventions().swap_remove(0);
         let good =
             CameraInput { world_to_view: Mat4::IDENTITY.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
-        assert!(good.take().is_ok());
+        assert!(good.converted().is_ok());
         let refused = |change: fn(&mut CameraInput), word: &str| {
             let mut input = good;
             change(&mut input);
-            let said = input.take().err().expect(word).to_string();
+            let said = input.converted().err().expect(word).to_string();
             assert!(said.contains(word), "{said}");
         };
         refused(|c| c.view_to_clip[11] = 0.0, "perspective");
@@ -165,7 +169,7 @@ mod tests {
         let parallel = |change: fn(&mut [f32; 16]), word: &str| {
             let mut view_to_clip = parallels()[0].1.to_cols_array();
             change(&mut view_to_clip);
-            let said = CameraInput { view_to_clip, ..good }.take().err().expect(word).to_string();
+            let said = CameraInput { view_to_clip, ..good }.converted().err().expect(word).to_string();
             assert!(said.contains(word), "{said}");
         };
         parallel(|m| m[14] = 0.5, "near plane behind the eye");

@@ -86,7 +86,7 @@ impl CaptureCubes {
         })?;
         let identity = glam::Mat4::IDENTITY.to_cols_array();
         let input = CameraInput { world_to_view: identity, view_to_clip: info.view_to_clip, clip_y: info.clip_y };
-        let camera = input.take()?;
+        let camera = input.converted()?;
         let projection = camera.camera.view_to_clip_reversed();
         let is_quarter = [projection.x_axis.x, projection.y_axis.y].iter().all(|scale| (scale - 1.0).abs() < 1e-5);
         if camera.camera.kind().is_orthographic()

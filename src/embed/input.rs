@@ -225,7 +225,7 @@ impl NormalInput {
             NormalEncoding::OctahedralUnorm => NORMAL_OCTAHEDRAL_UNORM,
         };
         match self.space {
-            NormalSpace::View => (kind, taken.view_to_view),
+            NormalSpace::View => (kind, taken.their_view_to_ours),
             NormalSpace::World => (kind, Mat3::from_mat4(taken.camera.world_to_view)),
         }
     }

@@ -120,7 +120,7 @@ pub struct OutputImage {
 pub struct Recorded {
     /// Lit colour plus reflections, linear, RGBA16F. `None` if it was not asked for.
     pub composite: Option<OutputImage>,
-    /// Reflection in rgb, before reflectivity, and its fade in a: 0 where the method knows nothing, less than 1 where the
+    /// Reflection in rgb, before reflectivity, and its fade in alpha: 0 where the method knows nothing, less than 1 where the
     /// reflection fades out. RGBA16F. `None` if it was not asked for, or if nothing reflects.
     pub reflection: Option<OutputImage>,
     /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
@@ -350,7 +350,7 @@ impl Reflections {
                 self.beyond.describe()
             )));
         }
-        let taken = input.camera.take()?;
+        let taken = input.camera.converted()?;
         taken
             .camera
             .check_kind(self.setup.projection)

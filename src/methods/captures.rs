@@ -36,8 +36,15 @@ impl CapturesMethod {
         let extent = request.setup.extent;
         let (hits, behind) = (request.hits, request.behind);
         let projection = request.setup.projection;
-        let wants =
-            FollowWants { over: false, composite: false, reflection: true, hits, tells: false, behind, projection };
+        let wants = FollowWants {
+            over: false,
+            composite: false,
+            reflection: true,
+            hits,
+            stores_ends: false,
+            behind,
+            projection,
+        };
         Ok(Self {
             lost: LostRays::new(gpu, extent, ListContent::Rays)?,
             follow: request.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,

@@ -111,7 +111,7 @@ impl Method for PosterMethod {
             made("filtered-depth", Content::LinearDepth, filtered.depth),
             made("filtered-normal", Content::Normal, filtered.normal),
         ];
-        // The colour's mip chain is the G-buffer's own, which is shown anyway.
+        // With mip chains, the filtered colour is the G-buffer's own, which is shown anyway.
         if !std::ptr::eq(filtered.color, input.gbuffer.color) {
             intermediates.push(made("filtered-color", Content::Color, filtered.color));
         }

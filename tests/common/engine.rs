@@ -274,7 +274,7 @@ pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferDat
     let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(extent), Wants::IMAGE, camera, materials).unwrap();
     image::render(&mut stage, &shot, false).unwrap();
     let mut data = gbuffer::read(&mut stage.context, &shot).unwrap();
-    data.camera = Camera::of_projection(data.camera.world_to_view, camera.numbers());
+    data.camera = Camera::of_projection(data.camera.world_to_view, camera.projection_numbers());
     // The example's images know no surface that shows the sky.
     data.surface.fill(Surface::Lit);
     data

@@ -390,7 +390,8 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
         for (i, one) in shown.iter().enumerate() {
             let &Some((wall, code, off)) = one else { continue };
             assert!([PathCode::HiZ, PathCode::Capture].contains(&code), "{wall}: {code:?}");
-            // A face sees the wall at a slope, so long is a texel on it; and the footprint of a ray widens from the eye.
+            // A face sees the wall at an angle, which lengthens its texels on the wall. The footprint of a ray widens with the distance
+            // from the eye.
             let d = from(wall);
             let footprint_m = 2.0 * 37_f64.to_radians().tan() / f64::from(drawn.data.height)
                 * DVec3::new(wall.x, wall.y + 1.6, 8.0).length();

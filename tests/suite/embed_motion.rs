@@ -50,7 +50,7 @@ fn painted_rooms() -> Scene {
 
 /// The camera by its matrix alone, as the door knows it.
 fn by_matrix(camera: &Camera) -> Camera {
-    Camera::of_projection(camera.world_to_view, camera.numbers())
+    Camera::of_projection(camera.world_to_view, camera.projection_numbers())
 }
 
 /// The laboratory's film of a mesh of the rooms that moves by `step` in some frames and then rests.

@@ -61,7 +61,7 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
         followed: false,
         triangles: None,
         own_rays: 0,
-        tells: false,
+        stores_ends: false,
         trace: ShaderStage::Fragment,
         resolve: ShaderStage::Fragment,
     };

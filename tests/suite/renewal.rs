@@ -37,7 +37,7 @@ fn scene() -> Scene {
 
 const MOVING: &str = "red";
 
-/// The lights as they become, and where what moves comes to stand.
+/// Replaces the lights, and puts the moving mesh in its new place.
 fn changed(data: &mut SceneData) {
     let lights = [Light::Point { position: Vec3::new(1.0, 3.0, -1.0), energy: 4.0 }];
     data.set_lights(&lights).unwrap();

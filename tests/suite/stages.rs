@@ -19,6 +19,7 @@ use ssct::passes::trace_normals::TraceNormals;
 use ssct_ground::parameter::Preset;
 use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_lab::study::sweep;
 use ssct_scenes::{Camera, Capture, Material, Scene, View};
 use std::collections::BTreeMap;
 
@@ -84,8 +85,7 @@ fn check_same(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Want
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
     let usual = with_small_captures(&usual);
-    let mut all: Vec<(Setup, Wants)> = method
-        .sweep(&usual)
+    let mut all: Vec<(Setup, Wants)> = sweep::setups(method, &usual)
         .into_iter()
         .chain([usual.of_preset(Preset::Author)])
         .map(|s| (s, Wants::REFLECTION))

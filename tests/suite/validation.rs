@@ -27,6 +27,7 @@ use ssct::passes::tiles::ARGUMENT_BYTES;
 use ssct_ground::parameter::Preset;
 use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
+use ssct_lab::study::sweep;
 use ssct_scenes::View;
 
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
@@ -82,7 +83,7 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
 #[test]
 fn every_method_in_every_mode_is_valid() {
     let gpu = own_gpu();
-    // Instrumented, it is compiled for half a minute; methods made while it is kept share it.
+    // With GPU-assisted validation this pass is compiled for half a minute; methods that are made while it is kept share its pipelines.
     let compiled = PyramidPass::new(&gpu, [1, 1]).unwrap();
     let scene = clutter();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
@@ -112,7 +113,7 @@ fn every_method_in_every_mode_is_valid() {
     }
     // And each of its settings: variants that are off by default.
     for method in METHODS {
-        for setup in method.sweep(&with_small_captures(&Setup::new([127, 61]))) {
+        for setup in sweep::setups(method, &with_small_captures(&Setup::new([127, 61]))) {
             let camera = clutter_camera(setup.extent);
             let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
             for mode in [Mode::Plain, Mode::Plain, Mode::Timed] {

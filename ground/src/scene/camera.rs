@@ -157,20 +157,21 @@ impl Camera {
         if [right, down] == [0.0; 2] {
             return self;
         }
-        let numbers = self.numbers();
+        let numbers = self.projection_numbers();
         let [x, y] = numbers.shift;
         let shift = [x + 2.0 * right / extent[0] as f32, y - 2.0 * down / extent[1] as f32];
         Self { projection: Some(Projection { shift, ..numbers }), ..self }
     }
 
     /// The numbers of the camera's projection, without the [`Camera::near_plane`].
-    pub fn numbers(&self) -> Projection {
+    pub fn projection_numbers(&self) -> Projection {
         match (self.projection, self.lens.opening) {
             (Some(projection), _) => projection,
             (None, FieldOfView::Height(height)) => self.orthographic(height),
             (None, FieldOfView::Angle(fov)) => {
-                let usual = perspective(fov, self.aspect, self.lens.far_m, self.lens.near_m);
-                let (scale, depth) = ([usual.x_axis.x, usual.y_axis.y], [usual.z_axis.z, usual.w_axis.z]);
+                // With far and near exchanged, depth is reversed.
+                let reversed = perspective(fov, self.aspect, self.lens.far_m, self.lens.near_m);
+                let (scale, depth) = ([reversed.x_axis.x, reversed.y_axis.y], [reversed.z_axis.z, reversed.w_axis.z]);
                 Projection { kind: ProjectionKind::Perspective, scale, shift: [0.0; 2], depth }
             }
         }

@@ -106,7 +106,7 @@ pub struct ReadProjection {
     /// The projection in the conventions of this crate.
     pub projection: Projection,
     /// For each axis, 1 if the renderer's view space and ours have it in the same direction, −1 if in opposite ones.
-    pub turn: Vec3,
+    pub axis_signs: Vec3,
     /// Whether the matrix gives reversed depth.
     pub is_reversed: bool,
     /// The distance of the near plane, in the unit of length of the matrix.
@@ -147,7 +147,7 @@ impl ReadProjection {
             ProjectionKind::Orthographic => forward_of_orthographic(z.z, w.z)?,
         };
         let up = if y_is_up { 1.0 } else { -1.0 };
-        let turn = Vec3::new(x.x.signum(), (up * y.y).signum(), forward);
+        let axis_signs = Vec3::new(x.x.signum(), (up * y.y).signum(), forward);
         // Depth is a + b / z or a + b z, with z along the view.
         let [a, b] = if kind.is_orthographic() { [w.z, z.z * forward] } else { [z.z * forward, w.z] };
         let depth = if is_reversed { [a, b] } else { [1.0 - a, -b] };
@@ -163,7 +163,7 @@ impl ReadProjection {
                 return Err("has its far plane behind the eye");
             }
         }
-        Ok(Self { projection, turn, is_reversed, near, far })
+        Ok(Self { projection, axis_signs, is_reversed, near, far })
     }
 }
 

@@ -178,7 +178,7 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
 /// The lens, the aspect ratio and the numbers of a projection matrix with reversed depth.
 fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
     let read = ReadProjection::new(m, true).map_err(|why| format!("viewToClip {why}"))?;
-    if read.turn != Vec3::ONE || !read.is_reversed {
+    if read.axis_signs != Vec3::ONE || !read.is_reversed {
         return Err("viewToClip is not a left-handed projection with reversed depth".into());
     }
     let [x, y] = read.projection.scale;

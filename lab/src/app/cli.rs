@@ -169,7 +169,7 @@ pub struct RenderOptions {
     pub pixel: Option<[u32; 2]>,
     /// Folder for every image on the way, as PNG and EXR
     ///
-    /// It gets what --explain says was recorded (docs/dump.md).
+    /// The images are those of the passes that --explain lists (docs/dump.md).
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
     /// Write a figure of the thesis or the poster instead

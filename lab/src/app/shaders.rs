@@ -27,8 +27,8 @@ pub struct ShadersOptions {
     pub method: Vec<String>,
     /// A method with its own options; may be repeated
     ///
-    /// Its options count before those outside: "unified --history on". Give it once for each variant whose programs are
-    /// compiled, instead of --method.
+    /// An example is "unified --history on". Options within the quotes override the same options outside them. Give it once for each
+    /// variant whose programs are compiled, instead of --method.
     #[arg(long, value_name = "METHOD OPTIONS", value_parser = typed_variant, conflicts_with = "method")]
     pub variant: Vec<TypedVariant>,
     /// Width and height in pixels

@@ -34,8 +34,9 @@ pub struct TimeOptions {
     pub method: Vec<String>,
     /// A method with its own options; may be repeated
     ///
-    /// Its options count before those outside: "traced --tracer query". Give it once for each variant that is timed, instead
-    /// of --method. The tables of two or more end with verdicts on each beside the first (docs/definitions.md, "Verdicts").
+    /// An example is "traced --tracer query". Options within the quotes override the same options outside them. Give it once for each
+    /// variant that is timed, instead of --method. The tables of two or more end with verdicts on each beside the first
+    /// (docs/definitions.md, "Verdicts").
     #[arg(
         long,
         value_name = "METHOD OPTIONS",

@@ -11,8 +11,8 @@ pub struct VariantOptions {
     pub method: Vec<String>,
     /// A method with its own options; may be repeated
     ///
-    /// Its options count before those outside: "stochastic --history on". Give it once for each variant that is compared,
-    /// instead of --method.
+    /// An example is "stochastic --history on". Options within the quotes override the same options outside them. Give it once for each
+    /// variant that is compared, instead of --method.
     #[arg(
         long,
         value_name = "METHOD OPTIONS",

@@ -129,7 +129,7 @@ impl Group<'_> {
     }
 }
 
-/// Shots, with the number of their groups and their size as a key.
+/// Shots with a key: the number that identifies the groups they belong to, and the size of their images.
 type SizedShots = ((usize, [u32; 2]), Vec<Shot>);
 
 /// The last stage and shots, which successive groups share.

@@ -93,8 +93,9 @@ impl Script {
         }
     }
 
-    /// Records that a frame was shown. `goes_on` tells that the image still changes by itself.
-    pub fn end(&mut self, viewer: &mut Viewer, gpu: &Gpu, goes_on: bool) -> Result<()> {
+    /// Counts a frame that was shown. After the last one the run ends, and its pixels are read, once nothing is pending: neither a
+    /// change of the image nor the panel's analysis of it.
+    pub fn end(&mut self, viewer: &mut Viewer, gpu: &Gpu, is_pending: bool) -> Result<()> {
         let Some(frames) = self.plan.frames else { return Ok(()) };
         if self.shown < frames {
             self.shown += 1;
@@ -102,8 +103,8 @@ impl Script {
                 animation.add(&viewer.read_screen()?)?;
             }
         }
-        // The panel's analysis follows the last frame.
-        if self.shown < frames || goes_on {
+        // The panel analyses the picture after the last frame.
+        if self.shown < frames || is_pending {
             return Ok(());
         }
         if self.plan.reads_screen {

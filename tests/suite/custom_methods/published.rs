@@ -1,5 +1,6 @@
 //! The published methods as folders: each is its built-in method to the bit, wherever the folder lies, and a change of one
-//! constant or of one file of its shaders changes the image. A manifest that lacks fields is told all of them, with their options.
+//! constant or of one file of its shaders changes the image. If a manifest lacks fields, the error names all of them, with the values
+//! that they may have.
 
 use super::*;
 use std::collections::BTreeMap;

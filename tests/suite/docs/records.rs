@@ -1,4 +1,5 @@
-//! Tables and numbers of the pages, from the records of measurements: what a query says of some folders.
+//! Makes the tables and numbers of the pages from records of measurements. A query names the table or number, and the folders whose
+//! records it reads.
 
 use super::figures::{
     ROUGHNESS, Result, Row, commit, csv, figures, greatest, json, least, mean, median, median_and_greatest,

@@ -1,5 +1,5 @@
-//! Runs the command on the images that an example drew. Nothing of the example's own is asked: the files are what any renderer
-//! would write.
+//! Runs the command on the images that an example drew. The command needs nothing that is special to the example: the files are such as
+//! any renderer could write.
 
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,

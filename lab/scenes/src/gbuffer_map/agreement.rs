@@ -80,7 +80,7 @@ impl LensMapping {
 
 /// The view-space z of a reversed depth above 0.
 pub(super) fn view_z(camera: &Camera, reversed: f64) -> f64 {
-    let numbers = camera.numbers();
+    let numbers = camera.projection_numbers();
     numbers.kind.z_at(numbers.depth.map(f64::from), reversed)
 }
 

@@ -271,15 +271,15 @@ fn by_matrix(
     let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y == ClipY::Up)
         .map_err(|why| files.error(matrix.line, wrong(why)))?;
     let refused = |message: &str| Err(files.error(matrix.line, wrong(message)));
-    if read.turn.z < 0.0 {
+    if read.axis_signs.z < 0.0 {
         return refused(
             "looks backwards: view of [conventions] must be another one, or matrices are in the other order",
         );
     }
-    if read.turn.x < 0.0 {
+    if read.axis_signs.x < 0.0 {
         return refused("mirrors the image from left to right: view of [conventions] must be another one");
     }
-    if read.turn.y < 0.0 {
+    if read.axis_signs.y < 0.0 {
         return refused("has the image upside down: clip-y or view of [conventions] must be another one");
     }
     if depth.is_reversed().is_some_and(|is| is != read.is_reversed) {

@@ -160,13 +160,14 @@ fn mend(document: &mut Value, notes: &mut Notes) {
     }
     for primitive in list(document, "meshes").flat_map(|mesh| list(mesh, "primitives")) {
         if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
-            drop_own_attributes(attributes, notes);
+            drop_unknown_attributes(attributes, notes);
         }
     }
 }
 
-/// Drops attributes that the specification does not define. Names with an underscore are for applications.
-fn drop_own_attributes(attributes: &mut Map<String, Value>, notes: &mut Notes) {
+/// Drops attributes that the specification does not define, and notes each of them. Names that begin with an underscore are for
+/// applications; they are dropped without a note.
+fn drop_unknown_attributes(attributes: &mut Map<String, Value>, notes: &mut Notes) {
     let is_set = |name: &str, prefix: &str| name.strip_prefix(prefix).is_some_and(|k| k.parse::<u32>().is_ok());
     let is_known = |name: &str| {
         ["POSITION", "NORMAL", "TANGENT"].contains(&name)

@@ -318,7 +318,8 @@ fn usable_colour(place: &Place, rest: &str, definition: &mut Definition) -> Opti
     colour
 }
 
-/// A number; `None`, with a warning, for one that is not finite.
+/// The number that the first word of a statement states; `None`, with a warning, if it is not finite. A word that is no number is an
+/// error.
 fn number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<f32>> {
     let word = rest.split_whitespace().next().unwrap_or("");
     let stated = stated_number(word).ok_or_else(|| {

@@ -180,7 +180,7 @@ pub struct MotionSpec<'a> {
     pub roughness: f32,
     /// Frames, ≥ 2.
     pub frames: u32,
-    /// Rays a pixel of the references.
+    /// Rays per pixel in the references.
     pub rays: u32,
     /// Whether the change is also compared with that of the world reference.
     pub against_world: bool,
@@ -210,7 +210,7 @@ pub struct MotionStudy {
     pub roughness: Vec<f32>,
     /// Frames of each motion, ≥ 2.
     pub frames: u32,
-    /// Rays a pixel of the references.
+    /// Rays per pixel in the references.
     pub rays: u32,
     /// The methods on the scene, once they are made.
     pub lineup: Option<SceneLineup>,

@@ -145,8 +145,9 @@ fn interval<const N: usize>(
     Some([percentile(&found, tail)?, percentile(&found, 1.0 - tail)?])
 }
 
-/// How far a time strays from itself, as a share. Two series of one thing, timed in turn, have the same true median, so that
-/// the distance of their interval's farther end from 1 is noise. `None` with fewer than [`MIN_SAMPLES`] in a series.
+/// How far a time strays from itself, as a share. Two series of the same work, timed in turn, have the same true median, so that the
+/// ratio of their medians is truly 1. The distance from 1 of the farther end of that ratio's confidence interval is noise. `None` with
+/// fewer than [`MIN_SAMPLES`] in a series.
 pub fn noise_floor(a: &[f64], again: &[f64], seed: u64) -> Option<f64> {
     if a.len().min(again.len()) < MIN_SAMPLES {
         return None;

@@ -26,7 +26,7 @@ use super::oracle::{self, Oracle, PassedPixel};
 use super::ray::{MissReason, Segment};
 use super::thickness::DepthBlock;
 use glam::{DMat3, DVec3};
-use ssct_ground::math::constants::GETS_ON;
+use ssct_ground::math::constants::LEAST_ADVANCE_M;
 use ssct_scenes::{Aabb, GBufferData};
 
 /// Where a ray ends.
@@ -204,7 +204,7 @@ impl<'a> ImageOracle<'a> {
                 FollowEnd::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(offset) },
                 _ => {}
             }
-            if gone(place) > gone(point) + GETS_ON {
+            if gone(place) > gone(point) + LEAST_ADVANCE_M {
                 excluded.clear();
                 point = place;
             }

@@ -10,7 +10,7 @@ use ssct_scenes::{Aabb, Camera, ProjectionKind};
 
 /// Distance at which the sky is put, in metres.
 const SKY_DISTANCE: f32 = constants::SKY_DISTANCE as f32;
-const GETS_ON: f32 = constants::GETS_ON as f32;
+const LEAST_ADVANCE_M: f32 = constants::LEAST_ADVANCE_M as f32;
 
 /// Captures in which the rays of one camera are followed.
 #[derive(Debug, Clone)]
@@ -179,7 +179,8 @@ impl<'a> CaptureTraversal<'a> {
                 }
                 FollowEnd::Lost | FollowEnd::On => {}
             }
-            let has_moved = dot(there - ray.start, ray.direction) > dot(point - ray.start, ray.direction) + GETS_ON;
+            let has_moved =
+                dot(there - ray.start, ray.direction) > dot(point - ray.start, ray.direction) + LEAST_ADVANCE_M;
             excluded = if has_moved { 1 << capture } else { excluded | 1 << capture };
             if has_moved {
                 point = there;
