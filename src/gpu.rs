@@ -5,10 +5,6 @@
 //! One [`FrameContext`] records and submits one frame at a time; `frame.rs` gives each pass its
 //! label, its timestamps and its barriers.
 
-// `build.rs` uses all of it.
-#[cfg(all(test, feature = "reload"))]
-#[allow(dead_code)]
-mod declarations;
 pub mod device;
 pub mod executables;
 pub mod frame;

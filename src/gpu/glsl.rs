@@ -194,7 +194,10 @@ pub fn groups(folder: &Path) -> Result<Vec<Group>, String> {
 }
 
 /// The groups that a source names.
-fn groups_in(source: &str, path: &Path) -> Result<Vec<Group>, String> {
+///
+/// # Errors
+/// A sentence about a pragma that is not known here.
+pub fn groups_in(source: &str, path: &Path) -> Result<Vec<Group>, String> {
     let lists = source.lines().filter_map(|text| text.strip_prefix("#pragma group(").map(|list| (text, list)));
     let group = |(text, list): (&str, &str)| {
         let words = list.strip_suffix(')').and_then(words).filter(|words| words.len() > 1);
@@ -251,66 +254,4 @@ pub struct CompiledStage {
     pub words: Vec<u32>,
     /// Paths of the files; one path may be there several times.
     pub files: Vec<PathBuf>,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn compute_programs_of_fragment_programs_are_read_off_their_pragmas() {
-        let path = Path::new("a.frag");
-        let source = "#version 460\n#pragma program(A, B)\n#pragma in_either_stage\n#pragma in_either_stage(C)\n";
-        let twins = in_either_stage(source, path).unwrap();
-        let program = programs(source, path).unwrap().remove(0);
-        let named: Vec<_> =
-            twins.iter().map(|t| program.in_compute(t)).map(|n| (n.name, n.defines.join(" "))).collect();
-        assert_eq!(named, [("A".into(), "B COMPUTE".into()), ("A".into(), "B COMPUTE C".into())]);
-        for wrong in ["#pragma in_either_stage()", "#pragma in_either_stage(A", "#pragma in_either_stages"] {
-            let message = in_either_stage(wrong, path).unwrap_err();
-            assert!(message.starts_with("a.frag:1: ") && message.contains(wrong), "{message}");
-        }
-    }
-
-    #[test]
-    fn programs_are_read_off_their_pragmas() {
-        let named = |source| programs(source, Path::new("a.frag"));
-        let found =
-            named("#version 460\n#pragma program(Down)\n#pragma program( Across , VOLUME,HITS )\nvoid main() {}\n");
-        let program = |name: &str, rays: Option<&str>, defines: &[&str]| NamedProgram {
-            name: name.into(),
-            rays: rays.map(str::to_owned),
-            defines: defines.iter().map(|d| (*d).to_owned()).collect(),
-        };
-        assert_eq!(found, Ok(vec![program("Down", None, &[]), program("Across", None, &["VOLUME", "HITS"])]));
-        let found = named("#pragma program(Mirror: Screen)\n#pragma program(Mirror: Tree, A, B)\n");
-        assert_eq!(
-            found,
-            Ok(vec![program("Mirror", Some("Screen"), &[]), program("Mirror", Some("Tree"), &["A", "B"])])
-        );
-        for wrong in [
-            "#pragma program()",
-            "#pragma program(A",
-            "#pragma program(A, )",
-            "#pragma program(A:)",
-            "#pragma program(A:, B)",
-            "#pragma program(: B)",
-            "#pragma program(A, B: C)",
-            "#pragma programme(A)",
-        ] {
-            let source = format!("#version 460\n{wrong}\n");
-            let message = programs(&source, Path::new("a.frag")).unwrap_err();
-            assert!(message.starts_with("a.frag:2: ") && message.contains(wrong), "{message}");
-        }
-    }
-
-    #[test]
-    fn groups_are_read_off_their_pragmas() {
-        let named = |source: &str| groups_in(source, Path::new("a.glsl"));
-        let group = named("// Text.\n#pragma group(LightConstants, LIGHTS, SHADOWS)\n").unwrap().remove(0);
-        assert_eq!((group.field().as_str(), group.members.len()), ("light_constants", 2));
-        for wrong in ["#pragma group(Empty)", "#pragma group(Open, A", "#pragma group(A, )"] {
-            assert!(named(wrong).unwrap_err().contains("a.glsl"), "{wrong}");
-        }
-    }
 }

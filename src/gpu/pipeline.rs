@@ -1,6 +1,8 @@
 //! Graphics and compute pipelines, typed by their programs. The layout of set 0 comes from the shaders' reflection, and its sets come
 //! from pools (`frame/sets.rs`). The device keeps compiled pipelines (`pipelines.rs`).
 
+mod module;
+
 use super::device::{Gpu, vulkan};
 use super::image;
 use super::limits;
@@ -14,6 +16,7 @@ use super::programs::Fullscreen;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
+use module::Module;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -489,42 +492,5 @@ impl Drop for SharedPipeline {
         // SAFETY: submissions are waited for before the users of the pipeline are dropped (`FrameContext`), and the pipeline is destroyed
         // before its device (`Shared`).
         unsafe { self.layout.device.destroy_pipeline(self.handle, None) };
-    }
-}
-
-/// A shader module, alive while a pipeline is made from it.
-struct Module {
-    gpu: Gpu,
-    handle: vk::ShaderModule,
-}
-
-impl Module {
-    fn new(gpu: &Gpu, shader: &Shader) -> Result<Self> {
-        #[cfg(feature = "reload")]
-        let replaced = match gpu.shared().replaced_shaders.get(shader.name) {
-            Some(code) => Some(code),
-            None => super::sources::code(shader)?,
-        };
-        #[cfg(not(feature = "reload"))]
-        let replaced: Option<std::sync::Arc<[u8]>> = None;
-        let words = ash::util::read_spv(&mut std::io::Cursor::new(replaced.as_deref().unwrap_or(shader.spirv)))
-            .map_err(|e| Error::Memory { what: shader.name.to_owned(), message: e.to_string() })?;
-        let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        // SAFETY: the words are a module that shaderc made; destroyed in `drop`.
-        let handle = unsafe { gpu.raw().create_shader_module(&info, None) }
-            .map_err(vulkan(format!("vkCreateShaderModule for {}", shader.name)))?;
-        gpu.name(handle, shader.name);
-        Ok(Self { gpu: gpu.clone(), handle })
-    }
-
-    fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'static> {
-        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.handle).name(c"main")
-    }
-}
-
-impl Drop for Module {
-    fn drop(&mut self) {
-        // SAFETY: pipelines keep what they need of a module.
-        unsafe { self.gpu.raw().destroy_shader_module(self.handle, None) };
     }
 }
