@@ -72,7 +72,8 @@ float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
         return 1.0;
     float s = HalfAngle(centre, radius);
     float x = Angle(r, centre);
-    // Across the ray, the share is that of a ray through the sphere's middle, which is known.
+    // For a lobe aimed at the sphere's middle the share is known. Divided by the share of a band as wide as the
+    // sphere, it gives the factor across the band.
     float g = LobeDeviations(s, m);
     float across = (1.0 - exp(-0.5 * g * g)) / max(2.0 * Phi(g) - 1.0, 1e-6);
     float e = Elevation(centre, n);

@@ -58,15 +58,17 @@ bool ShowsSameSurface(ivec2 pixel, Guide guide, vec3 there, HistoryQuery query) 
     return guide.age > 0.0 && same_plane && same_normal && IsOnScreen(pixel);
 }
 
-// The agreement of a pixel of the frame before with what is sought, and the lag of the pixel's average.
+// How well a pixel of the frame before fits what is sought, from 0 to 1. `lag` is how far the frames in the pixel's
+// average miss the reflected point.
 float HistoryAgreement(ivec2 pixel, Guide guide, HistoryQuery query, out Lag lag) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
     float agrees = ShowsSameSurface(pixel, guide, there, query) ? 1.0 : 0.0;
     vec3 to = query.end - there;
     vec3 mirrored = MirrorDirection(ViewDirection(there), guide.normal);
     vec3 beside = to * inversesqrt(max(dot(to, to), 1e-30)) - mirrored;
-    // Where nothing moved, `more` is 0. If each averaged frame pointed past by v, and now points past by v + more, the
-    // mean of v * v becomes that of v * v + 2 v * more + more * more.
+    // Where nothing moved, `more` is 0. Each averaged frame's mirror direction missed the reflected point by some
+    // offset v (Lag), and misses it by v + more now. So the mean of v * v becomes that of v * v + 2 v * more + more *
+    // more.
     vec3 more = (query.inverse > 0.0 ? sqrt(query.power) : 0.0) * beside;
     vec3 before = Tangents(mirrored) * guide.lag;
     lag = Lag(before + more, max(guide.square + dot(2.0 * before + more, more), 0.0));

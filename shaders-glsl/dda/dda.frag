@@ -120,7 +120,8 @@ bool IsBehind(Line line, float s, int layer) {
     return Depth(line, s) >= SceneDepth(Place(line, s), layer);
 }
 
-// Where within the step around a sample that met something the ray goes behind it.
+// A sample met a surface. Finds by bisection where the ray goes behind that surface, within one step around the
+// sample.
 float Refine(Line line, float s, float next, int layer) {
     bool behind = IsBehind(line, s, layer);
     float before = behind ? max(s - dda.stride, OWN_PIXEL) : s;

@@ -31,7 +31,8 @@ vec3 PointOfTriangle(uint slot, vec3 from, vec3 towards, out vec3 flat_normal, o
     vec3 normal = cross(along_b, along_c);
     float u = dot(towards, cross(along_c, from_eye)), v = dot(towards, cross(from_eye, along_b));
     float inverse = 1.0 / dot(towards, normal);
-    // Beside a triangle that is seen from its edge, and for one without an area, the point is one of its corners.
+    // For a triangle that is seen edge-on, or that has no area, u and v may be of any size. The clamp keeps the point
+    // near the triangle.
     vec2 weight = clamp(vec2(u, v) * inverse, 0.0, 1.0);
     precise vec3 offset = weight.x * along_b + weight.y * along_c;
     precise vec3 point = a + offset;

@@ -84,7 +84,8 @@ impl NamedProgram {
 /// The pragma of a source whose fragment programs are compute programs, too.
 const IN_EITHER_STAGE: &str = "in_either_stage";
 
-/// The macros, beside COMPUTE, of each compute program that a fragment program of a source has.
+/// Reads the pragmas `in_either_stage` of a source, each of which asks that every fragment shader is compiled as a compute shader, too.
+/// Returns the macros of each pragma, without COMPUTE.
 ///
 /// # Errors
 /// A sentence about a pragma that is not known here.

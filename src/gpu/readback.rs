@@ -58,7 +58,7 @@ impl FrameContext {
     /// [`Error::Usage`] for a format without a decoder.
     ///
     /// # Panics
-    /// If the slice is a whole volume of more than one slice.
+    /// If `slice` covers more than one depth slice of a volume, since these are read one by one.
     pub fn read(&mut self, slice: ImageSlice) -> Result<Pixels> {
         assert_eq!(slice.slices().1, 1, "{}: a volume is read slice by slice", slice.image().name());
         let format = slice.image().format();

@@ -43,7 +43,8 @@ pub fn strip(extent: [u32; 2]) -> u32 {
     fits.or_else(|| (0..=2).min_by_key(longer)).unwrap_or(0)
 }
 
-/// Width and height of the image with strips of 2^`strip` columns.
+/// Width and height of the image with strips of 2^`strip` columns. A row holds a row of a strip. Level n begins at row strips - (strips
+/// >> n) (`pyramid.glsl`), so that the height is the first row of the coarsest level and this level's strips.
 pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     let [width, height] = padded(extent);
     let top = top_level(extent);

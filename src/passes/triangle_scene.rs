@@ -163,7 +163,7 @@ pub struct TriangleBindings<'a> {
 }
 
 impl TriangleReading {
-    /// The specialization constants that programs among the triangles have together.
+    /// The specialization constants that are common to all programs that trace rays against the triangles.
     pub fn constants(&self) -> TriangleConstants {
         let Self { geometry_texels, image_texels, asks, lights, screen_colors, walk_room, .. } = *self;
         TriangleConstants { geometry_texels, image_texels, asks, lights, screen_colors, walk_room }
@@ -176,7 +176,7 @@ impl TriangleReading {
 }
 
 impl<'a> TriangleBindings<'a> {
-    /// The bindings that programs among the triangles have together.
+    /// The bindings that are common to all programs that trace rays against the triangles.
     pub fn resources(&self) -> TriangleResources<'a> {
         let Self { triangles, block, lights, screen_color, screen_depth } = *self;
         TriangleResources {

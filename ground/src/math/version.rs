@@ -10,7 +10,8 @@ pub enum OracleVersion {
     #[default]
     V1,
     /// Version 1 with the condition that the ray comes from in front. A ray passes the first block if it leaves the surface of that
-    /// block. It misses if it meets a block from behind, or past the edge of a surface.
+    /// block. The ray misses if it reaches a block, which is the range of depth that a pixel fills, from behind, or if it passes behind
+    /// the edge of a surface.
     V2,
 }
 

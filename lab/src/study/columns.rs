@@ -19,7 +19,7 @@ pub enum Datum {
     Number(f64),
 }
 
-/// A type that a field of a row may have to be a column.
+/// A type whose values can be written in a column.
 pub trait AsDatum {
     /// The value.
     fn datum(&self) -> Datum;

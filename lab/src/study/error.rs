@@ -219,7 +219,7 @@ fn measure(
     Ok(cell)
 }
 
-/// Name in records of the oracle's hits shaded by the thesis's cone.
+/// The name that records use for this combination: the hits of the oracle, shaded by the cone of the thesis.
 pub const EXACT_HITS: &str = "exact-hits+cone";
 /// Name in records of the screen reference, when its error against the world is measured.
 pub const SCREEN_REFERENCE: &str = "screen-reference";

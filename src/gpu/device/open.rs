@@ -324,7 +324,7 @@ pub(super) fn open_device(
         }
     };
     let debug = debug.0.take();
-    // Objects of a device that compiles only have no handles that a driver could name.
+    // A device that is used only to compile has no real objects, so that there are no handles to name.
     let names_objects = debug.is_some() && !query.compiles_only;
     Ok(Shared {
         executables: query.compiles_only.then(|| Executables::new(&instance, &device)),

@@ -1,5 +1,5 @@
 //! Checks a frame for consistency: normals against the slopes of the depth, and against the positions of surfaces if the map
-//! has them. The check also finds the reading of the map with which they agree best.
+//! has them. The check also tries the possible conventions of the map, and finds those with which they agree best.
 
 use super::GBufferMap;
 use super::agreement::{LensMapping, Slopes, view_z};

@@ -36,7 +36,7 @@ pub(super) struct SourceRules {
     pub may_be_srgb: bool,
     /// Whether the key `offset` is allowed, beside `scale`.
     pub has_offset: bool,
-    /// Whether values are refused that a compression rounded.
+    /// Whether files are refused whose compression rounds values.
     pub exact: bool,
 }
 

@@ -148,7 +148,8 @@ struct Requests {
 }
 
 impl Requests {
-    /// Adds the images of a material, in the order of [`MaterialImages::all`].
+    /// Requests the images of a material, in the order of [`MaterialImages::all`]. Returns the index of each request, and `None` where
+    /// the material has no such image.
     fn add_all(&mut self, source: &Source) -> [Option<usize>; 7] {
         let is_metallic = source.reading.as_ref().is_some_and(|reading| reading.is_metallic);
         let level = if is_metallic { ImageRole::Data } else { ImageRole::Reflectivity };

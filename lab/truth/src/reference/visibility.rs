@@ -26,8 +26,8 @@ pub fn quantize(share: f32) -> f32 {
     (share.clamp(0.0, 1.0) * 255.0).round() / 255.0
 }
 
-/// The thesis's listing, applied to a whole level, from the depth and visibility of the level below, which must have a coarser
-/// one. The result is not quantised. Fetches beyond the edge return the texel at the edge, as in the shader.
+/// Computes the visibility of a level from the depth and visibility of the next finer level, as the thesis's listing does. `None` if the
+/// finer level is the coarsest. The result is not quantised. Fetches beyond the edge return the texel at the edge, as in the shader.
 pub fn integrate(depth: &Level<MinMax>, visibility: &Level<f32>, range: Range) -> Option<Level<f32>> {
     let (width, height) = depth.coarser()?;
     Some(Level::from_fn(width, height, |x, y| {

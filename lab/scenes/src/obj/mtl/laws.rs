@@ -32,7 +32,7 @@ pub(super) enum Exporter {
 }
 
 impl Exporter {
-    /// Finds the program that wrote a file in one of the file's comments.
+    /// Reads from a file's comments which program wrote the file.
     pub(super) fn from_comment(line: &str) -> Option<Self> {
         let rest = line.trim_start_matches('#').trim_start().strip_prefix("Blender ")?;
         let (version, rest) = rest.split_once(' ')?;
