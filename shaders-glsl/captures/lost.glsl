@@ -7,6 +7,9 @@
 #include "captures/captures.glsl"
 #include "captures/counts.glsl"
 
+// What all programs that write or read the list have together.
+#pragma group(LostRayResources, captures, environment, lost_counts, lost)
+
 // A ray from where the screen lost it.
 struct LostRay {
     vec3 start;     // relative to the eye, world axes, metres

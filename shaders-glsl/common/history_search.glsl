@@ -67,8 +67,8 @@ float HistoryAgreement(ivec2 pixel, Guide guide, HistoryQuery query, out Lag lag
     vec3 mirrored = MirrorDirection(ViewDirection(there), guide.normal);
     vec3 beside = to * inversesqrt(max(dot(to, to), 1e-30)) - mirrored;
     // Where nothing moved, `more` is 0. Each averaged frame's mirror direction missed the reflected point by some
-    // offset v (Lag), and misses it by v + more now. So the mean of v * v becomes that of v * v + 2 v * more + more *
-    // more.
+    // offset v (Lag), and misses it by v + more now. So the mean of v * v becomes that of
+    // v * v + 2 v * more + more * more.
     vec3 more = (query.inverse > 0.0 ? sqrt(query.power) : 0.0) * beside;
     vec3 before = Tangents(mirrored) * guide.lag;
     lag = Lag(before + more, max(guide.square + dot(2.0 * before + more, more), 0.0));

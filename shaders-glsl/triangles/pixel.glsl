@@ -6,6 +6,9 @@
 #include "unified/ray.glsl"
 #include "triangles/begin.glsl"
 
+// What the screen shows, for programs that trace rays from its pixels. Each permutation reads a part of it.
+#pragma group(ScreenResources, pyramid, depth_buffer, normal_buffer, material_buffer, color_texels, triangle_buffer)
+
 layout(binding = 29, r32ui) uniform readonly uimage2D triangle_buffer; // the triangle of each pixel; one texel if none is known
 
 uint TriangleAt(ivec2 pixel) {

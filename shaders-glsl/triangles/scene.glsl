@@ -10,7 +10,7 @@
 
 #include "common/constants.glsl"
 
-// What all programs among triangles have together, from this file and from those that colour hits.
+// What all programs that trace rays against triangles have together, from this file and from those that colour hits.
 #pragma group(TriangleResources, geometry_texels, geometry, table_texels, table, image_texels, images, triangles, scene, screen_color, screen_depth)
 #pragma group(TriangleConstants, GEOMETRY_TEXELS, IMAGE_TEXELS, ASKS, LIGHTS, SCREEN_COLORS, WALK_ROOM)
 

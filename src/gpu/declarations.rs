@@ -125,8 +125,18 @@ impl Groups {
         self.named.iter().filter(has_all).find(|group| group.members.iter().any(|m| m == member))
     }
 
+    /// Declares the struct of a group of bindings.
+    fn declare(&mut self, group: &Group, members: &[&StageBinding]) -> Result<(), String> {
+        let field = |bound: &&StageBinding| {
+            format!("    /// The binding of this name.\n    pub {}: {},\n", bound.name, bound_type(bound).0)
+        };
+        let fields: String = members.iter().map(field).collect();
+        let title = "/// Bindings that several programs have together.\n#[derive(Clone, Copy)]\n";
+        self.keep(&group.name, format!("{title}pub struct {}<'a> {{\n{fields}}}\n", group.name))
+    }
+
     /// Keeps the declaration of a group. All programs have to declare its members alike.
-    fn declare(&mut self, name: &str, text: String) -> Result<(), String> {
+    fn keep(&mut self, name: &str, text: String) -> Result<(), String> {
         match self.declared.insert(name.to_owned(), text.clone()) {
             Some(known) if known != text => Err(format!("its members of {name} are not those of other programs")),
             _ => Ok(()),
@@ -151,61 +161,53 @@ fn bound_type(bound: &StageBinding) -> (String, String) {
     (ty, resource.to_owned())
 }
 
-/// Declares the fields of a program's struct, and the arms that find the resource of a binding by its name. A binding that not all
-/// permutations have is an `Option`.
+/// Declares the fields of a program's struct, and the arms that find the resource of a binding by its name. What some permutations do
+/// without is an `Option`: a binding that they lack, or a group none of whose members they have.
 fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(String, String), String> {
-    let names: Vec<BTreeSet<&str>> =
-        permutations.iter().map(|v| v.given().map(|bound| bound.name.as_str()).collect()).collect();
-    let (mut fields, mut arms) = (String::new(), String::new());
-    let mut known: BTreeMap<&str, (String, String)> = BTreeMap::new();
-    let mut grouped: BTreeSet<String> = BTreeSet::new();
-    for (permutation, own) in permutations.iter().zip(&names) {
-        for bound in permutation.given() {
-            let (ty, resource) = bound_type(bound);
-            let name = bound.name.as_str();
-            match known.insert(name, (ty.clone(), resource.clone())) {
-                Some(before) if before != (ty.clone(), resource.clone()) => {
-                    return Err(format!("its permutations differ in what the binding {name} is"));
-                }
-                Some(_) => continue,
-                None => {}
-            }
-            let is_everywhere = names.iter().all(|names| names.contains(name));
-            let mark = if is_everywhere { "" } else { "?" };
-            let group = groups.around(name, own).cloned();
-            let value = match &group {
-                Some(group) => format!("self.{}{mark}.{name}", group.field()),
-                // Only a reference to an array outlives the function.
-                None if bound.count > 1 && !is_everywhere => format!("*self.{name}.as_ref()?"),
-                None => format!("self.{name}{mark}"),
-            };
-            let _ = writeln!(arms, "            {name:?} => Resource::{},", resource.replace("{}", &value));
-            let (field, ty, numbers) = match group {
-                Some(group) if !grouped.insert(group.name.clone()) => continue,
-                Some(group) => {
-                    let members: Vec<&StageBinding> =
-                        permutation.given().filter(|b| group.members.contains(&b.name)).collect();
-                    let declared: String = members.iter().map(|b| field(b, &bound_type(b).0)).collect();
-                    let title = "/// Bindings that several programs have together.\n#[derive(Clone, Copy)]\n";
-                    let name = &group.name;
-                    groups.declare(name, format!("{title}pub struct {name}<'a> {{\n{declared}}}\n"))?;
-                    let numbers: Vec<String> = members.iter().map(|b| b.binding.to_string()).collect();
-                    (group.field(), format!("{name}<'a>"), format!("Bindings {}", numbers.join(", ")))
-                }
-                None => (name.to_owned(), ty, format!("Binding {}", bound.binding)),
-            };
-            let (ty, some) = match is_everywhere {
-                true => (ty, ""),
-                false => (format!("Option<{ty}>"), ", which some permutations have"),
-            };
-            let _ = writeln!(fields, "    /// {numbers}{some}.\n    pub {field}: {ty},");
+    let mut bindings: Vec<&StageBinding> = Vec::new();
+    for bound in permutations.iter().flat_map(Permutation::given) {
+        match bindings.iter().find(|known| known.name == bound.name) {
+            None => bindings.push(bound),
+            Some(known) if bound_type(known) == bound_type(bound) => {}
+            Some(_) => return Err(format!("its permutations differ in what the binding {} is", bound.name)),
         }
     }
+    let names: BTreeSet<&str> = bindings.iter().map(|bound| bound.name.as_str()).collect();
+    let is_everywhere = |members: &[String]| {
+        let has_one = |v: &Permutation| v.given().any(|bound| members.contains(&bound.name));
+        permutations.iter().all(has_one)
+    };
+    let (mut fields, mut arms) = (String::new(), String::new());
+    let mut grouped: BTreeSet<String> = BTreeSet::new();
+    for bound in &bindings {
+        let ((ty, resource), name) = (bound_type(bound), &bound.name);
+        let group = groups.around(name, &names).cloned();
+        let members = group.as_ref().map_or(std::slice::from_ref(name), |group| &group.members);
+        let is_option = !is_everywhere(members);
+        let mark = if is_option { "?" } else { "" };
+        let value = match &group {
+            Some(group) => format!("self.{}{mark}.{name}", group.field()),
+            // Only a reference to an array outlives the function.
+            None if bound.count > 1 && is_option => format!("*self.{name}.as_ref()?"),
+            None => format!("self.{name}{mark}"),
+        };
+        let _ = writeln!(arms, "            {name:?} => Resource::{},", resource.replace("{}", &value));
+        let (field, ty, about) = match group {
+            Some(group) if !grouped.insert(group.name.clone()) => continue,
+            Some(group) => {
+                let of_group = |member: &String| bindings.iter().find(|bound| bound.name == *member).copied();
+                groups.declare(&group, &group.members.iter().filter_map(of_group).collect::<Vec<_>>())?;
+                (group.field(), format!("{}<'a>", group.name), format!("Bindings {}", group.members.join(", ")))
+            }
+            None => (name.clone(), ty, format!("Binding {}", bound.binding)),
+        };
+        let (ty, some) = match is_option {
+            true => (format!("Option<{ty}>"), ", which some permutations have"),
+            false => (ty, ""),
+        };
+        let _ = writeln!(fields, "    /// {about}{some}.\n    pub {field}: {ty},");
+    }
     Ok((fields, arms))
-}
-
-fn field(bound: &StageBinding, ty: &str) -> String {
-    format!("    /// Binding {}.\n    pub {}: {ty},\n", bound.binding, bound.name)
 }
 
 /// Declares a program's struct, with the traits through which pipelines and frames use it (`src/gpu/program.rs`).
@@ -316,7 +318,7 @@ fn program_constants(
             members,
             &[],
         );
-        groups.declare(&group.name, text)?;
+        groups.keep(&group.name, text)?;
     }
     let of_groups: Vec<&Group> = grouped.values().map(|(group, _)| group).collect();
     let text = constants_struct(&name, &title, &own, &of_groups);

@@ -170,15 +170,11 @@ impl<F: Fragment> GraphicsPipeline<F> {
     where
         F: Program<Constants = ()>,
     {
-        Self::fullscreen_with(gpu, targets, &())
+        Self::fullscreen_by(gpu, None, targets, &())
     }
 
-    /// Makes a pipeline that draws a full-screen triangle, for a program with specialization constants.
-    pub fn fullscreen_with(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
-        Self::fullscreen_by(gpu, None, targets, constants)
-    }
-
-    /// Makes a pipeline that draws a full-screen triangle, for the permutation of a program with a source of rays.
+    /// Makes a pipeline that draws a full-screen triangle, for the permutation of a program with a source of rays, and with values of its
+    /// specialization constants.
     ///
     /// # Errors
     /// [`Error::Usage`] if there is none.

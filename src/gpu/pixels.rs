@@ -65,7 +65,7 @@ impl<F: InEitherStage> PixelPipeline<F> {
     ) -> Result<Self> {
         Ok(Self(match stage {
             ShaderStage::Fragment => {
-                StagePipeline::Fragment(GraphicsPipeline::fullscreen_with(gpu, targets, constants)?)
+                StagePipeline::Fragment(GraphicsPipeline::fullscreen_by(gpu, None, targets, constants)?)
             }
             ShaderStage::Compute => StagePipeline::Compute(StoringPipeline::new(gpu, None, &targets, constants)?),
         }))

@@ -80,10 +80,7 @@ impl FollowPass {
             normal_buffer: Sampled::nearest(gbuffer.normal.all()),
             material_buffer: Sampled::nearest(gbuffer.material.all()),
             reflection_buffer: Sampled::nearest(in_front.map_or(gbuffer.color.level(0), |r| r.0.all())),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
+            lost_ray_resources: beyond.resources(),
         };
         frame.compute("begin", &self.begin, &program, [width, height, 1])
     }
@@ -110,10 +107,7 @@ impl FollowPass {
             composite_image: canvas.composite.unwrap_or(any).all(),
             reflection_image: canvas.reflection.unwrap_or(any).all(),
             hits_image: hits.all(),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
+            lost_ray_resources: beyond.resources(),
         };
         frame.compute_indirect("follow/mirrors", &self.mirrors, &program, (beyond.counts, 0))
     }
@@ -132,10 +126,7 @@ impl FollowPass {
             color_cubes: Sampled::trilinear(captures.color.all()),
             seen_image: records.all(),
             ends_image: ends.all(),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
+            lost_ray_resources: beyond.resources(),
         };
         frame.compute_indirect("follow/narrow", &self.narrow, &program, (beyond.counts, 0))
     }
@@ -155,10 +146,7 @@ impl FollowPass {
             place_image: place.all(),
             seen_image: seen.all(),
             ends_image: ends.all(),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
+            lost_ray_resources: beyond.resources(),
         };
         frame.compute_indirect("follow/wide", &self.wide, &program, (beyond.counts, 0))
     }

@@ -2,9 +2,10 @@
 //! screen lost, the camera among the captures, and the sky.
 
 use super::tiles::{self, TILE};
-use super::{Captures, GBuffer, stored_target};
+use super::{Captures, GBuffer, Pyramid, stored_target};
 use crate::error::Result;
 use crate::gpu::memory::MemoryPlace;
+use crate::gpu::programs::{LostRayResources, ScreenResources};
 use crate::gpu::shader::CaptureBlock;
 use crate::gpu::{Buffer, Frame, Gpu, Image, ImageDesc, ImageSlice, Sampled};
 use ash::vk;
@@ -55,8 +56,28 @@ pub struct LostRayBindings<'a> {
 }
 
 impl<'a> LostRayBindings<'a> {
+    /// The bindings that are common to all programs that write or read the list of rays.
+    pub(super) fn resources(&self) -> LostRayResources<'a> {
+        LostRayResources { captures: self.block, environment: self.sky, lost_counts: self.counts, lost: self.rays }
+    }
+
+    /// The bindings that are common to all programs that trace rays from the pixels of the screen.
+    pub(super) fn screen_resources<'i>(&self, gbuffer: &GBuffer<'i>, pyramid: Pyramid<'i>) -> ScreenResources<'i>
+    where
+        'a: 'i,
+    {
+        ScreenResources {
+            pyramid: pyramid.0.all(),
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            normal_buffer: gbuffer.normal.all(),
+            material_buffer: gbuffer.material.all(),
+            color_texels: gbuffer.color.level(0),
+            triangle_buffer: self.triangle_of(gbuffer),
+        }
+    }
+
     /// The image of the triangles that pixels show.
-    pub(super) fn triangle_of<'i>(&self, gbuffer: &GBuffer<'i>) -> ImageSlice<'i>
+    fn triangle_of<'i>(&self, gbuffer: &GBuffer<'i>) -> ImageSlice<'i>
     where
         'a: 'i,
     {

@@ -66,14 +66,9 @@ impl OwnRaysPass {
         let Some((pipeline, [color, reflection])) = self.0.as_ref().zip(canvas.stored()) else { return Ok(()) };
         let program = OwnRays {
             unified: parameters,
-            pyramid: Some(pyramid.0.all()),
-            depth_buffer: Some(Sampled::nearest(gbuffer.depth.all())),
-            normal_buffer: gbuffer.normal.all(),
-            material_buffer: gbuffer.material.all(),
-            color_texels: Some(gbuffer.color.level(0)),
+            screen_resources: beyond.screen_resources(&gbuffer, pyramid),
             color_buffer: Some(Sampled::nearest(gbuffer.color.level(0))),
             color_chain: Some(gbuffer.coarse_colors()),
-            triangle_buffer: Some(beyond.triangle_of(&gbuffer)),
             captures: beyond.block,
             environment: beyond.sky,
             lost_counts: beyond.counts,

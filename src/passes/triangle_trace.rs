@@ -82,10 +82,7 @@ impl TriangleTracePass {
         let TriangleInput { parameters, triangle_bindings, beyond } = input;
         let program = TriangleMirrors {
             unified: parameters,
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
+            lost_ray_resources: beyond.resources(),
             ray_structure: triangle_bindings.triangles.structure,
             triangle_resources: triangle_bindings.resources(),
             material_buffer: gbuffer.material.all(),
@@ -102,10 +99,7 @@ impl TriangleTracePass {
         let TriangleInput { parameters, triangle_bindings, beyond } = input;
         let program = TriangleNarrow {
             unified: parameters,
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
+            lost_ray_resources: beyond.resources(),
             ray_structure: triangle_bindings.triangles.structure,
             triangle_resources: triangle_bindings.resources(),
             seen_image: records.all(),
@@ -119,10 +113,7 @@ impl TriangleTracePass {
         let TriangleInput { parameters, triangle_bindings, beyond } = input;
         let program = TriangleWide {
             unified: parameters,
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
+            lost_ray_resources: beyond.resources(),
             ray_structure: triangle_bindings.triangles.structure,
             triangle_resources: triangle_bindings.resources(),
             place_image: place.all(),
