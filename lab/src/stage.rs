@@ -132,8 +132,13 @@ impl Stage {
     /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes.
     pub fn settle(&mut self, shot: &Shot) -> Result<()> {
         shot.effect.restart_history();
-        for _ in 1..shot.effect.frames_at_rest() {
-            self.run(shot, Mode::Plain)?;
+        let before_last = shot.effect.frames_at_rest() - 1;
+        if before_last > 0 {
+            let (_, drawn) = self.run(shot, Mode::Plain)?;
+            // Nothing moves, so that the first frame drew what the others see.
+            for _ in 1..before_last {
+                self.output_on(Mode::Plain, shot, (shot, &drawn))?;
+            }
         }
         Ok(())
     }

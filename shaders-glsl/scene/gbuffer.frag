@@ -9,6 +9,7 @@
 #include "common/constants.glsl"
 #include "scene/draw.glsl"
 #include "scene/shading_normal.glsl"
+#include "scene/side.glsl"
 
 layout(binding = 1) uniform sampler2D albedo_map;
 layout(binding = 2) uniform sampler2D normal_map;
@@ -26,7 +27,7 @@ layout(std140, binding = 6) uniform PeelBlock {
 layout(location = 0) in vec3 in_normal;
 layout(location = 1) in vec2 in_uv;
 layout(location = 2) in vec4 in_tangent;
-layout(location = 3) flat in uint in_first_triangle; // the number of the mesh's first triangle among the scene's
+layout(location = 3) flat in uint in_last_triangle;  // the number of the mesh's last triangle among the scene's; it is drawn first
 
 layout(location = 0) out vec4 out_albedo;    // a: 0 for a surface that shows the sky; 1 for a lit one, less its emission (EMISSION)
 layout(location = 1) out vec4 out_normal;    // view space, unit
@@ -82,10 +83,8 @@ void main() {
     if ((draw.maps & ALPHA_MASK) != 0u && mask < 0.5) {
         discard;
     }
-    // A mirrored view turns windings round.
-    bool mirrored = determinant(mat3(camera.world_to_view)) < 0.0;
-    bool behind = gl_FrontFacing == mirrored;
-    if (behind && (draw.maps & SINGLE_SIDED) != 0u) {
+    bool is_behind = IsSeenFromBehind();
+    if (HasNoSuchSide(is_behind)) {
         discard;
     }
 #ifdef PEELED
@@ -98,13 +97,13 @@ void main() {
         normal = ShadingNormal(geometric, in_tangent, mapped, draw.normal_deviation);
     }
     // Seen from behind, a surface shows its other side.
-    if (behind) {
+    if (is_behind) {
         normal = -normal;
     }
     out_albedo = vec4(albedo.rgb * draw.albedo.rgb, draw.albedo.a - EMISSION * draw.emission * albedo.a);
     out_normal = vec4(normal, 0.0);
 #ifdef NUMBERED
-    out_triangle = in_first_triangle + uint(gl_PrimitiveID);
+    out_triangle = in_last_triangle - uint(gl_PrimitiveID);
 #endif
     out_material = vec2(draw.reflectivity * reflectivity, draw.roughness * roughness);
 }

@@ -10,10 +10,13 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 uv;
 layout(location = 3) in vec4 tangent;
 
+// Depth alone and the G-buffer draw each point at the same place.
+invariant gl_Position;
+
 layout(location = 0) out vec3 out_normal;   // view space
 layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 out_tangent;  // view space; w is the bitangent's sign
-layout(location = 3) flat out uint out_first_triangle; // the number of the mesh's first triangle among the scene's
+layout(location = 3) flat out uint out_last_triangle; // the number of the mesh's last triangle among the scene's; it is drawn first
 
 // Turns a direction by the mesh's quaternion; the quaternion (0, 0, 0, 1) changes no bit.
 vec3 RotateToWorld(vec3 v) {
@@ -25,7 +28,7 @@ void main() {
     out_normal = mat3(camera.world_to_view) * RotateToWorld(normal);
     out_uv = uv;
     // A mesh is drawn as one instance, with this number.
-    out_first_triangle = uint(gl_InstanceIndex);
+    out_last_triangle = uint(gl_InstanceIndex);
     // A mirrored view turns the handedness of a tangent space round.
     mat3 turn = mat3(camera.world_to_view);
     out_tangent = vec4(turn * RotateToWorld(tangent.xyz), tangent.w * sign(determinant(turn)));

@@ -213,9 +213,9 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         Self::with_geometry(gpu, (rays, constants), Geometry::Points, targets, None)
     }
 
-    /// Makes a pipeline that draws both sides of triangles, with reversed depth (greater wins). The viewport has negative height. A
-    /// triangle whose winding agrees with its normal, by the usual cross product in our left-handed world, is therefore front-facing when
-    /// it faces the camera.
+    /// Makes a pipeline that draws both sides of triangles, with reversed depth: greater wins, and of equal ones the last. The viewport
+    /// has negative height. A triangle whose winding agrees with its normal, by the usual cross product in our left-handed world, is
+    /// therefore front-facing when it faces the camera.
     pub fn mesh(gpu: &Gpu, input: VertexInput, targets: F::Outputs<vk::Format>, depth: vk::Format) -> Result<Self>
     where
         F: Program<Constants = ()>,
@@ -335,7 +335,7 @@ impl SharedPipeline {
         let mut depth_state = vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(tested)
             .depth_write_enable(tested)
-            .depth_compare_op(vk::CompareOp::GREATER);
+            .depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL);
         if let Some(stencil) = depth.and_then(|d| d.stencil) {
             let state = stencil.state();
             depth_state = depth_state.stencil_test_enable(true).front(state).back(state);

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::gpu::frame::Raster;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::program::Fragment;
-use crate::gpu::programs::{GBufferFragment, GBufferNumbered, GBufferPeeled, GBufferVertex};
+use crate::gpu::programs::{GBufferDepth, GBufferFragment, GBufferNumbered, GBufferPeeled, GBufferVertex};
 use crate::gpu::shader::{CameraBlock, DrawBlock, PeelBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{
@@ -32,8 +32,10 @@ pub struct GBufferImages {
 /// The texel of the image of triangles for a pixel in which nothing stands.
 const NOTHING: [f32; 4] = [f32::from_bits(NO_TRIANGLE); 4];
 
-/// Pipeline and images of one size.
+/// Pipelines and images of one size.
 pub struct GBufferPass {
+    /// Draws depth alone, before the others, so that a pixel is shaded once, however many surfaces lie behind each other there.
+    depth: Option<GraphicsPipeline<GBufferDepth<'static>, GBufferVertex<'static>>>,
     pipeline: GBufferPipeline,
     images: GBufferImages,
     albedo: Image,
@@ -92,6 +94,7 @@ pub struct DrawnCounts {
 }
 
 const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
+const TARGETS: [vk::Format; 3] = [ALBEDO, NORMAL, MATERIAL];
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
 /// Format of the depth of [`GBufferPass::where_marked`].
@@ -219,7 +222,9 @@ fn image_of(
 impl GBufferPass {
     /// Makes the pass and its images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::with_depth(gpu, extent, DEPTH, false)
+        let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), TARGETS, DEPTH)?;
+        let depth = GraphicsPipeline::mesh(gpu, vertex_input(), [], DEPTH)?;
+        Ok(Self { depth: Some(depth), ..Self::with(gpu, extent, DEPTH, GBufferPipeline::Nearest(pipeline))? })
     }
 
     /// Makes a pass that also writes which triangle each pixel shows ([`GBuffer::triangle`]), if the device numbers triangles.
@@ -229,7 +234,8 @@ impl GBufferPass {
             return Ok(plain);
         }
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
-        let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), [ALBEDO, NORMAL, MATERIAL, TRIANGLE], DEPTH)?;
+        let targets = [ALBEDO, NORMAL, MATERIAL, TRIANGLE];
+        let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), targets, DEPTH)?;
         Ok(Self {
             pipeline: GBufferPipeline::Numbered(pipeline),
             triangle: Some(image_of(gpu, "triangle", TRIANGLE, extent, 1, usage)?),
@@ -239,25 +245,19 @@ impl GBufferPass {
 
     /// Makes a pass that draws what lies behind the surfaces of another pass: the next layer of depth peeling (Everitt 2001).
     pub fn behind(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::with_depth(gpu, extent, DEPTH, true)
+        let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), TARGETS, DEPTH)?;
+        Self::with(gpu, extent, DEPTH, GBufferPipeline::Peeled(pipeline))
     }
 
     /// Makes a pass that draws only where the stencil beside its depth is marked ([`Frame::mark`]).
     pub fn where_marked(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::with_depth(gpu, extent, DEPTH_STENCIL, false)
+        let pipeline = GraphicsPipeline::mesh_where_marked(gpu, vertex_input(), TARGETS, DEPTH_STENCIL)?;
+        Self::with(gpu, extent, DEPTH_STENCIL, GBufferPipeline::Nearest(pipeline))
     }
 
-    fn with_depth(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, peeled: bool) -> Result<Self> {
-        let input = vertex_input();
-        let targets = [ALBEDO, NORMAL, MATERIAL];
-        let pipeline = if peeled {
-            GBufferPipeline::Peeled(GraphicsPipeline::mesh(gpu, input, targets, depth)?)
-        } else if depth == DEPTH_STENCIL {
-            GBufferPipeline::Nearest(GraphicsPipeline::mesh_where_marked(gpu, input, targets, depth)?)
-        } else {
-            GBufferPipeline::Nearest(GraphicsPipeline::mesh(gpu, input, targets, depth)?)
-        };
+    fn with(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, pipeline: GBufferPipeline) -> Result<Self> {
         Ok(Self {
+            depth: None,
             pipeline,
             images: GBufferImages::with_depth(gpu, extent, depth)?,
             albedo: image_of(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
@@ -290,24 +290,48 @@ impl GBufferPass {
         camera: &Camera,
     ) -> Result<DrawnCounts> {
         let view = SceneView::new(scene, materials, camera, self.albedo.extent());
-        let depth = self.depth_target();
+        let depth = match &self.depth {
+            Some(pipeline) => {
+                let name = format!("{}/depth", self.label);
+                frame.raster(&name, pipeline, [], self.cleared_depth(), |raster| {
+                    view.draw(
+                        raster,
+                        |material| material.alpha_mask.is_none(),
+                        |raster, surface| {
+                            let fragment = GBufferDepth { camera: &view.camera, draw: surface.draw };
+                            raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                        },
+                    )
+                })?;
+                Target::kept(self.images.depth.all())
+            }
+            None => self.cleared_depth(),
+        };
         match (&self.pipeline, &self.triangle) {
             (GBufferPipeline::Nearest(pipeline), _) => {
                 frame.raster(self.label, pipeline, self.targets(), depth, |raster| {
-                    view.draw(raster, |raster, surface| {
-                        let fragment = drawn_by!(GBufferFragment, view, surface);
-                        raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
-                    })
+                    view.draw(
+                        raster,
+                        |_| true,
+                        |raster, surface| {
+                            let fragment = drawn_by!(GBufferFragment, view, surface);
+                            raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                        },
+                    )
                 })?;
             }
             (GBufferPipeline::Numbered(pipeline), Some(triangle)) => {
                 let [albedo, normal, material] = self.targets();
                 let targets = [albedo, normal, material, Target::cleared(triangle.all(), NOTHING)];
                 frame.raster(self.label, pipeline, targets, depth, |raster| {
-                    view.draw(raster, |raster, surface| {
-                        let fragment = drawn_by!(GBufferNumbered, view, surface);
-                        raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
-                    })
+                    view.draw(
+                        raster,
+                        |_| true,
+                        |raster, surface| {
+                            let fragment = drawn_by!(GBufferNumbered, view, surface);
+                            raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                        },
+                    )
                 })?;
             }
             _ => unreachable!("a pass of GBufferPass::behind records by record_behind"),
@@ -330,12 +354,16 @@ impl GBufferPass {
         let view = SceneView::new(scene, materials, camera, self.albedo.extent());
         let block = PeelBlock { separation: peel.separation_m };
         frame.make_ready(peel.depth.all(), Access::FragmentSampled);
-        frame.raster(self.label, pipeline, self.targets(), self.depth_target(), |raster| {
-            view.draw(raster, |raster, surface| {
-                let first_depth = Sampled::nearest(peel.depth.all());
-                let fragment = drawn_by!(GBufferPeeled, view, surface, first_depth: first_depth, peel: &block);
-                raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
-            })
+        frame.raster(self.label, pipeline, self.targets(), self.cleared_depth(), |raster| {
+            view.draw(
+                raster,
+                |_| true,
+                |raster, surface| {
+                    let first_depth = Sampled::nearest(peel.depth.all());
+                    let fragment = drawn_by!(GBufferPeeled, view, surface, first_depth: first_depth, peel: &block);
+                    raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                },
+            )
         })?;
         Ok(view.drawn())
     }
@@ -344,7 +372,7 @@ impl GBufferPass {
         [&self.albedo, &self.images.normal, &self.images.material].map(|image| Target::cleared(image.all(), [0.0; 4]))
     }
 
-    fn depth_target(&self) -> Target<'_> {
+    fn cleared_depth(&self) -> Target<'_> {
         Target::cleared(self.images.depth.all(), [0.0; 4])
     }
 }
@@ -390,19 +418,22 @@ impl<'a> SceneView<'a> {
         }
     }
 
-    /// Draws the seen meshes. `bind` binds the programs for each surface that differs from the one before.
+    /// Draws the seen meshes of some materials, the last first: of surfaces in one place, the first of the scene shows. `bind` binds
+    /// the programs for each surface that differs from the one before.
     fn draw<'r, 'f, F: Fragment>(
         &self,
         raster: &mut Raster<'r, 'f, F, GBufferVertex<'static>>,
+        is_drawn: impl Fn(&Material) -> bool,
         bind: impl Fn(&mut Raster<'r, 'f, F, GBufferVertex<'static>>, &SurfaceInput) -> Result<()>,
     ) -> Result<()> {
         let mut bound = None;
-        for mesh in &self.seen {
+        for mesh in self.seen.iter().rev().filter(|mesh| is_drawn(&self.materials[mesh.material])) {
             if bound != Some((mesh.material, mesh.placement)) {
                 let material = &self.materials[mesh.material];
-                let map = |index: Option<usize>| {
-                    let image = index.map_or(&self.scene.white, |i| &self.scene.textures[i]);
-                    Sampled(image.all(), Sampler::Material)
+                // White needs no filter, and a filter of a material's maps is the most that a fragment costs on a CPU.
+                let map = |index: Option<usize>| match index {
+                    Some(i) => Sampled(self.scene.textures[i].all(), Sampler::Material),
+                    None => Sampled::nearest(self.scene.white.all()),
                 };
                 let placed = self.world_to_clip * mesh.placement.matrix();
                 let turn = mesh.placement.turn.to_array();
@@ -418,7 +449,7 @@ impl<'a> SceneView<'a> {
                 bind(raster, &surface)?;
                 bound = Some((mesh.material, mesh.placement));
             }
-            raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count, mesh.first_triangle);
+            raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count, mesh.last_triangle());
         }
         Ok(())
     }

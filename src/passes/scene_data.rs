@@ -85,6 +85,7 @@ pub struct MovableObject {
 /// A mesh in device memory.
 pub(super) struct MeshData {
     pub vertices: Buffer,
+    /// The last triangle first. Of triangles in one place the one that is drawn last shows, so that the first of the scene does.
     pub indices: Buffer,
     pub index_count: u32,
     /// The number of the mesh's first triangle among those of the scene.
@@ -94,6 +95,13 @@ pub(super) struct MeshData {
     name: String,
     /// Where the mesh stands, relative to where it was uploaded.
     pub placement: Placement,
+}
+
+impl MeshData {
+    /// The number of the mesh's last triangle among those of the scene.
+    pub fn last_triangle(&self) -> u32 {
+        self.first_triangle + self.index_count / 3 - 1
+    }
 }
 
 impl SceneData {
@@ -109,6 +117,7 @@ impl SceneData {
         for mesh in scene.meshes.iter().filter(|m| !m.indices.is_empty()) {
             let first_triangle = triangles;
             triangles += mesh.indices.len() as u32 / 3;
+            let last_first: Vec<[u32; 3]> = mesh.indices.as_chunks().0.iter().rev().copied().collect();
             meshes.push(MeshData {
                 first_triangle,
                 vertices: device_buffer(
@@ -120,7 +129,7 @@ impl SceneData {
                 indices: device_buffer(
                     context,
                     &mesh.name,
-                    bytemuck::cast_slice(&mesh.indices),
+                    bytemuck::cast_slice(&last_first),
                     vk::BufferUsageFlags::INDEX_BUFFER,
                 )?,
                 index_count: index_count(mesh, context.gpu().max_vertices())?,

@@ -82,7 +82,9 @@ fn it_follows_the_camera() {
             assert!(!others.iter().any(|name| name.starts_with("capture/")), "{others:?}");
             let without: Vec<_> = counted.iter().filter(|name| !name.starts_with("capture/")).cloned().collect();
             assert_eq!(without, others, "{method}: the other passes are the same");
-            for pass in ["g-buffer", "lighting", "pyramid", "keep pyramid", "keep normal", "keep color"] {
+            for pass in
+                ["g-buffer/depth", "g-buffer", "lighting", "pyramid", "keep pyramid", "keep normal", "keep color"]
+            {
                 let name = format!("capture/{pass}");
                 assert_eq!(counted.iter().filter(|n| **n == name).count(), 6, "{method}: {name}");
             }

@@ -85,7 +85,7 @@ fn json_is_all_that_goes_to_standard_output() {
     assert_eq!(record["drawn"]["triangles"], 4);
     assert_eq!(record["validation"], 0, "messages of the layers");
     let passes: Vec<_> = record["recorded"].as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();
-    assert_eq!(passes[..4], ["g-buffer", "lighting", "depth", "hi-z/1"]);
+    assert_eq!(passes[..5], ["g-buffer/depth", "g-buffer", "lighting", "depth", "hi-z/1"]);
     assert_eq!(passes[passes.len() - 2..], ["trace+cone", "composite"]);
     assert!(!folder.succeed(&room("render", &["--size", "9x9", "-o", "x.png", "--json"])).contains("Usage"));
 }
@@ -142,7 +142,7 @@ fn time_reports_every_pass_of_every_method_and_size() {
         let total = &r["total"];
         assert!(sum <= total["min_ms"].as_f64().unwrap() + 1e-9, "no sample is below the sum of the least: {r}");
         assert!(total["median_ms"].as_f64().unwrap() <= r["frame"]["p95_ms"].as_f64().unwrap(), "{r}");
-        assert_eq!(passes[0]["name"], "g-buffer");
+        assert_eq!(passes[0]["name"], "g-buffer/depth");
         assert_eq!(passes[0]["counted"], false, "scene passes are not counted");
         assert_eq!(passes.last().unwrap()["counted"], true);
         let names: Vec<_> = passes.iter().map(|p| &p["name"]).collect();

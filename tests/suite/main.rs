@@ -58,6 +58,7 @@ mod moving;
 mod needs;
 mod oracle_rooms;
 mod orthographic;
+mod overlap;
 mod own_rays;
 mod page;
 mod pixel;

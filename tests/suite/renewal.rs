@@ -142,6 +142,7 @@ fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
             let (made, all) = frame(&mut stage, &renewed);
             // Levels of a chain from 33 texels down to 1.
             let per_face = [
+                ("capture/g-buffer/depth", 1),
                 ("capture/g-buffer", 1),
                 ("capture/lighting", 1),
                 ("capture/pyramid", 1),

@@ -155,7 +155,7 @@ fn without_reflectors_no_triangle_is_asked() {
     let camera = view.camera(&scene, EXTENT);
     let shot = Shot::new(&mut stage, traced(), &Setup::new(EXTENT), Wants::IMAGE, camera, materials).unwrap();
     let (report, _) = stage.run(&shot, Mode::Plain).unwrap();
-    let scene_passes = ["g-buffer", "lighting"];
+    let scene_passes = ["g-buffer/depth", "g-buffer", "lighting"];
     assert!(report.recorded.iter().all(|p| scene_passes.contains(&p.as_str())), "{:?}", report.recorded);
 }
 

@@ -304,7 +304,7 @@ fn a_frame_records_what_its_materials_need() {
         (report.recorded, skipped, output.traced.reflection.is_some(), lit == composite)
     };
     let (recorded, skipped, reflects, is_lit) = passes(Globals { reflectivity: 0.0, ..Globals::default() });
-    assert_eq!(recorded, ["g-buffer", "lighting"]);
+    assert_eq!(recorded, ["g-buffer/depth", "g-buffer", "lighting"]);
     assert!(!skipped.is_empty() && !reflects && is_lit);
     let globals_with = |roughness| Globals { roughness: Some(roughness), ..Globals::default() };
     let narrow = ["trace/narrow", "resolve/narrow"];

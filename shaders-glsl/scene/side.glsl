@@ -1,0 +1,17 @@
+// The side of a surface that a fragment shows.
+
+#ifndef SCENE_SIDE_GLSL
+#define SCENE_SIDE_GLSL
+
+// Whether a surface is seen from behind. A mirrored view turns windings round.
+bool IsSeenFromBehind() {
+    bool mirrored = determinant(mat3(camera.world_to_view)) < 0.0;
+    return gl_FrontFacing == mirrored;
+}
+
+// Whether nothing shows there, since the surface has no back.
+bool HasNoSuchSide(bool is_behind) {
+    return is_behind && (draw.maps & SINGLE_SIDED) != 0u;
+}
+
+#endif

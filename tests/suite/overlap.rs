@@ -1,0 +1,44 @@
+//! Surfaces in one place: the G-buffer shows the first of them, and shades what it shows alone.
+
+use crate::common::{check_validation, gpu};
+use glam::Vec3;
+use ssct::gpu::Gpu;
+use ssct_lab::stage::{Shot, Stage, gbuffer};
+use ssct_scenes::{Material, Mesh, Scene, Vertex};
+
+const EXTENT: [u32; 2] = [96, 54];
+
+/// Depth, normals and reflectivity of a G-buffer.
+fn drawn(gpu: &Gpu, scene: &Scene) -> (Vec<f32>, Vec<Vec3>, Vec<f32>) {
+    let view = scene.view("corridor").unwrap();
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let shot = Shot::of_scene(&mut stage, EXTENT, view.camera(scene, EXTENT), scene.materials_in(view)).unwrap();
+    stage.draw(&shot).unwrap();
+    let images = gbuffer::read(&mut stage.context, &shot).unwrap();
+    (images.depth, images.normal, images.reflectivity)
+}
+
+/// Gives a mesh every triangle again, in the same place and with normals that point the other way.
+fn double(mesh: &mut Mesh) {
+    let first = mesh.vertices.len() as u32;
+    let turned = |v: &Vertex| Vertex { normal: v.normal.map(|n| -n), ..*v };
+    mesh.vertices.extend(mesh.vertices.iter().map(turned).collect::<Vec<_>>());
+    mesh.indices.extend(mesh.indices.iter().map(|index| index + first).collect::<Vec<_>>());
+}
+
+#[test]
+fn what_stands_where_something_came_before_is_not_seen() {
+    let gpu = gpu();
+    let scene = crate::common::built_in("rooms");
+    let alone = drawn(&gpu, &scene);
+    // Every surface again, of a material that reflects nothing, by meshes that come after all others.
+    let mut covered = scene.clone();
+    let material = covered.materials.len();
+    covered.materials.push(Material { reflectivity: 0.0, ..Material::default() });
+    covered.meshes.extend(scene.meshes.iter().cloned().map(|mesh| Mesh { material, ..mesh }));
+    assert!(alone == drawn(&gpu, &covered), "a mesh is covered by one that comes after it");
+    let mut doubled = scene.clone();
+    doubled.meshes.iter_mut().for_each(double);
+    assert!(alone == drawn(&gpu, &doubled), "a triangle is covered by one that comes after it");
+    check_validation(&gpu).unwrap();
+}
