@@ -230,6 +230,13 @@ impl Shot {
         self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
     }
 
+    /// Turns the shot to another camera of its projection, with other materials, and forgets the frames before.
+    pub fn turn_to(&mut self, stage: &mut Stage, camera: Camera, materials: Vec<Material>) -> Result<()> {
+        self.camera = camera;
+        self.effect.restart_history();
+        self.set_materials(stage, materials)
+    }
+
     /// Number of frames that an image of a camera at rest takes: 1 without a history.
     pub fn frames_at_rest(&self) -> u32 {
         self.effect.frames_at_rest()

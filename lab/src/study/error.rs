@@ -15,6 +15,7 @@ pub use self::row::{ErrorRecord, ErrorReference, source_table};
 pub use self::suite::ErrorStudy;
 use self::truth::{Truth, truth};
 use super::compare::{SEED, display};
+use super::engine::LastMade;
 use super::interleave::{self, Round, interleave};
 use super::journal::{Journal, digest};
 use super::record::{RecordSubject, Stats};
@@ -30,7 +31,7 @@ use ::ssct::passes::gbuffer::GBufferImages;
 use glam::Vec3;
 use serde_json::{Value, json};
 use ssct_ground::math::OracleVersion;
-use ssct_scenes::{GBufferData, Scene, View};
+use ssct_scenes::{GBufferData, ProjectionKind, Scene, View};
 use ssct_truth::metrics::bootstrap::interval_of_median;
 use ssct_truth::metrics::flip::FlipMap;
 use ssct_truth::metrics::image::error_map;
@@ -133,12 +134,24 @@ impl ErrorSpec<'_> {
     }
 }
 
+/// A scene on the device, and the shots of the last cell, which the next one uses again if it has their size and projection.
+struct Studio {
+    stage: Stage,
+    shots: LastMade<([u32; 2], ProjectionKind), Vec<Shot>>,
+}
+
+impl Studio {
+    fn new(gpu: &Gpu, scene: &Scene) -> Result<Self> {
+        Ok(Self { stage: Stage::new(gpu, scene)?, shots: LastMade::default() })
+    }
+}
+
 /// Measures a cell; frames that the journal has are not timed again. `go_on` is called between two steps,
 /// and its error ends the cell.
 fn measure(
     gpu: &Gpu,
     spec: &ErrorSpec,
-    stage: &mut Stage,
+    Studio { stage, shots }: &mut Studio,
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<MeasuredCell> {
@@ -148,9 +161,11 @@ fn measure(
         Shot::new(stage, method, &setup.with_extent(spec.extent), wants, camera, materials.clone())
     };
     // Times shots that write no separate image of the reflection, as the time study does.
-    let made = spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method));
-    let mut shots = made.collect::<::ssct::Result<Vec<_>>>()?;
-    let times = totals((gpu, spec), stage, &mut shots, journal, go_on)?;
+    let shots = shots.get_or_make((spec.extent, camera.kind()), || {
+        spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method)).collect::<::ssct::Result<Vec<_>>>()
+    })?;
+    shots.iter_mut().try_for_each(|shot| shot.turn_to(stage, camera, materials.clone()))?;
+    let times = totals((gpu, spec), stage, shots, journal, go_on)?;
     let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
     // If the journal has all times, no frame was drawn yet, and the G-buffer below needs one.
@@ -163,7 +178,7 @@ fn measure(
         cell.strips.push(Strip { name, color: screen.image.color.clone(), error: None });
     }
     cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
-    for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
+    for ((variant, timed), time) in spec.variants.iter().zip(&*shots).zip(times) {
         go_on()?;
         let color = {
             let (_, _, output) = stage.output_at_rest(timed)?;

@@ -1,8 +1,8 @@
 //! The cells of the error study: scene, view, size and roughness. In a cell all variants are timed in turn.
 
-use super::{ErrorRecord, ErrorSpec, Variant, measure, pictures};
+use super::{ErrorRecord, ErrorSpec, Studio, Variant, measure, pictures};
 use crate::error::Result;
-use crate::stage::{Globals, Stage};
+use crate::stage::Globals;
 use crate::study::engine::{Bench, LastMade, Planned, Study};
 use crate::study::journal::scene_digest;
 use crate::study::names::cell_name;
@@ -16,7 +16,7 @@ pub struct ErrorStudy {
     globals: Vec<Globals>,
     samples: usize,
     rays: u32,
-    stage: LastMade<usize, Stage>,
+    studio: LastMade<usize, Studio>,
 }
 
 /// A scene of the study.
@@ -47,7 +47,7 @@ impl ErrorStudy {
             StudiedScene { digest: scene_digest(&scene), scene, views, variants }
         };
         let scenes = scenes.into_iter().map(studied).filter(|studied| !studied.variants.is_empty()).collect();
-        Self { scenes, sizes, globals, samples, rays, stage: LastMade::default() }
+        Self { scenes, sizes, globals, samples, rays, studio: LastMade::default() }
     }
 
     fn spec(&self, &(scene, view, extent, globals): &ErrorCell) -> ErrorSpec<'_> {
@@ -96,12 +96,12 @@ impl Study for ErrorStudy {
     }
 
     fn measure(&mut self, cell: &ErrorCell, bench: &mut Bench) -> Result<Vec<ErrorRecord>> {
-        let mut stages = std::mem::take(&mut self.stage);
+        let mut studios = std::mem::take(&mut self.studio);
         let spec = self.spec(cell);
-        let stage = stages.get_or_make(cell.0, || Stage::new(bench.gpu, spec.scene))?;
+        let studio = studios.get_or_make(cell.0, || Studio::new(bench.gpu, spec.scene))?;
         let go_on = bench.go_on;
-        let made = measure(bench.gpu, &spec, stage, bench.journal, &mut || go_on())?;
-        self.stage = stages;
+        let made = measure(bench.gpu, &spec, studio, bench.journal, &mut || go_on())?;
+        self.studio = studios;
         pictures::files(&self.name(cell), &made).iter().try_for_each(|file| (bench.keep)(file))?;
         Ok(made.records)
     }
