@@ -150,6 +150,12 @@ const bool SPREADS = false;
 const float PATTERN_PART = SPREADS ? 1.0 : NARROW_PART;
 const float PATTERN_FOOTPRINTS = SPREADS ? 9.0 : NARROW_FOOTPRINTS;
 
+// Side and generator of the pattern of narrow lobes (LatticePoint). Its nine rays lie within reach of each pixel.
+#define NARROW_SIDE 3
+#define NARROW_GENERATOR 2
+
+// Traces the ray of a pixel with a narrow lobe, and returns its packed record; NO_RECORD for another pixel. `ray_end` says where the
+// ray ended, as PackRayEnd packs it.
 uvec4 TraceNarrowPixel(ivec2 pixel, out uvec2 ray_end) {
     ray_end = uvec2(0u);
     vec2 material = imageLoad(material_buffer, pixel).rg;
@@ -160,7 +166,7 @@ uvec4 TraceNarrowPixel(ivec2 pixel, out uvec2 ray_end) {
         return NO_RECORD;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = MakeLobe(point, normal, material.g);
-    vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
+    vec2 u = LatticePoint(pixel, NARROW_SIDE, NARROW_GENERATOR, vec2(0.5));
     // Packed before the ray is followed, since a walk has no register to spare.
     uint mirror = PackMirror(lobe.mirror);
     float root = sqrt(lobe.power);

@@ -62,8 +62,8 @@ choices! {
     /// The half angle of the cone of a roughness ϱ. Eq. 4.5 cannot serve as it is printed: with its α, which grows with ϱ,
     /// mirrors have the widest cones.
     pub enum ConeAngle {
-        /// The author's: ϱ/2. It is the angle of Eq. 4.5, with an arc cosine, for the lobe that ϱ means everywhere in this
-        /// project.
+        /// The author's: ϱ/2. Eq. 4.5 gives this angle for this project's lobe of roughness ϱ, with an arc cosine in place of the
+        /// printed cosine.
         Lobe = "lobe",
         /// The nearest to print that serves: Eq. 4.5 with an arc cosine and with the ends of its interpolation swapped, from
         /// `cone_alpha_max` for mirrors to `cone_alpha_min`; and no angle at all for an α above `cone_mirror_alpha`.

@@ -259,12 +259,12 @@ impl Theirs {
     }
 }
 
-/// A view of the rooms, with all kinds of surfaces; the camera is known by its matrix.
+/// The G-buffer of a view of the rooms, which shows all kinds of surfaces.
 pub fn view_of_rooms(gpu: &Gpu, extent: [u32; 2]) -> GBufferData {
     drawn(gpu, "rooms", "corridor", extent)
 }
 
-/// A view of a scene; the camera is known by its matrix.
+/// Draws the G-buffer of a view. Its camera has a projection matrix and no lens, as another engine gives it.
 pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferData {
     let scene = library::scene(scene).expect("a built-in scene");
     let view = scene.view(view).unwrap();

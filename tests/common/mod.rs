@@ -98,9 +98,9 @@ pub fn expected_failures(mode: &str, gpu: &Gpu) -> Vec<String> {
     all.into_iter().filter(|e| e.mode == mode && driver.contains(&e.driver)).map(|e| e.id).collect()
 }
 
-/// The greatest share of pixels in which a device may miss what is equal to the bit on the drivers that the program is made on. A
-/// compiler that fuses a product and a sum in one program and not in another rounds these pixels otherwise.
-pub fn share_of_roundings(gpu: &Gpu) -> f64 {
+/// The share of pixels that may differ where images should be equal to the bit: none on the drivers that the program is developed on,
+/// and 0.5 % on others, whose compilers may fuse a product and a sum in one program and not in another.
+pub fn tolerated_share(gpu: &Gpu) -> f64 {
     let driver = gpu.info().driver.to_lowercase();
     let is_known = ["mesa 22", "mesa 25", "swiftshader"].iter().any(|known| driver.contains(known));
     if is_known { 0.0 } else { 0.005 }

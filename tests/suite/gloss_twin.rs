@@ -1,7 +1,7 @@
 //! The glossy passes of `unified` against their twins on the CPU, each pass by itself: a twin takes what the device
 //! made in the pass before, so that a difference stays where it arises.
 
-use crate::common::{check_validation, gpu, is_gpu_assisted, share_of_roundings};
+use crate::common::{check_validation, gpu, is_gpu_assisted, tolerated_share};
 use glam::{IVec2, Vec2, Vec3, Vec4};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Image, Pixels, ShaderStage};
@@ -383,7 +383,7 @@ fn every_glossy_pass_is_its_twin() {
             let way = Way { oracle, tiles, over };
             let counts = check(data, &draw(&gpu, data, way), way);
             println!("{name}, {way:?}: {:?}", counts.map(|c| [c.all, c.hits, c.ties, c.wrong]));
-            let most = |c: &Count| share_of_roundings(&gpu) * c.all as f64;
+            let most = |c: &Count| tolerated_share(&gpu) * c.all as f64;
             assert!(counts.iter().all(|c| c.wrong as f64 <= most(c)), "{name}, {way:?}");
             totals.iter_mut().zip(counts).for_each(|(total, count)| total.add(count));
         }

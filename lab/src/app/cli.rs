@@ -191,8 +191,9 @@ pub struct RenderOptions {
     pub cache: Option<PathBuf>,
     /// For --method reference: light of diffuse paths instead
     ///
-    /// The scene's rectangular area lights shine, things cast shadows, and surfaces pass light on so many times; 0 is direct
-    /// light alone. Every surface is taken for a diffuse one, and each pixel has --max-rays paths. Nothing is kept.
+    /// The scene's rectangular area lights shine, things cast shadows, and surfaces pass light on up to N times; 0 is direct
+    /// light alone. Every surface is taken for a diffuse one, and each pixel has --max-rays paths. The samples are not kept in
+    /// --cache.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=64), conflicts_with_all = ["standard_error", "cache", "shard", "reflection_only", "json"])]
     pub diffuse_bounces: Option<u32>,
     /// For --method reference: take this share of the rays

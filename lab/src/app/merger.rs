@@ -16,7 +16,7 @@ pub struct Merger {
     pub kind: &'static str,
     /// How results of the runs are read, and which columns are times.
     pub results: ResultKind,
-    /// Checks a run before any of it is written. The error names the wrong line of the journal, if it is known, and the reason.
+    /// Checks a run before any of it is written. The error gives the line of the journal that is at fault, if it is known, and the reason.
     pub check: fn(&MergeInput) -> Result<()>,
     /// Writes the files of the merged run.
     pub write: fn(&Merging) -> anyhow::Result<()>,

@@ -86,8 +86,8 @@ impl ReferencePart {
         format!("{} {} {width}x{height}", self.scene, self.view)
     }
 
-    /// The properties that shares of one reference have in common, each with its name.
-    fn in_common(&self) -> [(&'static str, String); 4] {
+    /// What must be equal in all shares of one reference, beside the fingerprint by which they are grouped: each with its name.
+    fn must_agree(&self) -> [(&'static str, String); 4] {
         [
             ("version", self.version.clone()),
             ("commit", self.commit.clone()),
@@ -179,7 +179,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
         let (_, first, _) = &parts[0];
         let first = first.clone();
         for (path, part, _) in &parts[1..] {
-            if let Some(difference) = difference_of_properties(first.in_common(), part.in_common()) {
+            if let Some(difference) = difference_of_properties(first.must_agree(), part.must_agree()) {
                 let message = format!("is of another reference than {}: {difference}", parts[0].0.display());
                 return Err(Error::malformed(path, None, message).into());
             }

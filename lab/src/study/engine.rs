@@ -250,7 +250,7 @@ pub fn keys_of(list: &CellList) -> HashSet<&str> {
     list.cells.iter().flat_map(|cell| &cell.results).map(|result| result.key.as_str()).collect()
 }
 
-/// Whether a key belongs to a sample of one of some results: it is the key of the result, followed by one or two words.
+/// Whether a key is that of a sample: the key of one of the results, followed by one or two words.
 fn is_sample(results: &HashSet<&str>, key: &str) -> bool {
     key.rmatch_indices(' ').take(2).any(|(end, _)| results.contains(&key[..end]))
 }

@@ -40,7 +40,7 @@ pub fn bounces(folder: &Path) -> Result<String> {
     table(&[head.as_slice(), &["time, 2", "time, 3"]].concat(), rows)
 }
 
-/// What the passes of a second bounce take, beside those of the first: as many, and as long.
+/// Number and time of the passes of the second bounce, beside those of the first.
 pub fn bounce_times(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for file in ["combined.json", "split.json"] {

@@ -2,8 +2,7 @@
 
 use super::{Case, EYE, bytes, mirror_ray, on_screen, path};
 use crate::common::{
-    Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, share_of_roundings, show, show_with, unfaded,
-    window,
+    Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, show_with, tolerated_share, unfaded, window,
 };
 use glam::{DVec2, DVec3, Vec3};
 use ssct::gpu::Pixels;
@@ -112,7 +111,7 @@ fn split_combined_and_with_hits_give_the_same_reflection() {
                 for what in ["reflection", "composite"] {
                     let [all, off] = differing(other.get(what), combined.get(what));
                     let case = format!("{}, {preset:?}, roughness {roughness}: the {what}, {how}", method.name);
-                    assert!(off <= share_of_roundings(&gpu) * all, "{case}: {off} of {all} pixels differ");
+                    assert!(off <= tolerated_share(&gpu) * all, "{case}: {off} of {all} pixels differ");
                 }
             }
         }

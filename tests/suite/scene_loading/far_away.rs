@@ -76,8 +76,9 @@ fn a_gltf_scene_on_the_earth_is_as_smooth_as_at_the_origin() {
     }
 }
 
+/// A scene file also says where lights and views are, which would not move with the meshes.
 #[test]
-fn a_scene_file_places_other_things_and_only_warns() {
+fn a_far_scene_file_is_not_moved_but_warned_of() {
     let folder = Folder::new(&[("a.obj", &square_text(456_789.25, 12.5, 5_432_109.75, 0.5))]);
     folder.write("a.scene.toml", b"handedness = \"left\"\n[[mesh]]\nfile = \"a.obj\"\n");
     let scene = scene_file::load(&folder.path("a.scene.toml"), &LoadOptions::default()).unwrap();

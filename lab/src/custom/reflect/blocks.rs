@@ -82,6 +82,8 @@ impl BlockLayout {
         self.add(code, ty, (offset, matrix), name)
     }
 
+    /// Adds the fields of type `id` that stands at `offset`, with every element of its arrays. `matrix` has the stride of its matrices,
+    /// and whether their rows come first.
     fn add(
         &mut self,
         code: &SpirvCode,
@@ -96,8 +98,8 @@ impl BlockLayout {
             let stride = code.decoration(ty, decoration::ARRAY_STRIDE).unwrap_or(16);
             let last = elements.last().copied().unwrap_or(0);
             // Damaged code may put all elements at one place, so that their count is bounded, too.
-            let numbers = (elements.len() as u64).saturating_mul(u64::from(many));
-            if last.saturating_add(stride.saturating_mul(many)) > MAX_BYTES || numbers > u64::from(MAX_BYTES / 4) {
+            let count = (elements.len() as u64).saturating_mul(u64::from(many));
+            if last.saturating_add(stride.saturating_mul(many)) > MAX_BYTES || count > u64::from(MAX_BYTES / 4) {
                 return Err(too_large(&name));
             }
             elements = elements.iter().flat_map(|start| (0..many).map(move |k| start + k * stride)).collect();

@@ -1,4 +1,4 @@
-//! The subject of a frame, and the differences of two subjects.
+//! What a frame was drawn of and with, such as its scene, view, method and settings; and how two such subjects differ.
 
 use serde::{Serialize, Serializer};
 use serde_json::Value as Json;

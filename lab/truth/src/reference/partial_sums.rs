@@ -142,8 +142,8 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
     }
 }
 
-/// The parts of the tree that the samples from `first`, a multiple of [`LEAF`], to before `end` fill: the first sample
-/// of each, and the number of its samples.
+/// Splits the samples `first..end` into the parts of the tree that they fill. Returns the first sample of each part, and the number of
+/// its samples. `first` is a multiple of [`LEAF`].
 pub fn parts(first: u32, end: u32) -> Vec<(u32, u32)> {
     let (mut start, end, leaf) = (u64::from(first), u64::from(end), u64::from(LEAF));
     let mut parts = Vec::new();

@@ -224,7 +224,7 @@ fn the_second_version_leaves_the_surface_that_a_ray_begins_on() {
     let to = |direction| ends_of(&[2.0, 2.0, SKY, 2.025, 2.025], [2.0, 2.04], direction);
     let [first, second] = to(DVec3::new(0.9, 0.0, -0.1));
     assert!(hits(first, 1) && hits(second, 3), "{first:?} {second:?}");
-    // A ray in the other direction hits at once, although it comes from behind the starting pixel's front.
+    // On the same segment, a ray whose direction enters the surface hits the first block in the second version, too.
     let [first, second] = to(DVec3::new(0.9, 0.0, 0.1));
     assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
 }
