@@ -5,11 +5,8 @@
 # Seen, with gltf-pipeline 4.3.1 without options: a variant that was green is blue, the material of another mesh, and the texture of the
 # thickness is that of the base colour. Khronos's glTF-Validator finds no error, neither before nor after.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-npm init -y >/dev/null
-npm install --silent --no-fund --no-audit gltf-pipeline@4.3.1 gltf-validator@2.0.0-dev.3.10 >/dev/null
+
+. "$(dirname "$0")/npm.sh" gltf-pipeline@4.3.1 gltf-validator@2.0.0-dev.3.10
 node - <<'JS'
 const { processGltf } = require("gltf-pipeline");
 const validator = require("gltf-validator");

@@ -3,11 +3,8 @@
 # alone. The extension is listed as used and not as required, so that a viewer without the extension shows one of twenty
 # copies and reports no error. Expected: what moves geometry is required, as the meshopt compression of the same file is.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-npm init -y >/dev/null
-npm install --silent --no-fund --no-audit @gltf-transform/cli@4.5.1 >/dev/null
+
+. "$(dirname "$0")/npm.sh" @gltf-transform/cli@4.5.1
 node - <<'JS'
 const positions = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]);
 const nodes = [...Array(20).keys()].map((k) => ({ mesh: 0, translation: [2 * k, 0, 0] }));

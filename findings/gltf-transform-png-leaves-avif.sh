@@ -2,11 +2,8 @@
 # gltf-transform png: the command that writes textures as PNG leaves AVIF images as they are and reports success, since its option
 # --formats does not name AVIF by default. Expected: a command named after a format brings every image to it, or says which it left.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-npm init -y >/dev/null
-npm install --silent --no-fund --no-audit @gltf-transform/cli@4.5.1 sharp@0.34.4 >/dev/null
+
+. "$(dirname "$0")/npm.sh" @gltf-transform/cli@4.5.1 sharp@0.34.4
 node - <<'JS'
 const sharp = require("sharp");
 const positions = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]);

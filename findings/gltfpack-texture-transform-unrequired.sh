@@ -5,11 +5,8 @@
 # Seen, with gltfpack 1.3.0: coordinates from 0 to 16 are stored as 0 to 1/16, since they have 12 bits of the 16, and a transform of the
 # material multiplies them by 256.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-npm init -y >/dev/null
-npm install --silent --no-fund --no-audit gltfpack@1.3.0 >/dev/null
+
+. "$(dirname "$0")/npm.sh" gltfpack@1.3.0
 node - <<'JS'
 const numbers = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 16, 0, 0, 16]);
 const pixel = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";

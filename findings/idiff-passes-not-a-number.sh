@@ -4,11 +4,8 @@
 # Seen, with OpenImageIO 3.2.2: a picture of nothing but NaN passes against a reference of 5, with the exit code 0 and without a word. One
 # infinite value passes too, although the API states an infinite greatest error. One value of 5.4 fails.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-python3 -m venv venv
-venv/bin/pip install --quiet openimageio==3.2.2.0 numpy==2.3.4
+
+. "$(dirname "$0")/python.sh" openimageio==3.2.2.0 numpy==2.3.4
 venv/bin/python - <<'PY'
 import subprocess
 import sys

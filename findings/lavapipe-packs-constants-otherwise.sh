@@ -4,21 +4,10 @@
 # Seen, with Debian 12's Mesa 22.3.6: (-0.5, 0.5, 0.25, 1) from a buffer is 7f2040c0. The constant is ffffffc0, whose other three components
 # are read as -1/127. packSnorm2x16 is right both ways. The driver folds the constant: the shader that it gets still calls the function.
 #
-# Installs Debian's libvulkan1, mesa-vulkan-drivers, glslang-tools and spirv-tools where they are missing (as root), and `vulkan` 1.3.275.1
-# from PyPI into a temporary folder.
+# findings/vulkan.sh installs what this needs.
 set -euo pipefail
 
-icd=/usr/share/vulkan/icd.d/lvp_icd.$(uname -m).json
-packages=()
-[ -s "$icd" ] || packages+=(libvulkan1 mesa-vulkan-drivers)
-command -v glslangValidator >/dev/null || packages+=(glslang-tools)
-command -v spirv-dis >/dev/null || packages+=(spirv-tools)
-[ ${#packages[@]} -eq 0 ] || { apt-get update -q && apt-get install -y -q --no-install-recommends "${packages[@]}"; } >/dev/null
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-python3 -m venv "$scratch/venv"
-"$scratch/venv/bin/pip" install --quiet vulkan==1.3.275.1 cffi==2.1.1
-echo "mesa-vulkan-drivers $(dpkg-query -W -f '${Version}' mesa-vulkan-drivers)"
+. "$(dirname "$0")/vulkan.sh" lvp
 cat >"$scratch/pack.comp" <<'GLSL'
 #version 460
 layout(local_size_x = 1) in;
@@ -98,5 +87,4 @@ print(f"packSnorm4x8: constant {found[0]}, from a buffer {found[1]}\npackSnorm2x
 if found != ["ffffffc0", "7f2040c0", "4000c000", "4000c000"]:
     sys.exit("this changed: it was ffffffc0 and 7f2040c0, and 4000c000 twice")
 PY
-export VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd XDG_RUNTIME_DIR=$scratch
-"$scratch/venv/bin/python" "$scratch/pack.py" "$scratch/pack.spv"
+python "$scratch/pack.py" "$scratch/pack.spv"

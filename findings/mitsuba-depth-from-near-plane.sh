@@ -3,11 +3,8 @@
 # to 0.5 makes every depth half a metre smaller on the axis, and more beside it. Expected: planar depth, or the distance from the
 # camera's origin, which the aov "position" gives.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-python3 -m venv venv
-venv/bin/pip install --quiet mitsuba==3.9.1 numpy==2.3.4
+
+. "$(dirname "$0")/python.sh" mitsuba==3.9.1 numpy==2.3.4
 venv/bin/python - <<'PY'
 import sys
 

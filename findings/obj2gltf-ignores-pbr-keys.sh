@@ -3,11 +3,8 @@
 # becomes the metalness and Ns the roughness as it stands, so that a plain MTL file gives a roughnessFactor of 900, which glTF 2.0
 # does not allow. Expected: Pr and Pm are roughnessFactor and metallicFactor, or the value is clamped.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-npm init -y >/dev/null
-npm install --silent --no-fund --no-audit obj2gltf@3.2.0 >/dev/null
+
+. "$(dirname "$0")/npm.sh" obj2gltf@3.2.0
 printf 'mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl metal\nf 1 2 3\nusemtl shiny\nf 1 3 2\n' >a.obj
 printf 'newmtl metal\nKd 0.8 0.6 0.4\nPr 0.25\nPm 1.0\nnewmtl shiny\nKd 0.2 0.2 0.2\nKs 0.5 0.5 0.5\nNs 900\n' >a.mtl
 npx obj2gltf -i a.obj -o plain.gltf >/dev/null

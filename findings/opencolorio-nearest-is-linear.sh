@@ -4,11 +4,8 @@
 # Seen, with OpenColorIO 2.6.0: a table of 0, 0.2 and 1 gives 0.52 for 0.7 and not 0.2. A table of three dimensions gives 0.7 and not 1,
 # and its texture for the shader is declared linear. So a table of classes or steps becomes a ramp, without a word.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-python3 -m venv venv
-venv/bin/pip install --quiet opencolorio==2.6.0 numpy==2.3.4
+
+. "$(dirname "$0")/python.sh" opencolorio==2.6.0 numpy==2.3.4
 printf 'Version 1\nFrom 0.0 1.0\nLength 3\nComponents 1\n{\n0.0\n0.2\n1.0\n}\n' >steps.spi1d
 printf 'LUT_3D_SIZE 2\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n' >cube.cube
 venv/bin/python - <<'PY'

@@ -3,11 +3,8 @@
 # to the bit, while DWAA and LJ2K (number 12) round channels with names of colours and keep all others, of either kind. PXR24 rounds
 # 32-bit floats alone; HTJ2K and ZSTD (13) round nothing. Expected from "lossy" and "lossless": one rule for all channels.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-python3 -m venv venv
-venv/bin/pip install --quiet openexr==3.5.3 numpy==2.3.4
+
+. "$(dirname "$0")/python.sh" openexr==3.5.3 numpy==2.3.4
 venv/bin/python - <<'PY'
 import sys
 

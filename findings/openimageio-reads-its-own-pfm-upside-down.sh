@@ -5,11 +5,8 @@
 # Seen, with OpenImageIO 3.2.2: rows of 0, 1 and 2 come back as 2, 1 and 0 by ImageBuf and by ImageInput.open(name). They come back in order
 # by ImageInput.open(name, ImageSpec()) and by the program oiiotool. OpenCV reads the file in order too.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-python3 -m venv venv
-venv/bin/pip install --quiet openimageio==3.2.2.0 numpy==2.3.4 opencv-python-headless==5.0.0.93
+
+. "$(dirname "$0")/python.sh" openimageio==3.2.2.0 numpy==2.3.4 opencv-python-headless==5.0.0.93
 venv/bin/python - <<'PY'
 import subprocess
 import sys

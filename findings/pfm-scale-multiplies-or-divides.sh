@@ -4,11 +4,8 @@
 # Seen: for samples of 8 and the scale 4, Mitsuba 3.9.1 and OpenImageIO 3.2.2 give 32, and OpenCV 5.0.0 gives 2. The three agree on a scale
 # of 1, which is what each of them writes.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-python3 -m venv venv
-venv/bin/pip install --quiet openimageio==3.2.2.0 mitsuba==3.9.1 opencv-python-headless==5.0.0.93 numpy==2.3.4
+
+. "$(dirname "$0")/python.sh" openimageio==3.2.2.0 mitsuba==3.9.1 opencv-python-headless==5.0.0.93 numpy==2.3.4
 venv/bin/python - <<'PY'
 import sys
 

@@ -7,17 +7,11 @@
 # memory types and no heaps. It compiles pipelines, and takes no memory and no work. A program that ranks devices by their
 # type must therefore also ask for memory types.
 #
-# Installs Debian's libvulkan1 and mesa-vulkan-drivers where they are missing (as root), and `vulkan` 1.3.275.1 from PyPI into
-# a temporary folder.
+# findings/vulkan.sh installs what this needs.
 set -euo pipefail
 
+. "$(dirname "$0")/vulkan.sh" radeon
 wanted='type 2, memory types 0, heaps 0'
-icd=/usr/share/vulkan/icd.d/radeon_icd.$(uname -m).json
-[ -s "$icd" ] || { apt-get update -q && apt-get install -y -q --no-install-recommends libvulkan1 mesa-vulkan-drivers; } >/dev/null
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-python3 -m venv "$scratch/venv"
-"$scratch/venv/bin/pip" install --quiet vulkan==1.3.275.1 cffi==2.1.1
 cat >"$scratch/list.py" <<'PY'
 import vulkan as vk
 
@@ -29,8 +23,7 @@ for device in vk.vkEnumeratePhysicalDevices(instance):
     print(f"{of_device.deviceName}: type {of_device.deviceType}, memory types {memory.memoryTypeCount}, "
           f"heaps {memory.memoryHeapCount}")
 PY
-echo "mesa-vulkan-drivers $(dpkg-query -W -f '${Version}' mesa-vulkan-drivers)"
-seen=$(VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd RADV_FORCE_FAMILY=NAVI21 "$scratch/venv/bin/python" "$scratch/list.py")
+seen=$(RADV_FORCE_FAMILY=NAVI21 python "$scratch/list.py")
 echo "$seen"
 case "$seen" in
 *"$wanted"*) ;;

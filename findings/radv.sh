@@ -1,19 +1,9 @@
 # Sourced by findings about RADV, Mesa's Vulkan driver for AMD's GPUs, which compiles for a GPU that is not there where RADV_FORCE_FAMILY
 # names one. `statistics SHADER VALUE` prints what the driver states of a compute shader with two storage images, whose constant 0 is VALUE,
-# as lines "NAME: NUMBER". Debian's libvulkan1, mesa-vulkan-drivers and glslang-tools are installed where they are missing (as root), and
-# `vulkan` 1.3.275.1 from PyPI in a temporary folder, $scratch.
+# as lines "NAME: NUMBER". What it needs is installed by findings/vulkan.sh.
 
-icd=/usr/share/vulkan/icd.d/radeon_icd.$(uname -m).json
-packages=()
-[ -s "$icd" ] || packages+=(libvulkan1 mesa-vulkan-drivers)
-command -v glslangValidator >/dev/null || packages+=(glslang-tools)
-[ ${#packages[@]} -eq 0 ] || { apt-get update -q && apt-get install -y -q --no-install-recommends "${packages[@]}"; } >/dev/null
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-python3 -m venv "$scratch/venv"
-"$scratch/venv/bin/pip" install --quiet vulkan==1.3.275.1 cffi==2.1.1
-echo "mesa-vulkan-drivers $(dpkg-query -W -f '${Version}' mesa-vulkan-drivers)"
-export VK_DRIVER_FILES=$icd VK_ICD_FILENAMES=$icd RADV_FORCE_FAMILY=NAVI21
+. "$(dirname "$0")/vulkan.sh" radeon
+export RADV_FORCE_FAMILY=NAVI21
 
 cat >"$scratch/statistics.py" <<'PY'
 import sys
@@ -51,7 +41,7 @@ PY
 
 statistics() {
     glslangValidator -V "$1" -o "$1.spv" >/dev/null
-    "$scratch/venv/bin/python" "$scratch/statistics.py" "$1.spv" "$2" 2>/dev/null
+    python "$scratch/statistics.py" "$1.spv" "$2" 2>/dev/null
 }
 
 # The number of a statistic, by its name, from those that stand in the standard input.

@@ -4,11 +4,8 @@
 # Seen, with three.js 0.187.0: x of 0.25, 0.75 and 1.5 become 0, 0 and 1, as integers of 16 bits. The exporter says nothing. The least and
 # greatest values in the file are still 0.25 and 1.5, so that Khronos's glTF-Validator finds errors in what was made.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-npm init -y >/dev/null
-npm install --silent --no-fund --no-audit three@0.187.0 gltf-validator@2.0.0-dev.3.10 >/dev/null
+
+. "$(dirname "$0")/npm.sh" three@0.187.0 gltf-validator@2.0.0-dev.3.10
 cat >export.mjs <<'JS'
 import * as THREE from "three";
 import { GLTFExporter } from "three/examples/jsm/exporters/GLTFExporter.js";

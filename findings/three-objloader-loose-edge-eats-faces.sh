@@ -4,11 +4,8 @@
 # Seen, with three.js 0.187.0: a square of two triangles is a mesh of 6 corners. With one loose edge in the object it is no mesh, but
 # LineSegments of 8 ends: two of the edge, and the 6 corners. Nothing is said.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-npm init -y >/dev/null
-npm install --silent --no-fund --no-audit three@0.187.0 >/dev/null
+
+. "$(dirname "$0")/npm.sh" three@0.187.0
 cat >load.mjs <<'JS'
 import { OBJLoader } from "three/examples/jsm/loaders/OBJLoader.js";
 

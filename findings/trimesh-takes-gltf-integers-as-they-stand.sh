@@ -5,11 +5,8 @@
 # Seen, with trimesh 5.1.0: the texture coordinates (1, 0.5) become (65535, 32769), half of red becomes no red, and a vertex of the
 # height 9 stays at 0. Khronos's glTF-Validator finds no error in the three files.
 set -euo pipefail
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-npm init -y >/dev/null
-npm install --silent --no-fund --no-audit gltf-validator@2.0.0-dev.3.10 >/dev/null
+
+. "$(dirname "$0")/npm.sh" gltf-validator@2.0.0-dev.3.10
 python3 -m venv venv
 venv/bin/pip install --quiet trimesh==5.1.0 numpy==2.3.4 pillow==12.0.0
 venv/bin/python - <<'PY'

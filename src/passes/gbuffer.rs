@@ -34,7 +34,7 @@ const NOTHING: [f32; 4] = [f32::from_bits(NO_TRIANGLE); 4];
 
 /// Pipelines and images of one size.
 pub struct GBufferPass {
-    /// Draws depth alone, before the others, so that a pixel is shaded once, however many surfaces lie behind each other there.
+    /// Draws depth alone, before all else is drawn, so that what a pixel does not show is not shaded there.
     depth: Option<GraphicsPipeline<GBufferDepth<'static>, GBufferVertex<'static>>>,
     pipeline: GBufferPipeline,
     images: GBufferImages,
@@ -292,16 +292,12 @@ impl GBufferPass {
         let view = SceneView::new(scene, materials, camera, self.albedo.extent());
         let depth = match &self.depth {
             Some(pipeline) => {
-                let name = format!("{}/depth", self.label);
+                let (name, view) = (format!("{}/depth", self.label), view.opaque());
                 frame.raster(&name, pipeline, [], self.cleared_depth(), |raster| {
-                    view.draw(
-                        raster,
-                        |material| material.alpha_mask.is_none(),
-                        |raster, surface| {
-                            let fragment = GBufferDepth { camera: &view.camera, draw: surface.draw };
-                            raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
-                        },
-                    )
+                    view.draw(raster, |raster, surface| {
+                        let fragment = GBufferDepth { camera: &view.camera, draw: surface.draw };
+                        raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                    })
                 })?;
                 Target::kept(self.images.depth.all())
             }
@@ -310,28 +306,20 @@ impl GBufferPass {
         match (&self.pipeline, &self.triangle) {
             (GBufferPipeline::Nearest(pipeline), _) => {
                 frame.raster(self.label, pipeline, self.targets(), depth, |raster| {
-                    view.draw(
-                        raster,
-                        |_| true,
-                        |raster, surface| {
-                            let fragment = drawn_by!(GBufferFragment, view, surface);
-                            raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
-                        },
-                    )
+                    view.draw(raster, |raster, surface| {
+                        let fragment = drawn_by!(GBufferFragment, view, surface);
+                        raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                    })
                 })?;
             }
             (GBufferPipeline::Numbered(pipeline), Some(triangle)) => {
                 let [albedo, normal, material] = self.targets();
                 let targets = [albedo, normal, material, Target::cleared(triangle.all(), NOTHING)];
                 frame.raster(self.label, pipeline, targets, depth, |raster| {
-                    view.draw(
-                        raster,
-                        |_| true,
-                        |raster, surface| {
-                            let fragment = drawn_by!(GBufferNumbered, view, surface);
-                            raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
-                        },
-                    )
+                    view.draw(raster, |raster, surface| {
+                        let fragment = drawn_by!(GBufferNumbered, view, surface);
+                        raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                    })
                 })?;
             }
             _ => unreachable!("a pass of GBufferPass::behind records by record_behind"),
@@ -355,15 +343,11 @@ impl GBufferPass {
         let block = PeelBlock { separation: peel.separation_m };
         frame.make_ready(peel.depth.all(), Access::FragmentSampled);
         frame.raster(self.label, pipeline, self.targets(), self.cleared_depth(), |raster| {
-            view.draw(
-                raster,
-                |_| true,
-                |raster, surface| {
-                    let first_depth = Sampled::nearest(peel.depth.all());
-                    let fragment = drawn_by!(GBufferPeeled, view, surface, first_depth: first_depth, peel: &block);
-                    raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
-                },
-            )
+            view.draw(raster, |raster, surface| {
+                let first_depth = Sampled::nearest(peel.depth.all());
+                let fragment = drawn_by!(GBufferPeeled, view, surface, first_depth: first_depth, peel: &block);
+                raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+            })
         })?;
         Ok(view.drawn())
     }
@@ -391,6 +375,7 @@ struct SurfaceInput<'a> {
 struct SceneView<'a> {
     scene: &'a SceneData,
     materials: &'a [Material],
+    /// The last mesh of the scene first: of surfaces in one place the one that is drawn last shows, which is the first of the scene.
     seen: Vec<&'a MeshData>,
     culled: usize,
     world_to_clip: DMat4,
@@ -401,7 +386,7 @@ impl<'a> SceneView<'a> {
     fn new(scene: &'a SceneData, materials: &'a [Material], camera: &Camera, extent: [u32; 2]) -> Self {
         let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
         let frustum = Frustum::new(&world_to_clip.as_mat4());
-        let (seen, culled): (Vec<&MeshData>, Vec<_>) = scene.meshes.iter().partition(|m| {
+        let (seen, culled): (Vec<&MeshData>, Vec<_>) = scene.meshes.iter().rev().partition(|m| {
             let Aabb { min, max } = m.bounds.placed(&m.placement);
             frustum.may_see(min, max)
         });
@@ -418,16 +403,20 @@ impl<'a> SceneView<'a> {
         }
     }
 
-    /// Draws the seen meshes of some materials, the last first: of surfaces in one place, the first of the scene shows. `bind` binds
-    /// the programs for each surface that differs from the one before.
+    /// The part without the meshes that have an alpha mask.
+    fn opaque(&self) -> Self {
+        let is_opaque = |mesh: &&MeshData| self.materials[mesh.material].alpha_mask.is_none();
+        Self { seen: self.seen.iter().copied().filter(is_opaque).collect(), ..*self }
+    }
+
+    /// Draws the seen meshes. `bind` binds the programs for each surface that differs from the one before.
     fn draw<'r, 'f, F: Fragment>(
         &self,
         raster: &mut Raster<'r, 'f, F, GBufferVertex<'static>>,
-        is_drawn: impl Fn(&Material) -> bool,
         bind: impl Fn(&mut Raster<'r, 'f, F, GBufferVertex<'static>>, &SurfaceInput) -> Result<()>,
     ) -> Result<()> {
         let mut bound = None;
-        for mesh in self.seen.iter().rev().filter(|mesh| is_drawn(&self.materials[mesh.material])) {
+        for mesh in &self.seen {
             if bound != Some((mesh.material, mesh.placement)) {
                 let material = &self.materials[mesh.material];
                 // White needs no filter, and a filter of a material's maps is the most that a fragment costs on a CPU.

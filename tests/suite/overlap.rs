@@ -1,4 +1,4 @@
-//! Surfaces in one place: the G-buffer shows the first of them, and shades what it shows alone.
+//! Surfaces in one place: the G-buffer shows the first of them.
 
 use crate::common::{check_validation, gpu};
 use glam::Vec3;

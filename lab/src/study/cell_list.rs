@@ -134,7 +134,7 @@ impl CellList {
 
     /// The named properties in which this run and another must be equal to be of one study, in the order in which they are
     /// compared.
-    pub fn in_common(&self) -> [(&'static str, String); 6] {
+    pub fn must_agree(&self) -> [(&'static str, String); 6] {
         let scenes: Vec<String> = self.scenes.iter().map(|(name, digest)| format!("{name} {digest}")).collect();
         [
             ("kind", self.kind.clone()),

@@ -125,7 +125,7 @@ pub fn difference_of_properties<const N: usize>(
 
 /// Why two runs are not of one study.
 fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
-    if let Some(difference) = difference_of_properties(a.in_common(), b.in_common()) {
+    if let Some(difference) = difference_of_properties(a.must_agree(), b.must_agree()) {
         return Some(difference);
     }
     if let Some((a, b)) = a.cells.iter().zip(&b.cells).find(|(a, b)| a.name == b.name && a.setup != b.setup) {
