@@ -2,8 +2,10 @@
 
 pub mod gbuffer;
 pub mod image;
+mod shared;
 
 pub use image::{Intermediates, RenderedImage};
+pub use shared::SharedGBuffers;
 
 use glam::Vec3;
 use ssct::error::Result;
@@ -104,10 +106,14 @@ impl Stage {
 
     /// Draws the scene of a shot without reflecting it.
     pub fn draw(&mut self, shot: &Shot) -> Result<DrawnCounts> {
-        let mut frame = self.context.begin(Mode::Plain)?;
+        Ok(self.draw_in(Mode::Plain, shot)?.1)
+    }
+
+    /// Draws the scene of a shot in a mode without reflecting it.
+    fn draw_in(&mut self, mode: Mode, shot: &Shot) -> Result<(FrameReport, DrawnCounts)> {
+        let mut frame = self.context.begin(mode)?;
         let drawn = shot.draw(&mut frame, &self.data)?;
-        frame.finish()?;
-        Ok(drawn)
+        Ok((frame.finish()?, drawn))
     }
 
     /// Runs one frame of a shot and returns its output.
@@ -178,34 +184,7 @@ impl Shot {
         camera: Camera,
         materials: Vec<Material>,
     ) -> Result<Self> {
-        let Stage { context, data } = stage;
-        let scene = SceneInput { data, materials: &materials };
-        let effect = Effect::new(context, method, &setup.seen_by(camera.kind()), wants, Some(&scene))?;
-        let gpu = context.gpu();
-        let gbuffer = if effect.wants_triangles() { GBufferPass::numbered } else { GBufferPass::new };
-        let gbuffer = Rc::new(gbuffer(gpu, setup.extent)?);
-        Ok(Self { gbuffer, lighting: LightingPass::new(gpu)?, effect, camera, materials })
-    }
-
-    /// Makes shots that take turns, each by a method with a setup. Shots that draw the scene alike draw it into one G-buffer, since
-    /// every frame draws it anew.
-    pub fn in_turns<'m>(
-        stage: &mut Stage,
-        methods: impl IntoIterator<Item = (&'m MethodInfo, Setup)>,
-        wants: Wants,
-        camera: Camera,
-        materials: &[Material],
-    ) -> Result<Vec<Self>> {
-        let mut shots: Vec<Self> = Vec::new();
-        for (method, setup) in methods {
-            let mut shot = Self::new(stage, method, &setup, wants, camera, materials.to_vec())?;
-            let drawn = |shot: &Self| (shot.gbuffer.albedo().extent(), shot.effect.wants_triangles());
-            if let Some(alike) = shots.iter().find(|other| drawn(other) == drawn(&shot)) {
-                shot.gbuffer = Rc::clone(&alike.gbuffer);
-            }
-            shots.push(shot);
-        }
-        Ok(shots)
+        SharedGBuffers::default().shot(stage, method, setup, wants, camera, materials)
     }
 
     /// Makes a shot to draw a scene's G-buffer with, from any camera.

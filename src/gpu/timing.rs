@@ -11,7 +11,7 @@ pub struct PassTime {
     pub name: String,
     /// Milliseconds between the timestamps around the pass.
     pub ms: f64,
-    /// Milliseconds from the frame's first timestamp to the timestamp before the pass.
+    /// Milliseconds from the frame's first timestamp to the one before the pass; negative if the pass ran in an earlier frame.
     #[serde(default)]
     pub start_ms: f64,
     /// Whether the pass counts towards the method's total (docs/definitions.md, "Time").

@@ -40,9 +40,13 @@ pub fn json(frames: &[TimedFrame]) -> String {
         let submitted = start + 1e3 * host.record_ms;
         event(HOST, "record", "host", start, host.record_ms);
         event(HOST, "wait", "host", submitted, host.wait_ms);
-        let on_device = submitted + 1e3 * (host.wait_ms - frame.report.frame_ms).max(0.0);
-        event(DEVICE, &frame.label, "frame", on_device, frame.report.frame_ms);
-        for pass in &frame.report.passes {
+        // A scene that was drawn for several methods was drawn before this frame, so that its passes begin below zero.
+        let passes = &frame.report.passes;
+        let first_ms = passes.iter().map(|pass| pass.start_ms).fold(0.0, f64::min);
+        let end_ms = passes.iter().map(|pass| pass.start_ms + pass.ms).fold(0.0, f64::max);
+        let on_device = submitted + 1e3 * (host.wait_ms - end_ms).max(0.0);
+        event(DEVICE, &frame.label, "frame", on_device + 1e3 * first_ms, end_ms - first_ms);
+        for pass in passes {
             let category = if pass.counted { "effect" } else { "scene" };
             event(DEVICE, &pass.name, category, on_device + 1e3 * pass.start_ms, pass.ms);
         }
@@ -77,8 +81,8 @@ mod tests {
         let starts = |name: &str| {
             timed.iter().filter(|e| e["name"] == name).map(|e| e["ts"].as_f64().unwrap()).collect::<Vec<_>>()
         };
-        // Submitted after 1 ms, done after 7: the device's 5 ms begin at 2.
-        assert_eq!(starts("a"), [2500.0, 12500.0]);
+        // Submitted after 1 ms, done after 7: the last pass ends there, 4.5 ms after the frame's first timestamp.
+        assert_eq!(starts("a"), [3000.0, 13000.0]);
         assert_eq!(starts("record"), [0.0, 10000.0]);
     }
 }

@@ -1,11 +1,11 @@
-//! The one timing loop: draws shots in turn, frame by frame, so that a change of the machine's speed affects all of them alike.
-//! Each frame that counts goes into the journal as soon as it is measured.
+//! The one timing loop: shots take turns, frame by frame, so that a change of the machine's speed affects all of them alike. Each
+//! round draws the scene once for all shots. Each frame that counts goes into the journal as soon as it is measured.
 
 use super::journal::Journal;
 use super::sound;
 use super::zones::Zones;
 use crate::error::Result;
-use crate::stage::{Shot, Stage};
+use crate::stage::{SharedGBuffers, Shot, Stage};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use ssct::gpu::FrameReport;
@@ -69,13 +69,13 @@ fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
 }
 
 /// Draws the frames of every shot that the journal lacks; `key` gives the key of a shot's frame with a label. A shot whose
-/// frames are all in the journal is not warmed up either. `progress` is called after each frame; its error ends the loop.
+/// frames are all in the journal is not warmed up either. The shots were made by `gbuffers`. `progress` is called after each frame; its error ends the loop.
 ///
 /// # Errors
 /// Errors of the device, of the journal and of `progress`.
 pub fn interleave(
     stage: &mut Stage,
-    shots: &mut [Shot],
+    (gbuffers, shots): (&mut SharedGBuffers, &mut [Shot]),
     rounds: &[Round],
     key: &dyn Fn(usize, &str) -> String,
     journal: &mut Journal,
@@ -87,6 +87,7 @@ pub fn interleave(
     };
     let lacking: Vec<bool> = (0..shots.len()).map(|shot| lacks(journal, shot)).collect();
     for (n, round) in rounds.iter().enumerate() {
+        gbuffers.draw_anew();
         for turn in 0..shots.len() {
             let shot = shot_at(n, turn, shots.len());
             let key = round.label.as_deref().map(|label| key(shot, label));
@@ -95,8 +96,9 @@ pub fn interleave(
                     shots[shot].camera = camera;
                 }
                 let name = key.clone().unwrap_or_else(|| format!("shot {shot}, warm-up"));
-                let run = || stage.run(&shots[shot], round.mode);
-                let (report, drawn) = zones.frame(&name, run, |made| made.as_ref().ok().map(|(report, _)| report))?;
+                let run = || gbuffers.output(stage, round.mode, &shots[shot]);
+                let (report, drawn, _) =
+                    zones.frame(&name, run, |made| made.as_ref().ok().map(|(report, ..)| report))?;
                 if let Some(key) = key {
                     journal.put(key, &Sample { report, drawn })?;
                 }

@@ -1,0 +1,179 @@
+//! G-buffers that several shots share, so that the scene is drawn once for all of them.
+
+use super::{Shot, Stage};
+use ssct::error::Result;
+use ssct::gpu::FrameReport;
+use ssct::gpu::frame::Mode;
+use ssct::methods::{Effect, MethodInfo, Output, SceneInput, Setup, Wants};
+use ssct::passes::gbuffer::{DrawnCounts, GBufferPass};
+use ssct::passes::lighting::LightingPass;
+use ssct_scenes::{Camera, Material};
+use std::rc::Rc;
+
+/// G-buffers of shots that show a scene from one camera with one set of materials. Shots that draw the scene alike share one.
+#[derive(Default)]
+pub struct SharedGBuffers(Vec<SharedGBuffer>);
+
+struct SharedGBuffer {
+    pass: Rc<GBufferPass>,
+    /// Whether the pass was made for shots that ask which triangle a pixel shows.
+    is_numbered: bool,
+    /// The report of the frame that drew the scene, and its counts; `None` before.
+    drawn: Option<(FrameReport, DrawnCounts)>,
+}
+
+impl SharedGBuffers {
+    /// Makes a shot that draws the scene into a G-buffer of these, if one fits, and into a new one otherwise.
+    ///
+    /// # Errors
+    /// Errors of the device, and of data that the method cannot prepare.
+    pub fn shot(
+        &mut self,
+        stage: &mut Stage,
+        method: &MethodInfo,
+        setup: &Setup,
+        wants: Wants,
+        camera: Camera,
+        materials: Vec<Material>,
+    ) -> Result<Shot> {
+        let Stage { context, data } = stage;
+        let scene = SceneInput { data, materials: &materials };
+        let effect = Effect::new(context, method, &setup.seen_by(camera.kind()), wants, Some(&scene))?;
+        let (gpu, is_numbered) = (context.gpu(), effect.wants_triangles());
+        let fits =
+            |known: &&SharedGBuffer| known.pass.albedo().extent() == setup.extent && known.is_numbered == is_numbered;
+        let known = self.0.iter().find(fits).map(|known| Rc::clone(&known.pass));
+        let gbuffer = match known {
+            Some(pass) => pass,
+            None => {
+                let new = if is_numbered { GBufferPass::numbered } else { GBufferPass::new };
+                let pass = Rc::new(new(gpu, setup.extent)?);
+                self.0.push(SharedGBuffer { pass: Rc::clone(&pass), is_numbered, drawn: None });
+                pass
+            }
+        };
+        Ok(Shot { gbuffer, lighting: LightingPass::new(gpu)?, effect, camera, materials })
+    }
+
+    /// Makes shots of several methods, each with its setup.
+    ///
+    /// # Errors
+    /// As those of [`shot`](Self::shot).
+    pub fn shots<'m>(
+        &mut self,
+        stage: &mut Stage,
+        methods: impl IntoIterator<Item = (&'m MethodInfo, Setup)>,
+        wants: Wants,
+        camera: Camera,
+        materials: &[Material],
+    ) -> Result<Vec<Shot>> {
+        let shot = |(method, setup)| self.shot(stage, method, &setup, wants, camera, materials.to_vec());
+        methods.into_iter().map(shot).collect()
+    }
+
+    /// Makes the next frame of each G-buffer draw the scene anew: for another camera, other materials, or times of another round.
+    pub fn draw_anew(&mut self) {
+        self.0.iter_mut().for_each(|known| known.drawn = None);
+    }
+
+    /// Runs one frame of a shot made by these G-buffers. The scene passes run before it in a frame of their own, unless they ran for
+    /// another shot already; the report lists them with their times and work of then.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn output<'s>(
+        &mut self,
+        stage: &mut Stage,
+        mode: Mode,
+        shot: &'s Shot,
+    ) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
+        let Some(known) = self.0.iter_mut().find(|known| Rc::ptr_eq(&known.pass, &shot.gbuffer)) else {
+            return stage.output_in(mode, shot);
+        };
+        let (scene, drawn) = match &known.drawn {
+            Some(drawn) => drawn,
+            None => known.drawn.insert(stage.draw_in(mode, shot)?),
+        };
+        let (report, output) = stage.output_on(mode, shot, (shot, drawn))?;
+        Ok((whole_frame(scene, report), *drawn, output))
+    }
+
+    /// Draws the image of a camera at rest, as [`Stage::output_at_rest`] does.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn output_at_rest<'s>(
+        &mut self,
+        stage: &mut Stage,
+        shot: &'s Shot,
+    ) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
+        shot.effect.restart_history();
+        for _ in 1..shot.frames_at_rest() {
+            self.output(stage, Mode::Plain, shot)?;
+        }
+        self.output(stage, Mode::Plain, shot)
+    }
+}
+
+/// The report of a frame whose scene passes ran in a frame of their own, `scene`, before those of the method. The scene passes begin before
+/// the method's frame does, so that their beginnings are negative.
+fn whole_frame(scene: &FrameReport, method: FrameReport) -> FrameReport {
+    let earlier_ms = match (scene.host, method.host) {
+        (Some(scene), Some(method)) => method.begun_us.saturating_sub(scene.begun_us) as f64 / 1e3,
+        _ => scene.frame_ms,
+    };
+    let mut passes = scene.passes.clone();
+    passes.iter_mut().for_each(|pass| pass.start_ms -= earlier_ms);
+    passes.extend(method.passes);
+    FrameReport {
+        passes,
+        frame_ms: scene.frame_ms + method.frame_ms,
+        host: method.host,
+        work: [scene.work.clone(), method.work].concat(),
+        recorded: [scene.recorded.clone(), method.recorded].concat(),
+        skipped: [scene.skipped.clone(), method.skipped].concat(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ssct::gpu::{DeviceQuery, Gpu};
+    use ssct::methods;
+    use ssct_scenes::library;
+
+    #[test]
+    fn shots_that_share_a_gbuffer_show_what_they_show_alone_and_draw_the_scene_once() {
+        let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");
+        let scene = library::scene("rooms").expect("built in");
+        let (view, setup) = (&scene.views[0], Setup::new([64, 36]));
+        let (camera, materials) = (view.camera(&scene, setup.extent), scene.materials_in(view));
+        let mut stage = Stage::new(&gpu, &scene).expect("a stage");
+        let method = |name| (methods::find(name).expect("a method"), setup.clone());
+        let wanted = ["ssct", "hzct", "traced"].map(method);
+        let mut gbuffers = SharedGBuffers::default();
+        let shots = gbuffers.shots(&mut stage, wanted.clone(), Wants::IMAGE, camera, &materials).expect("shots");
+        assert!(Rc::ptr_eq(&shots[0].gbuffer, &shots[1].gbuffer));
+        assert!(!Rc::ptr_eq(&shots[0].gbuffer, &shots[2].gbuffer), "traced asks for triangles");
+
+        let mut scenes = Vec::new();
+        for ((method, setup), shot) in wanted.iter().zip(&shots) {
+            let (report, _, output) = gbuffers.output(&mut stage, Mode::Timed, shot).expect("a frame");
+            let shared = stage.context.read(output.composite.level(0)).expect("an image");
+            let alone = Shot::new(&mut stage, method, setup, Wants::IMAGE, camera, materials.clone()).expect("a shot");
+            let (whole, _, output) = stage.output_in(Mode::Timed, &alone).expect("a frame");
+            let own = stage.context.read(output.composite.level(0)).expect("an image");
+            assert!(shared.texels().eq(own.texels()), "{}", method.name);
+            assert_eq!(report.recorded, whole.recorded, "{}", method.name);
+            let counted = |report: &FrameReport| report.passes.iter().map(|p| p.counted).collect::<Vec<_>>();
+            assert_eq!(counted(&report), counted(&whole), "{}", method.name);
+            scenes.push(report.passes.into_iter().filter(|p| !p.counted).map(|p| (p.name, p.ms)).collect::<Vec<_>>());
+        }
+        assert_eq!(scenes[0], scenes[1], "the second shot is shown on what was drawn for the first");
+        assert_ne!(scenes[0], scenes[2]);
+        gbuffers.draw_anew();
+        let (report, ..) = gbuffers.output(&mut stage, Mode::Timed, &shots[1]).expect("a frame");
+        let again = report.passes.into_iter().filter(|p| !p.counted).map(|p| (p.name, p.ms)).collect::<Vec<_>>();
+        assert_ne!(scenes[0], again, "times of another drawing");
+    }
+}
