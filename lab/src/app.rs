@@ -56,8 +56,8 @@ use tracing_subscriber::filter::{LevelFilter, ParseError, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-/// Runs the command line of `ssct` and returns the exit status: 0 if all is done, 1 if the run failed or missed a bar, 2 if the arguments
-/// are wrong, and 128 + n if signal n stopped it.
+/// Runs the command line of `ssct`. The exit status is 0 if all is done, and 1 if the run failed or its results fail a
+/// test of their study. It is 2 if the arguments are wrong, and 128 + n if signal n stopped the run.
 pub fn run() -> ExitCode {
     program(help::command, |cli: &Cli| match &cli.command {
         Command::Render(options) => render::run(options),
@@ -77,8 +77,9 @@ pub fn run() -> ExitCode {
     })
 }
 
-/// Runs a program of the laboratory by its command line and prints how it ended; returns an exit status as [`run`] does.
-/// `command` arranges the command line for the help that the arguments ask for, and `run` does what they say.
+/// Runs a program of the laboratory by its command line and prints how it ended; returns an exit status as [`run`]
+/// does. `command` makes the parser of the command line, with the help that the arguments ask for, and `run` does what
+/// the parsed arguments say.
 pub fn program<P: FromArgMatches>(
     command: impl FnOnce(&[OsString]) -> clap::Command,
     run: impl FnOnce(&P) -> anyhow::Result<()>,
@@ -116,8 +117,8 @@ pub fn program<P: FromArgMatches>(
 /// Memory in MiB that sufficed for every command that was tried; the driver of a CPU takes most of it.
 const ENOUGH_MIB: u64 = 1024;
 
-/// Warns of little memory. If the system bounds the memory of a process, a failed allocation aborts the process and gives no reason.
-/// The abort is changed to end with the status of an error.
+/// Warns on standard error if the system lets this process take less than [`ENOUGH_MIB`] of memory. A failed allocation
+/// then aborts the process without a reason, so that the abort is also changed to end with exit status 1.
 #[cfg(unix)]
 fn say_little_memory() {
     let Some(mib) = memory_limit().map(|limit| limit >> 20).filter(|mib| *mib < ENOUGH_MIB) else { return };
@@ -173,7 +174,8 @@ fn report_end(done: anyhow::Result<()>) -> ExitCode {
     }
 }
 
-/// Turns an error of any of our packages into one of the laboratory; gives another one back.
+/// Turns an error of any of our packages into an error of the laboratory. The error of another package comes back
+/// unchanged, as `Err`.
 fn own(error: anyhow::Error) -> anyhow::Result<Error> {
     error
         .downcast()
@@ -181,7 +183,8 @@ fn own(error: anyhow::Error) -> anyhow::Result<Error> {
         .or_else(|e| e.downcast::<ssct_ground::Error>().map(Error::from))
 }
 
-/// A sentence in one line, without control characters, which a file's name may contain and a terminal would obey.
+/// Returns a sentence on one line, without the control characters that a file's name may contain and a terminal would
+/// obey.
 fn printable(sentence: &str) -> String {
     one_line(sentence).into_owned()
 }

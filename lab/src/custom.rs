@@ -53,7 +53,7 @@ pub fn give_up_by(give_up: fn(&str)) {
     GIVE_UP.get_or_init(|| give_up);
 }
 
-/// Lets methods from folders look, before each frame, whether their files have changed: for the window.
+/// Lets methods from folders look, before each frame, whether their files have changed. The window asks for this.
 pub fn watch() {
     WATCHED.store(true, Ordering::Relaxed);
 }
@@ -91,7 +91,7 @@ pub fn check(folder: &Path) -> Result<()> {
     read(folder).map(|_| ())
 }
 
-/// The manifest of a folder, whose shaders fit it, with its parameters.
+/// Reads the manifest of a folder with its parameters, and checks that the folder's shaders fit the manifest.
 fn read(folder: &Path) -> Result<(Manifest, Vec<Parameter>)> {
     let manifest = Manifest::read(folder)?;
     let parameters = manifest.parameters()?;

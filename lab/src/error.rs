@@ -1,11 +1,12 @@
-//! The error of the laboratory: those of the packages below it, and what runs, folders and windows add.
+//! The error type of the laboratory: the errors of the packages below it, and those of runs, folders and windows.
 
 use std::path::{Path, PathBuf};
 
-/// What can go wrong. The text of each variant is one sentence that says what and where.
+/// An error of the laboratory. The text of each variant is one sentence that says what went wrong, and where.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The crate `ssct` reports it, or the packages below it: wrong arguments, plain data or files, or a call of Vulkan that failed.
+    /// An error of the crate `ssct` or of a package below it: wrong arguments, data or files, or a call of Vulkan that
+    /// failed.
     #[error(transparent)]
     Ssct(#[from] ssct::Error),
 
@@ -20,7 +21,7 @@ pub enum Error {
         folder: PathBuf,
     },
 
-    /// A folder holds a run that was not finished, and what it measured would be lost.
+    /// A folder holds a run that was not finished, whose measurements would be lost if another run began there.
     #[error("{} holds what a run measured that was not finished", folder.display())]
     Unfinished {
         /// The folder.
@@ -40,7 +41,7 @@ pub enum Error {
     },
 }
 
-/// The laboratory's result.
+/// The result of a function of the laboratory that can fail.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl From<ssct_ground::Error> for Error {
@@ -49,6 +50,7 @@ impl From<ssct_ground::Error> for Error {
     }
 }
 
+/// The name of a signal, by its number.
 fn signal_name(signal: u8) -> String {
     match signal {
         2 => "SIGINT".to_owned(),
@@ -58,7 +60,7 @@ fn signal_name(signal: u8) -> String {
 }
 
 impl Error {
-    /// Arguments that ask for something that does not exist or cannot be.
+    /// An error of arguments that ask for something that does not exist or cannot be done.
     pub fn usage(sentence: String) -> Self {
         ssct::Error::Usage(sentence).into()
     }
@@ -68,7 +70,7 @@ impl Error {
         ssct_ground::Error::io(action, path, source).into()
     }
 
-    /// Wrong content of a file, at a line where that is known.
+    /// An error of a file's content, with the line if it is known.
     pub fn malformed(path: impl AsRef<Path>, line: Option<usize>, message: impl Into<String>) -> Self {
         ssct_ground::Error::malformed(path, line, message).into()
     }

@@ -39,7 +39,7 @@ impl Default for Globals {
 }
 
 impl Globals {
-    /// The materials of a view with these factors.
+    /// The scene's materials in a view, changed by these factors.
     pub fn materials(&self, scene: &Scene, view: &View) -> Vec<Material> {
         let mut materials = scene.materials_in(view);
         for m in &mut materials {
@@ -55,13 +55,13 @@ impl Globals {
 
 /// A scene on a device, with the context that records its frames.
 pub struct Stage {
-    /// Records, submits and reads back.
+    /// The context, which records frames, submits them and reads images back.
     pub context: FrameContext,
     data: SceneData,
 }
 
 impl Stage {
-    /// Uploads a scene.
+    /// Uploads a scene to a device. Captures and trees over triangles are made when an effect first needs them.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self> {
         let mut context = FrameContext::new(gpu)?;
         let mut data = SceneData::upload(&mut context, scene)?;
@@ -90,21 +90,23 @@ impl Stage {
         (&mut self.context, &self.data)
     }
 
-    /// Begins a frame of a shot. If the shot's method asks for the scene's triangles, they are first put where the meshes stand now.
+    /// Begins a frame of a shot. If the shot's method asks for the scene's triangles, the triangles are first put where
+    /// the meshes stand now.
     fn begin(&mut self, shot: &Shot, mode: Mode) -> Result<(Frame<'_>, &SceneData)> {
         let Self { context, data } = self;
         shot.effect.prepare_triangles(context, data)?;
         Ok((context.begin(mode)?, data))
     }
 
-    /// Runs one frame of a shot.
+    /// Draws one frame of a shot: the scene, and the method on it. Returns the report of the frame, and the counts of
+    /// drawn meshes.
     pub fn run(&mut self, shot: &Shot, mode: Mode) -> Result<(FrameReport, DrawnCounts)> {
         let (mut frame, data) = self.begin(shot, mode)?;
         let (drawn, _) = shot.record(&mut frame, data)?;
         Ok((frame.finish()?, drawn))
     }
 
-    /// Draws the scene of a shot without reflecting it.
+    /// Draws the scene of a shot into its G-buffer, without running the method.
     pub fn draw(&mut self, shot: &Shot) -> Result<DrawnCounts> {
         Ok(self.draw_in(Mode::Plain, shot)?.1)
     }
@@ -116,12 +118,12 @@ impl Stage {
         Ok((frame.finish()?, drawn))
     }
 
-    /// Runs one frame of a shot and returns its output.
+    /// Draws one frame of a shot in the plain mode, and also returns the images that the method made.
     pub fn output<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
         self.output_in(Mode::Plain, shot)
     }
 
-    /// Runs one frame of a shot in a mode and returns its output.
+    /// Draws one frame of a shot in a mode, and also returns the images that the method made.
     pub fn output_in<'s>(&mut self, mode: Mode, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
         let (mut frame, data) = self.begin(shot, mode)?;
         let (drawn, output) = shot.record(&mut frame, data)?;
@@ -149,7 +151,8 @@ impl Stage {
         Ok(())
     }
 
-    /// Runs the method of a shot alone, on the G-buffer that another shot of its scene and size drew last.
+    /// Runs the method of a shot alone, on the G-buffer that another shot of its scene and size drew last. `drawn` has
+    /// the counts that this drawing returned.
     pub fn output_on<'s>(
         &mut self,
         mode: Mode,
@@ -209,7 +212,7 @@ impl Shot {
         self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
     }
 
-    /// Turns the shot to another camera of its projection, with other materials, and forgets the frames before.
+    /// Gives the shot other materials and another camera with the same kind of projection, and begins its history anew.
     pub fn turn_to(&mut self, stage: &mut Stage, camera: Camera, materials: Vec<Material>) -> Result<()> {
         self.camera = camera;
         self.effect.restart_history();
@@ -232,7 +235,7 @@ impl Shot {
         self.effect.move_captures(context, &SceneInput { data, materials: &self.materials }, places)
     }
 
-    /// Records the scene passes.
+    /// Records the scene passes, which draw the G-buffer and light it.
     fn draw(&self, frame: &mut Frame, data: &SceneData) -> Result<DrawnCounts> {
         let drawn = self.gbuffer.record(frame, data, &self.materials, &self.camera)?;
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..self.gbuffer.gbuffer() };
@@ -240,6 +243,7 @@ impl Shot {
         Ok(drawn)
     }
 
+    /// Records the scene passes of a frame, and the method's passes behind them.
     fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(DrawnCounts, Output<'s>)> {
         let drawn = self.draw(frame, data)?;
         frame.begin_effect();

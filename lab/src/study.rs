@@ -1,4 +1,4 @@
-//! Measurements: run and return plain records. Nothing here prints or writes files.
+//! The studies, which measure and return plain records. Nothing here prints or writes files.
 
 pub mod age;
 pub mod agreement;

@@ -1,6 +1,6 @@
-//! The import rules and the other invariants of the architecture, read off the sources: imports point
-//! down only, what others embed depends on little, a pass knows no other pass, one file writes barriers, `unsafe` stays
-//! in two folders, no shader is a wrapper, and no number is declared in GLSL and in Rust.
+//! The import rules and the other invariants of the architecture, read off the sources: imports point down only, and
+//! the packages that others embed depend on little. A pass knows no other pass, one file writes barriers, and `unsafe`
+//! stays in a few folders. No shader is a wrapper, and no number is declared both in GLSL and in Rust.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -12,9 +12,9 @@ use crate::common::sources::{GLSL, texts};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A package: where its sources are, and the modules at its root, each with those of the same package that it may import. The manifest says
-/// which packages it may import (`packages_need_what_the_map_says`). Packages whose modules all stand beside each other list none; their
-/// modules import each other in no circle.
+/// A package: the folder of its sources, and the modules at its root, each with the modules of the same package that it
+/// may import. A package whose modules all stand beside each other lists none; its modules import each other in no
+/// circle. Which other packages it may import is said by its manifest (`packages_need_what_the_map_says`).
 struct Package {
     sources: &'static str,
     layers: &'static [(&'static str, &'static [&'static str])],
@@ -32,7 +32,7 @@ const PACKAGES: &[Package] = &[
         layers: &[
             ("error", &[]),
             ("conventions", &[]),
-            // Values and their names: what every layer may have parameters by.
+            // Every layer may declare parameters with the values and names of this module.
             ("parameter", &["error"]),
             ("math", &["error", "parameter"]),
             ("scene", &["error", "conventions", "math"]),
@@ -68,30 +68,29 @@ const PACKAGES: &[Package] = &[
     Package { sources: VIEW, layers: &[] },
 ];
 
-/// What a module may not import of other packages, although its package needs them.
+/// Imports that a module may not have, although its package needs them: package, module, forbidden words.
 const NOT_IMPORTED: &[(&str, &str, &[&str])] = &[
     ("lab/src", "custom", &["ssct_truth::"]),
     ("lab/src", "stage", &["ssct_truth::reference", "ssct_scenes::inside"]),
 ];
 
-/// The most direct dependencies of the packages that others embed, those of optional features included but for what builds
-/// trees over triangles, which few need.
+/// The greatest number of direct dependencies of the packages that others embed. It counts optional ones, too, except
+/// the crate that builds trees over triangles, which few users need.
 const MOST_DEPENDENCIES: usize = 10;
 
-/// What it never depends on: command lines, plots, windows.
+/// Crates on which the embedded packages never depend: command lines, plots, windows, and the laboratory's packages.
 const NOT_EMBEDDED: &[&str] = &["ash-window", "clap", "egui", "plotters", "ssct-lab", "ssct-scenes", "winit"];
 
-/// Modules of `passes` that are no pass: what several of them read, or are made of.
+/// Modules of `passes` that are no pass: several passes read them or are made of them.
 const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles", "traced", "triangle_scene"];
 
-/// Words that only these files may contain, and do.
-///
-/// `gpu/device/compile_only.rs` has functions that stand for the driver's and record nothing.
+/// Words with the files that contain them; no other file may. The functions of `gpu/device/compile_only.rs` stand in
+/// for the driver's and record nothing.
 const ONLY_IN: &[(&str, &[&str])] = &[
     ("cmd_pipeline_barrier2", &["gpu/frame.rs", "gpu/device/compile_only.rs"]),
     ("ImageMemoryBarrier2", &["gpu/frame.rs"]),
     ("BufferMemoryBarrier2", &["gpu/frame.rs"]),
-    // The wrappers of the calls, and the one file that calls the wrappers.
+    // A file has the wrapper of each call, and one file alone calls the wrappers.
     ("cmd_write_timestamp2", &["gpu/timing.rs", "gpu/device/compile_only.rs"]),
     (".stamp(", &["gpu/frame.rs"]),
     ("cmd_begin_query", &["gpu/timing.rs", "gpu/device/compile_only.rs"]),
@@ -100,7 +99,8 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     (".end_label(", &["gpu/frame.rs"]),
 ];
 
-/// A source file: the folder of its package's sources, its path in it, and its code without comments and unit tests.
+/// A source file: the folder of its package's sources, its path in that folder, and its code without comments and unit
+/// tests.
 struct Source {
     package: &'static str,
     path: String,
@@ -108,7 +108,7 @@ struct Source {
 }
 
 impl Source {
-    /// Whether it is the file of a module at the root of its package, or stands in its folder.
+    /// Whether the source is the file of a module at the root of its package, or stands in that module's folder.
     fn is_of(&self, module: &str) -> bool {
         self.path.split(['/', '.']).next() == Some(module)
     }
@@ -130,6 +130,7 @@ fn files(folder: &str, extensions: &[&str]) -> impl Iterator<Item = (String, Str
     texts(&[folder], extensions).into_iter().map(below)
 }
 
+/// The Rust sources of all packages, without files of unit tests.
 fn sources() -> Vec<Source> {
     let shipped = |(path, _): &(String, String)| Path::new(path).file_stem().is_some_and(|stem| stem != "tests");
     let package_sources = |package: &Package| {
@@ -150,7 +151,7 @@ fn shaders() -> Vec<Source> {
     found
 }
 
-/// Whether a shader says nothing itself: it only defines and includes.
+/// Whether a shader has no code of its own: it only defines and includes.
 fn is_wrapper(code: &str) -> bool {
     code.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
 }
@@ -173,7 +174,7 @@ impl Number {
         Some(Self { name: name.to_owned(), is_whole, value, path: path.to_owned() })
     }
 
-    /// Words of its name, in capitals.
+    /// The words of the number's name, in capitals: `MaxSteps` and `MAX_STEPS` both give MAX and STEPS.
     fn words(&self) -> Vec<String> {
         let mut words = vec![String::new()];
         let mut before = 'A';
@@ -189,7 +190,8 @@ impl Number {
         words
     }
 
-    /// Whether it is another declaration of the same: by its name; or by its value, and a word of the names.
+    /// Whether two declarations mean one number: their names are equal, or their values are and their names share a
+    /// word.
     fn repeats(&self, other: &Self) -> bool {
         let is_word = |w: &String| w.len() > 2 && other.words().contains(w);
         let is_same = self.value == other.value && self.is_whole == other.is_whole;
@@ -197,7 +199,7 @@ impl Number {
     }
 }
 
-/// `#define NAME 1.0` and `const float NAME = 1.0;` of a shader.
+/// The numbers that a shader declares by `#define NAME 1.0` or `const float NAME = 1.0;`.
 fn numbers_of_glsl(Source { path, code, .. }: &Source) -> Vec<Number> {
     let found = code.lines().filter_map(|line| {
         let line = line.trim();
@@ -213,7 +215,7 @@ fn numbers_of_glsl(Source { path, code, .. }: &Source) -> Vec<Number> {
     found.collect()
 }
 
-/// `const NAME: f32 = 1.0;` of a Rust source, and `Name = 1,` of an enum.
+/// The numbers that a Rust source declares by `const NAME: f32 = 1.0;`, and by `Name = 1,` in an enum.
 fn numbers_of_rust(Source { path, code, .. }: &Source) -> Vec<Number> {
     let found = code.lines().filter_map(|line| {
         let line = line.trim();
@@ -225,7 +227,7 @@ fn numbers_of_rust(Source { path, code, .. }: &Source) -> Vec<Number> {
     found.collect()
 }
 
-/// Numbers of Rust that a shader declares too, and numbers that two shaders declare.
+/// Sentences about numbers that Rust and a shader both declare, and about numbers that two shaders declare.
 fn declared_twice(glsl: &[Number], rust: &[Number]) -> Vec<String> {
     let tell = |a: &Number, b: &Number| format!("{} of {} is {} of {}", a.name, a.path, b.name, b.path);
     let hosts = rust.iter().flat_map(|r| glsl.iter().filter(|g| r.repeats(g)).map(move |g| tell(r, g)));
@@ -234,7 +236,8 @@ fn declared_twice(glsl: &[Number], rust: &[Number]) -> Vec<String> {
     hosts.chain(pairs.filter(|(a, b)| same(a, b)).map(|(a, b)| tell(a, b))).collect()
 }
 
-/// The names that follow a prefix, as in `crate::gpu::Image` or `crate::{gpu, math::cone}`.
+/// The names behind a prefix in code: `crate::gpu::Image` has `gpu` behind `crate::`, and `crate::{gpu, math::cone}`
+/// has `gpu` and `math`.
 fn names_after(code: &str, prefix: &str) -> Vec<String> {
     let word = |s: &str| s.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let mut names = Vec::new();
@@ -248,7 +251,7 @@ fn names_after(code: &str, prefix: &str) -> Vec<String> {
             names.push(word(rest));
             continue;
         };
-        // The first word of each item, at the list's own depth.
+        // The first word of each item of the list; items of nested lists are left out.
         let (mut depth, mut item) = (0, String::new());
         for c in list.chars() {
             match c {
@@ -271,7 +274,7 @@ fn module(path: &str) -> &str {
     path.split(['/', '.']).next().unwrap()
 }
 
-/// What a file imports against the rule of the layers.
+/// Sentences about imports of a file that break the rule of the layers.
 fn wrong_imports(Source { package, path, code }: &Source) -> Vec<String> {
     let Package { layers, .. } = PACKAGES.iter().find(|p| p.sources == *package).unwrap();
     if layers.is_empty() {
@@ -295,20 +298,21 @@ fn wrong_imports(Source { package, path, code }: &Source) -> Vec<String> {
     found
 }
 
-/// The sibling passes that a pass imports.
+/// Sentences about the other passes that a pass imports.
 fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
     let names = [names_after(code, "super::"), names_after(code, "crate::passes::")].concat();
     let wrong = |n: &String| passes.contains(n);
     names.into_iter().filter(wrong).map(|n| format!("{path} imports the pass {n}")).collect()
 }
 
+/// No module imports one that its package's list of layers does not allow.
 #[test]
 fn imports_point_down_only() {
     let wrong: Vec<_> = sources().iter().flat_map(wrong_imports).collect();
     assert_eq!(wrong, [""; 0]);
 }
 
-/// The folders of packages that the map lists, by the packages' names, with the packages that each needs.
+/// The packages that the map in src/ARCHITECTURE.md lists: by name, the folder and the packages that it needs.
 fn packages_of_the_map() -> BTreeMap<String, (String, BTreeSet<String>)> {
     let map = std::fs::read_to_string(repository().join("src/ARCHITECTURE.md")).unwrap();
     let quoted = |cell: &str| cell.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
@@ -322,6 +326,8 @@ fn packages_of_the_map() -> BTreeMap<String, (String, BTreeSet<String>)> {
     map.lines().filter_map(row).collect()
 }
 
+/// Each package of the workspace is in the map, and its manifest has the dependencies on other packages that the map
+/// says. Three packages do not depend on the Vulkan bindings `ash`.
 #[test]
 fn packages_need_what_the_map_says() {
     let members: Vec<_> = manifest(".")["workspace"]["members"].as_array().unwrap().clone();
@@ -338,12 +344,14 @@ fn packages_need_what_the_map_says() {
     }
 }
 
-/// The manifest of a package.
+/// The manifest of the package in a folder of the repository.
 fn manifest(folder: &str) -> toml::Table {
     let path = repository().join(folder).join("Cargo.toml");
     std::fs::read_to_string(path).unwrap().parse().expect("a manifest")
 }
 
+/// The packages `ssct` and `ssct-ground` have at most 10 direct dependencies, and none on the crates of command lines,
+/// plots and windows.
 #[test]
 fn what_others_embed_depends_on_little() {
     let manifests = [manifest("."), manifest("ground")];
@@ -363,6 +371,7 @@ fn what_others_embed_depends_on_little() {
     }
 }
 
+/// No file of `passes` imports another pass, and the shared modules of `passes` record nothing themselves.
 #[test]
 fn a_pass_imports_no_other_pass() {
     let sources = sources();
@@ -379,6 +388,7 @@ fn a_pass_imports_no_other_pass() {
     }
 }
 
+/// Each word of `ONLY_IN` occurs in its files, and in no other source.
 #[test]
 fn one_file_writes_barriers_timestamps_and_labels() {
     let sources = sources();
@@ -388,6 +398,8 @@ fn one_file_writes_barriers_timestamps_and_labels() {
     }
 }
 
+/// Code with `unsafe` stands only in `gpu` and `embed` of the main package, and in `presentation` of the window's
+/// package.
 #[test]
 fn unsafe_code_stays_in_gpu_at_the_door_and_in_the_window() {
     let mut found = 0;
@@ -404,12 +416,14 @@ fn unsafe_code_stays_in_gpu_at_the_door_and_in_the_window() {
     assert!(found >= 5, "the word is found where it is");
 }
 
-/// The path of a module in its package: those of the files at the root are empty.
+/// The path of a module in its package, one element for each folder and one for the file. It is empty for `lib.rs` and
+/// `main.rs`.
 fn module_path(path: &str) -> Vec<&str> {
     let stem = path.strip_suffix(".rs").unwrap_or(path);
     if ["lib", "main"].contains(&stem) { Vec::new() } else { stem.split('/').collect() }
 }
 
+/// No source file is called `mod.rs`: the file of a module stands beside the module's folder.
 #[test]
 fn a_module_stands_beside_its_folder() {
     let sources = sources();
@@ -417,7 +431,8 @@ fn a_module_stands_beside_its_folder() {
     assert!(inside.is_empty() && !sources.is_empty(), "these stand in their folder: {inside:?}");
 }
 
-/// What the modules of a package import of the modules beside them, for each folder, whose path comes first.
+/// The imports between modules that stand beside each other: by folder of the package, by module, the names that the
+/// module imports there.
 fn siblings(sources: &[Source], package: &str) -> BTreeMap<String, BTreeMap<String, BTreeSet<String>>> {
     let mut folders = BTreeMap::<String, BTreeMap<String, BTreeSet<String>>>::new();
     for s in sources.iter().filter(|s| s.package == package) {
@@ -433,9 +448,10 @@ fn siblings(sources: &[Source], package: &str) -> BTreeMap<String, BTreeMap<Stri
     folders
 }
 
-/// The folder whose files all know the device: a circle that is one by its nature.
+/// The package and the folder whose files may import each other in a circle, since all of them know the device.
 const ONE_CIRCLE: (&str, &str) = ("src", "gpu::");
 
+/// In each folder but `ONE_CIRCLE`, the imports between neighbouring modules have no circle.
 #[test]
 fn no_modules_beside_each_other_import_each_other_in_a_circle() {
     let sources = sources();
@@ -447,7 +463,7 @@ fn no_modules_beside_each_other_import_each_other_in_a_circle() {
                 names.retain(|name| modules.contains(name));
                 found += names.len();
             }
-            // Remove modules that import no remaining module, one after another. Only circles remain.
+            // Modules that import no remaining module are removed, one after another, so that only circles remain.
             let free = |left: &BTreeMap<String, BTreeSet<String>>| {
                 left.iter()
                     .find(|(_, names)| names.iter().all(|n| !left.contains_key(n)))
@@ -462,6 +478,7 @@ fn no_modules_beside_each_other_import_each_other_in_a_circle() {
     assert!(found > 300, "imports are found: {found}");
 }
 
+/// Each shader file has code of its own besides lines that begin with `#`.
 #[test]
 fn no_shader_only_defines_and_includes() {
     let wrappers: Vec<_> = shaders().into_iter().filter(|s| is_wrapper(&s.code)).map(|s| s.path).collect();
@@ -471,6 +488,8 @@ fn no_shader_only_defines_and_includes() {
     );
 }
 
+/// No number is declared in a shader and in Rust, or in two shaders; shaders-glsl/common/constants.glsl declares them
+/// for both.
 #[test]
 fn no_constant_is_declared_in_both_languages() {
     let glsl: Vec<_> = shaders().iter().flat_map(numbers_of_glsl).collect();

@@ -1,5 +1,5 @@
-//! The analytic highlights of `area-light` against quadrature: each pixel's lobe sampled by a grid of
-//! directions that are traced against the light.
+//! The analytic highlights of `area-light` against quadrature: the lobe of each pixel is sampled by a grid of
+//! directions, and each direction is tested against the shape of the light.
 
 use crate::common::{Builder, camera, gpu};
 use glam::{DVec3, Vec3};
@@ -11,9 +11,11 @@ use ssct_scenes::{AreaLight, AreaShape, Material, Scene};
 use ssct_truth::reference::first_hits::{FirstHits, Receiver};
 use ssct_truth::reference::lobe::lobe_direction;
 
+/// Size of the image in pixels.
 const EXTENT: [u32; 2] = [64, 48];
-/// Directions along each side of the grid.
+/// The grid has SIDE × SIDE directions.
 const SIDE: u32 = 28;
+/// The light's radiance in linear RGB. The three values differ, so that swapped channels are noticed.
 const RADIANCE: Vec3 = Vec3::new(1.0, 0.5, 2.0);
 
 /// Whether a ray from a point meets a light from the side on which it shines.
@@ -21,8 +23,8 @@ fn meets(shape: &AreaShape, from: DVec3, direction: DVec3) -> bool {
     match *shape {
         AreaShape::Sphere { centre, radius } => passes_within(centre.as_dvec3() - from, direction, f64::from(radius)),
         AreaShape::Capsule { a, b, radius } => {
-            // The nearest approach of ray and segment, by golden section over the segment: the distance
-            // from a ray is convex along a line.
+            // A golden-section search along the segment finds its nearest approach to the ray, since the distance from
+            // a ray is convex along a line.
             let (a, b) = (a.as_dvec3() - from, b.as_dvec3() - from);
             let distance = |t: f64| {
                 let p = a.lerp(b, t);
@@ -60,8 +62,9 @@ fn meets(shape: &AreaShape, from: DVec3, direction: DVec3) -> bool {
     }
 }
 
-/// Where a ray from the origin runs within a slab: the points p of which |p · axis| ≤ half after they are taken relative
-/// to `centre`. The axis is of length 1.
+/// The interval [enter, leave] of distances t at which the point t · direction of a ray from the origin lies within a
+/// slab: |(p − centre) · axis| ≤ half. The axis is of length 1. The interval is empty, with enter > leave, where the
+/// ray misses the slab.
 fn within_slab(centre: DVec3, direction: DVec3, axis: DVec3, half: f64) -> [f64; 2] {
     let (offset, rate) = (centre.dot(axis), direction.dot(axis));
     if rate == 0.0 {
@@ -75,7 +78,8 @@ fn within_slab(centre: DVec3, direction: DVec3, axis: DVec3, half: f64) -> [f64;
     [a.min(b), a.max(b)]
 }
 
-/// Where a ray from the origin runs within an endless tube around a line through `centre`.
+/// The interval [enter, leave] of distances at which a ray from the origin runs within an endless tube around the line
+/// through `centre` along `axis`. It is empty, with enter > leave, where the ray misses the tube.
 fn within_tube(centre: DVec3, direction: DVec3, axis: DVec3, radius: f64) -> [f64; 2] {
     let across = |v: DVec3| v - axis * v.dot(axis);
     let (c, d) = (across(centre), across(direction));
@@ -87,18 +91,21 @@ fn within_tube(centre: DVec3, direction: DVec3, axis: DVec3, radius: f64) -> [f6
     [-root.sqrt(), root.sqrt()].map(|r| (middle + r) / square)
 }
 
-/// Whether the part of a ray that is in all of some intervals lies ahead.
+/// Whether the intersection of all intervals, which are distances along a ray, has a part at a distance of 0 or more.
 fn lies_ahead(intervals: &[[f64; 2]]) -> bool {
     let from = intervals.iter().map(|i| i[0]).fold(0.0, f64::max);
     from <= intervals.iter().map(|i| i[1]).fold(f64::INFINITY, f64::min)
 }
 
+/// Whether a ray from the origin, with a direction of length 1, meets a sphere whose centre lies ahead of the ray's
+/// start.
 fn passes_within(centre: DVec3, direction: DVec3, radius: f64) -> bool {
     let along = centre.dot(direction);
     along > 0.0 && (centre - direction * along).length() <= radius
 }
 
-/// The share of a receiver's lobe that a light fills.
+/// The share of a receiver's lobe that a light fills, from 0 to 1, by quadrature. A receiver is the surface point of a
+/// pixel.
 fn share(shape: &AreaShape, receiver: &Receiver) -> f64 {
     let (axis, exponent) = (receiver.mirror(), phong::exponent(receiver.roughness));
     let side = f64::from(SIDE);
@@ -110,7 +117,7 @@ fn share(shape: &AreaShape, receiver: &Receiver) -> f64 {
     met.count() as f64 / (side * side)
 }
 
-/// A floor under a light.
+/// A black mirror floor under a light of this shape.
 fn lit_by(shape: AreaShape) -> Scene {
     let mut b = Builder::new("area light");
     let floor = b.mirror();
@@ -119,7 +126,8 @@ fn lit_by(shape: AreaShape) -> Scene {
     b.0
 }
 
-/// Root mean square and greatest error of the share, over the pixels that any of the light reaches.
+/// The error of the share that the device computes, over the pixels that any of the light reaches: first its root mean
+/// square, then its greatest value. Both are absolute, of shares between 0 and 1.
 fn errors(shape: AreaShape, roughness: f32) -> (f64, f64) {
     let scene = lit_by(shape);
     let gpu = gpu();
@@ -139,6 +147,7 @@ fn errors(shape: AreaShape, roughness: f32) -> (f64, f64) {
             continue;
         };
         let found = f64::from(texel[0] / RADIANCE.x);
+        // One share is multiplied by the radiance in all channels, and 16-bit floats round each product.
         assert!((texel[1] - RADIANCE.y * texel[0]).abs() < 2e-3 && (texel[2] - RADIANCE.z * texel[0]).abs() < 4e-3);
         let expected = share(&shape, receiver);
         if expected > 0.0 || found > 1e-3 {
@@ -151,7 +160,8 @@ fn errors(shape: AreaShape, roughness: f32) -> (f64, f64) {
     ((sum / f64::from(count)).sqrt(), most)
 }
 
-/// Prints and bounds the errors of a shape for each roughness.
+/// Prints and bounds the errors of a shape. Each element of `bounds` is a roughness, the bound of the root mean square
+/// error, and the bound of the greatest error.
 fn holds(shape: AreaShape, bounds: [(f32, f64, f64); 4]) {
     for (roughness, rms_bound, most_bound) in bounds {
         let (rms, most) = errors(shape, roughness);
@@ -160,21 +170,27 @@ fn holds(shape: AreaShape, bounds: [(f32, f64, f64); 4]) {
     }
 }
 
-// Shares are of 1. Quadrature itself errs by about a hundredth where an edge crosses the lobe. The
-// capsule's greatest errors lie at its round ends.
+// The bounds lie somewhat above the measured errors (shaders-glsl/area_light/ERRATA.md), which are those of the formula
+// and of the quadrature together. The quadrature alone errs by about 0.01 where an edge of the light crosses the lobe.
+// The capsule's greatest errors lie at its round ends.
 
+/// A sphere of 0.5 m above the floor, seen at four roughnesses: its highlight equals the quadrature of the lobe within
+/// the bounds.
 #[test]
 fn a_sphere_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Sphere { centre: Vec3::new(0.4, 1.2, 5.0), radius: 0.5 };
     holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.04, 0.08), (0.3, 0.04, 0.08), (0.8, 0.03, 0.08)]);
 }
 
+/// A thin slanting capsule over the floor, at four roughnesses: its highlight equals the quadrature within the bounds.
 #[test]
 fn a_capsule_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Capsule { a: Vec3::new(-1.5, 0.8, 4.0), b: Vec3::new(1.0, 1.6, 6.0), radius: 0.15 };
     holds(shape, [(0.02, 0.03, 0.2), (0.1, 0.03, 0.2), (0.3, 0.03, 0.2), (0.8, 0.02, 0.1)]);
 }
 
+/// A rectangle that faces the camera at an angle, at four roughnesses: its highlight equals the quadrature within the
+/// bounds.
 #[test]
 fn a_rectangle_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Rectangle {
@@ -185,6 +201,8 @@ fn a_rectangle_fills_its_share_of_the_lobe() {
     holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.04, 0.1), (0.3, 0.04, 0.1), (0.8, 0.04, 0.1)]);
 }
 
+/// Two cylinders at four roughnesses each: their highlights equal the quadrature. The thick one has wider bounds, since
+/// the formula takes its flat ends, of which one is seen, as ellipses.
 #[test]
 fn a_cylinder_fills_its_share_of_the_lobe() {
     let thin = AreaShape::Cylinder { a: Vec3::new(-1.5, 0.8, 4.0), b: Vec3::new(1.0, 1.6, 6.0), radius: 0.15 };
@@ -194,6 +212,7 @@ fn a_cylinder_fills_its_share_of_the_lobe() {
     holds(thick, [(0.02, 0.15, 0.7), (0.1, 0.09, 0.4), (0.3, 0.06, 0.25), (0.8, 0.03, 0.15)]);
 }
 
+/// A turned box over the floor, at four roughnesses: its highlight equals the quadrature within the bounds.
 #[test]
 fn a_cuboid_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Cuboid {
@@ -205,7 +224,8 @@ fn a_cuboid_fills_its_share_of_the_lobe() {
     holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.05, 0.2), (0.3, 0.06, 0.25), (0.8, 0.04, 0.1)]);
 }
 
-/// A tube that crosses the plane of a ray behind it, where the angles along it go round.
+/// A capsule and a cylinder behind the camera give no highlight. Each crosses the plane of a ray behind the ray's
+/// start, where the formula's angles along the tube wrap around.
 #[test]
 fn a_tube_behind_the_viewer_is_not_seen() {
     let (a, b, radius) = (Vec3::new(-3.0, 1.0, -10.0), Vec3::new(3.0, 1.0, -10.0), 0.5);
@@ -223,13 +243,16 @@ fn a_tube_behind_the_viewer_is_not_seen() {
     }
 }
 
+/// A sphere beyond the end of the floor, whose lower half lies below the plane of the floor: only its upper half gives
+/// light.
 #[test]
 fn a_light_half_below_the_horizon_gives_what_is_above_it() {
-    // Beyond the floor's end, half of it beneath the floor's plane.
     let shape = AreaShape::Sphere { centre: Vec3::new(0.0, 0.3, 25.0), radius: 3.0 };
     holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.06, 0.2), (0.3, 0.06, 0.2), (0.8, 0.06, 0.2)]);
 }
 
+/// On a floor of roughness 0, a pixel is bright exactly where its mirror ray meets the light, for each kind of shape.
+/// The sixth shape is a rectangle that is turned away, and no pixel shows it.
 #[test]
 fn a_mirror_shows_the_light_itself_and_a_rectangle_is_dark_from_behind() {
     let shapes = [
@@ -247,7 +270,7 @@ fn a_mirror_shows_the_light_itself_and_a_rectangle_is_dark_from_behind() {
             half_v: Vec3::new(0.0, 0.4, 0.0),
             half_w: 0.35,
         },
-        // The rectangle, turned away.
+        // A rectangle that shines away from the floor.
         AreaShape::Rectangle {
             centre: Vec3::new(0.2, 1.4, 6.0),
             half_u: Vec3::new(1.0, 0.0, 0.4),
@@ -274,7 +297,7 @@ fn a_mirror_shows_the_light_itself_and_a_rectangle_is_dark_from_behind() {
         }
         println!("{shape:?}: {met} pixels, {wrong} wrong");
         assert!(if k < 5 { met > 20 } else { met == 0 }, "{shape:?}: {met}");
-        // 16-bit normals move the ray by a pixel at the edge.
+        // The G-buffer's 16-bit normals move rays by up to a pixel at the edge of the light, hence 5 % of its pixels.
         assert!(f64::from(wrong) <= 0.05 * f64::from(met), "{shape:?}: {wrong} of {met}");
     }
 }

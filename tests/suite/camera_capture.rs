@@ -1,4 +1,4 @@
-//! A capture at the camera (`--captures camera`): it stands where the camera stands, frame by frame, its six faces are
+//! A capture at the camera (`--captures camera`): it stands where the camera stands in each frame, its six faces are
 //! passes of each frame, and it shows what is behind the camera.
 
 use crate::common::folder::Folder;
@@ -14,24 +14,27 @@ use ssct_scenes::{Camera, Capture, Scene, View};
 use ssct_truth::metrics::place::RayEnd;
 use std::sync::Arc;
 
+/// Size of the image in pixels.
 const EXTENT: [u32; 2] = [80, 45];
-/// Texels a side of a face, beside the sides that scenes have: those of the scene's own captures and of the camera's.
+/// Texels along each side of a face: the default of a scene's own captures and of the capture at the camera.
 const SIDE: u32 = Capture::RESOLUTION;
 
-/// The methods that look into captures, alone or behind another one.
+/// The methods that look into captures, each with its fallback: alone, or as captures behind another method.
 const LOOKING: [(&str, Fallback); 3] =
     [("unified", Fallback::None), ("captures", Fallback::None), ("dda", Fallback::Captures)];
 
+/// A shot of a scene in which every surface is a mirror.
 fn shot(stage: &mut Stage, scene: &Scene, method: &str, camera: Camera, setup: &Setup, wants: Wants) -> Shot {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, &View::default());
     Shot::new(stage, find(method).unwrap(), setup, wants, camera, materials).unwrap()
 }
 
+/// A setup with a choice of captures and a fallback.
 fn setup(captures: CaptureCount, fallback: Fallback) -> Setup {
     Setup::new(EXTENT).with(|p: &mut EffectParams| (p.captures, p.fallback) = (captures, fallback))
 }
 
-/// What a frame of a shot reflects, and the names of its passes that count.
+/// The values of the reflection of one frame, and the names of the passes that count for the time of the method.
 fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<f32>, Vec<String>) {
     let (report, _, output) = stage.output_in(Mode::Timed, shot).unwrap();
     let pixels = gbuffer::reflection(&mut stage.context, &output).unwrap();
@@ -39,16 +42,17 @@ fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<f32>, Vec<String>) {
     (pixels.values, counted)
 }
 
-/// Rays are listed in the order in which threads find them, and the last bit of what one sees in captures may depend on
-/// its neighbours in the list: that of a half-precision float below 1.
+/// The greatest allowed difference of two images of one view. Threads list rays in any order, and what a ray sees in
+/// captures may depend on its neighbours in the list by the last bit of a 16-bit float below 1.
 const LAST_BITS: f32 = 1.0 / 2048.0;
 
-/// The greatest difference of two images.
+/// The greatest difference of a value between two images.
 fn farthest(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// Some cameras one after another: each frame is the same as with a capture that was made where that camera stands.
+/// For each of four cameras one after another, the frame equals that with a capture which stands still at that camera.
+/// The frame has the six faces as further passes, and does not depend on the frames before it.
 #[test]
 fn it_follows_the_camera() {
     let gpu = gpu();
@@ -99,10 +103,13 @@ fn it_follows_the_camera() {
     check_validation(&gpu).unwrap();
 }
 
+/// The wall behind the camera stands at this z, in metres.
 const BEHIND_Z: f32 = -4.0;
+/// The mirror stands at this z, in metres.
 const MIRROR_Z: f32 = 3.0;
 
-/// A mirror before the camera, and a wall with a picture behind it, whose colour says where on it one is.
+/// A mirror in front of the camera, and a wall behind the camera. The colours of the wall's picture say where on the
+/// wall a point lies.
 fn facing_mirror() -> Scene {
     let mut b = Builder::new("behind");
     b.light(-Vec3::Z);
@@ -113,6 +120,8 @@ fn facing_mirror() -> Scene {
     b.0
 }
 
+/// Each pixel of the mirror shows the point of the wall that the mirror law gives, within 5 cm and within 0.05 of its
+/// colour. The screen alone does not show the wall.
 #[test]
 fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
     let gpu = gpu();
@@ -125,6 +134,7 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
             let with = alone.with(|p: &mut EffectParams| {
                 (p.captures, p.beyond) = (CaptureCount::Camera, BeyondScreen::Captures);
             });
+            // The reflection, and the image of the hits.
             let shown = |stage: &mut Stage, setup: &Setup| -> (Pixels, Pixels) {
                 let shot = shot(stage, &scene, method, viewpoint, setup, Wants::HITS);
                 let (_, _, output) = stage.output(&shot).unwrap();
@@ -148,6 +158,7 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
                 let [x, y] = [i as u32 % data.width, i as u32 / data.width].map(|v| f64::from(v) + 0.5);
                 let place = data.unproject(x, y, f64::from(data.depth[i]), &to_view);
                 let place = to_world.transform_point3(place).as_vec3();
+                // The direction of the reflected ray: the mirror's normal is the z axis, so that z changes its sign.
                 let along = (place - eye) * Vec3::new(1.0, 1.0, -1.0);
                 let truth = place + along * ((BEHIND_Z - place.z) / along.z);
                 let code = PathCode::from_channel(hits.texel(i as u32 % data.width, i as u32 / data.width)[3]);
@@ -170,6 +181,7 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
     check_validation(&gpu).unwrap();
 }
 
+/// After the first frame, four frames of a moving camera allocate no Vulkan object.
 #[test]
 fn it_makes_no_object_in_the_steady_state() {
     let watch = Arc::<Watch>::default();
@@ -187,6 +199,8 @@ fn it_makes_no_object_in_the_steady_state() {
     assert_eq!(watch.calls()[0], 0, "allocations");
 }
 
+/// `--captures camera` works with `render`, `motion` and `path`; it is refused for a G-buffer file and beside
+/// `--captures-per-frame`.
 #[test]
 fn the_command_takes_it_and_says_where_it_cannot_be() {
     let folder = Folder::new();

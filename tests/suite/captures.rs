@@ -22,19 +22,19 @@ use ssct_truth::reference::images::EndInImages;
 use ssct_truth::reference::unified::{CaptureTraversal, RayEndKind, ScreenRayEnd, Traversal};
 use ssct_truth::reference::{CaptureData, ImageOracle};
 
-/// What the device drew and where its rays ended.
+/// The G-buffer and the captures that the device drew, and the ends of its rays.
 struct Drawn {
     data: GBufferData,
     captures: Vec<CaptureData>,
-    /// Bounds of the scene; a lost ray that is outside has escaped.
+    /// Bounds of the scene: a lost ray outside of them ends in the sky.
     bounds: Aabb,
-    /// What mirror.glsl and follow.comp left.
+    /// The image of the hits, which mirror.glsl and follow.comp wrote.
     hits: Pixels,
     /// The reflection before fade and reflectivity.
     reflection: Pixels,
 }
 
-/// Mirrors everywhere, with flat normals.
+/// The materials of a view as mirrors, with flat normals.
 fn mirrors(scene: &Scene, view: &View) -> Vec<Material> {
     Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() }.materials(scene, view)
 }
@@ -73,6 +73,7 @@ fn read_captures(gpu: &Gpu, scene: &Scene, materials: &[Material]) -> Vec<Captur
     scene.captures.iter().enumerate().map(faces).collect()
 }
 
+/// Draws a view with `unified` and the captures of the scene, and reads everything back.
 fn draw(gpu: &Gpu, scene: &Scene, view: &View, extent: [u32; 2]) -> Drawn {
     let setup = Setup::new(extent).with(|p: &mut EffectParams| p.captures = CaptureCount::Auto);
     let (camera, materials) = (view.camera(scene, extent), mirrors(scene, view));
@@ -92,20 +93,26 @@ fn with_captures(mut scene: Scene, places: &[Vec3], resolution: u32) -> Scene {
     scene
 }
 
-/// How the rays of an image fared.
+/// Counts of the rays of an image.
 #[derive(Debug, Default, Clone, Copy)]
 struct Count {
+    /// Rays that the screen loses, so that the captures go on with them.
     followed: usize,
+    /// Followed rays that end at a hit in a capture.
     in_captures: usize,
+    /// Followed rays that end in the sky.
     in_sky: usize,
-    /// Rays in the sky that only the scene's bounds find there.
+    /// Followed rays that end otherwise if the twin does not know the bounds of the scene.
     outside: usize,
+    /// Followed rays with an unknown end.
     unknown: usize,
+    /// The greatest number of steps of a followed ray.
     most_steps: i32,
+    /// The greatest number of faces that a followed ray crosses.
     most_faces: i32,
 }
 
-/// Holds every pixel's code and place against the twin, bit by bit.
+/// Holds the path code and the place of every pixel against the twin, bit by bit, and counts the rays.
 fn check_twin(drawn: &Drawn) -> Count {
     let screen = Traversal::new(&drawn.data).followed();
     let twin = CaptureTraversal::new(&drawn.data.camera, &drawn.captures).with_bounds(drawn.bounds);
@@ -161,14 +168,15 @@ fn check_twin(drawn: &Drawn) -> Count {
     count
 }
 
+/// Whether a texel of the device has the code of a hit on the screen and the twin's place, bit by bit.
 fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct_truth::reference::unified::Hit) -> bool {
     let uv = hit.position * screen.parameters.pixel_to_clip;
     let bits = [uv.x, uv.y, 1.0 - hit.depth].map(f32::to_bits);
     PathCode::from_channel(found[3]) == Some(PathCode::HiZ) && bits == [0, 1, 2].map(|c| found[c].to_bits())
 }
 
-/// Whether an end is what the device says: the same code; in a capture within a texel there, on the screen within a
-/// pixel.
+/// Whether the end by the oracle is what the device says. Both must be of one kind, in a capture at most a texel apart,
+/// and on the screen at most a pixel apart.
 fn agrees(found: &[f32], data: &GBufferData, end: Option<EndInImages>) -> bool {
     let place = DVec3::new(found[0].into(), found[1].into(), found[2].into());
     match (end, PathCode::from_channel(found[3])) {
@@ -184,8 +192,9 @@ fn agrees(found: &[f32], data: &GBufferData, end: Option<EndInImages>) -> bool {
     }
 }
 
-/// How many rays are followed; how many of them end elsewhere by the oracle of images, but do not if they are off by
-/// rounding; and those that end elsewhere all the same.
+/// Compares the followed rays with the oracle of images. Returns how many are followed, how many of them are ties, and
+/// a sentence for each other ray that ends elsewhere. A ray is a tie if it agrees once its direction is off by the
+/// rounding of 32-bit numbers.
 fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
     let data = &drawn.data;
     let images = ImageOracle::new(data, &drawn.captures).with_bounds(drawn.bounds);
@@ -218,6 +227,8 @@ fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
     (all.len(), ties, all.into_iter().filter_map(|(_, wrong)| wrong).collect())
 }
 
+/// Over all scenes of `cases`, at most one followed ray in 10 000 ends elsewhere than the oracle says, and at most one
+/// in 10 000 is a tie.
 #[test]
 fn rays_that_are_followed_end_where_the_oracle_of_images_says() {
     let gpu = gpu();
@@ -234,7 +245,8 @@ fn rays_that_are_followed_end_where_the_oracle_of_images_says() {
     check_validation(&gpu).unwrap();
 }
 
-/// Scenes with captures: their views, at awkward sizes.
+/// Scenes with captures, each with a name, a view and a size in pixels: many captures and few, fine and coarse faces,
+/// hard places, and very small and large scenes.
 fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
     let mut all = Vec::new();
     let rooms = crate::common::built_in("rooms");
@@ -242,7 +254,7 @@ fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
     let street = crate::common::built_in("street");
     for (scene, view) in [(&rooms, "window"), (&rooms, "corridor"), (&atrium, ""), (&street, "car")] {
         let view = scene.views.iter().find(|v| v.name == view).unwrap_or(&scene.views[0]).clone();
-        // Between the eye and what it looks at, and beside both.
+        // Places between the eye and the point that it looks at, beside that line, and behind the eye.
         let aside = (view.look_at - view.eye).cross(Vec3::Y).normalize();
         let place = |along: f32, side: f32| view.eye.lerp(view.look_at, along) + side * aside;
         let places = [place(0.3, 0.2), place(0.8, -0.4), view.eye, place(-0.2, 0.5)];
@@ -257,7 +269,7 @@ fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
     for side in [1, 2, 128] {
         all.push((format!("clutter, {side}"), with_captures(clutter(), &places, side), view.clone(), [97, 61]));
     }
-    // At the eye, on the floor, and below it, where nothing of the room is seen.
+    // Captures at the eye, on the floor, and below the floor, from where nothing of the room is seen.
     let hard = with_captures(clutter(), &[view.eye, Vec3::new(0.5, 0.0, 4.0), Vec3::new(0.0, -0.5, 3.0)], 33);
     all.push(("clutter, 3 of 33 in hard places".into(), hard.clone(), view.clone(), [97, 61]));
     for factor in [1e-3, 1e3] {
@@ -270,6 +282,8 @@ fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
     all
 }
 
+/// Over all scenes of `cases`, each pixel has the twin's path code and place, bit by bit. More than 5000 rays are
+/// followed, and more than 100 end in the sky by the bounds alone.
 #[test]
 fn codes_and_places_equal_their_twin_to_the_bit() {
     let gpu = gpu();
@@ -284,7 +298,7 @@ fn codes_and_places_equal_their_twin_to_the_bit() {
     check_validation(&gpu).unwrap();
 }
 
-/// The captures of the stress suite: their rays end as the twin's do, of which none runs out of steps.
+/// The captures of the stress suite: all rays end as the twin's rays do, and no ray of the twin runs out of steps.
 #[test]
 fn no_ray_is_exhausted_in_captures_that_stand_in_hard_places() {
     let gpu = gpu();
@@ -326,17 +340,19 @@ fn ramp() -> Scene {
     b.0
 }
 
-/// Width and height of the wall, and side of a cell, in metres.
+/// Width and height of the wall, in metres.
 const WALL: [f64; 2] = [40.0, 16.0];
+/// The side of a cell of the checker, in metres.
 const CELL: f64 = 2.0;
 
-/// Steps of the wall's picture, of 16-bit floats and of the sky that is none: what colours are rounded by.
+/// The greatest rounding of a colour: steps of the wall's picture and of 16-bit floats.
 const ROUNDING: f64 = 0.008;
 
 /// The point of the wall that a pixel shows, how its ray ended, and by how much its colour is off.
 type Texel = (DVec2, PathCode, f64);
 
-/// The reflections of the ramp in the floor, a texel for each pixel that shows the wall.
+/// Draws the ramp with one capture at a place. Returns the images, and for each pixel its texel, or none if the pixel
+/// does not show the wall well inside its edges.
 fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>) {
     let scene = with_captures(ramp(), &[place], resolution);
     let view = View { eye: Vec3::new(0.0, 1.6, 0.0), look_at: Vec3::new(0.0, 0.2, 4.0), ..View::default() };
@@ -350,7 +366,8 @@ fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>)
         let aspect = f64::from(extent[0]) / f64::from(extent[1]);
         let ndc = [2.0 * pixel[0] / f64::from(extent[0]) - 1.0, 1.0 - 2.0 * pixel[1] / f64::from(extent[1])];
         let d = rotation.transform_vector3(DVec3::new(ndc[0] * tan * aspect, ndc[1] * tan, 1.0));
-        // The mirror's eye lies below the floor.
+        // The eye's mirror image lies 1.6 m below the floor: the ray from there through the pixel meets the wall at
+        // this point.
         let t = 8.0 / d.z;
         let wall = DVec2::new(t * d.x, -1.6 - t * d.y);
         let inside = wall.x.abs() < 19.0 && wall.y > 1.0 && wall.y < WALL[1] - 0.5;
@@ -364,6 +381,9 @@ fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>)
     (drawn, shown)
 }
 
+/// The reflected wall has the right colour everywhere, also at borders between screen and capture and between two
+/// faces. The allowed error is a texel of the capture and the footprint of the ray, as shares of the wall, plus
+/// rounding.
 #[test]
 fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
     let gpu = gpu();
@@ -390,8 +410,8 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
         for (i, one) in shown.iter().enumerate() {
             let &Some((wall, code, off)) = one else { continue };
             assert!([PathCode::HiZ, PathCode::Capture].contains(&code), "{wall}: {code:?}");
-            // A face sees the wall at an angle, which lengthens its texels on the wall. The footprint of a ray widens with the distance
-            // from the eye.
+            // A face sees the wall at an angle, which lengthens its texels on the wall. The footprint of a ray widens
+            // with the distance from the eye.
             let d = from(wall);
             let footprint_m = 2.0 * 37_f64.to_radians().tan() / f64::from(drawn.data.height)
                 * DVec3::new(wall.x, wall.y + 1.6, 8.0).length();
@@ -411,7 +431,7 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
                 assert!((blue - expected).abs() < 0.1, "{wall}, {code:?}: blue {blue}");
                 cells += 1;
             }
-            // Beside it, and below.
+            // The next pixels to the right and below.
             for next in [i + 1, i + width] {
                 let Some(&Some((other, other_code, other_off))) = shown.get(next) else { continue };
                 if (other - wall).length() > 1.0 {
@@ -437,6 +457,8 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
     check_validation(&gpu).unwrap();
 }
 
+/// Where the fade of `ssct` is 1, its finished image is the same with captures behind it and without, within the
+/// rounding of 16-bit floats.
 #[test]
 fn captures_behind_a_method_leave_what_the_screen_shows_in_the_image() {
     let gpu = gpu();

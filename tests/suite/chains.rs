@@ -1,5 +1,5 @@
-//! The chains of the GPU equal their twins on the CPU at every kind of size: odd, prime, one texel
-//! wide or high, one texel, powers of two, and sizes of the thesis's table.
+//! The chains of the device equal their twins on the CPU at every kind of size: odd, prime, one texel wide or high, one
+//! texel, powers of two, and sizes of the thesis's table.
 
 use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_scenes, show};
 use glam::Vec3;
@@ -16,6 +16,7 @@ use ssct_truth::reference::Level;
 use ssct_truth::reference::hi_z::{self, MinMax};
 use ssct_truth::reference::visibility::{self, Range};
 
+/// Sizes in pixels.
 const SIZES: [[u32; 2]; 14] = [
     [1, 1],
     [2, 2],
@@ -33,23 +34,26 @@ const SIZES: [[u32; 2]; 14] = [
     [800, 600],
 ];
 
-/// With the maximum beside the minimum in the chain of depths.
+/// Shows the cluttered scene with `ssct` and a filter of the colour chain. The Hi-Z chain has the maximum beside the
+/// minimum.
 fn render(gpu: &Gpu, extent: [u32; 2], filter: ChainFilter) -> Shown {
     let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| (p.chain_filter, p.hi_z_maximum) = (filter, true));
     show(gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &Globals::default())
 }
 
+/// An image of two channels as a level of minima and maxima.
 fn min_max(pixels: &Pixels) -> Level<MinMax> {
     let texels = pixels.texels().map(MinMax::from_texel).collect();
     Level { width: pixels.width, height: pixels.height, texels }
 }
 
+/// One channel of an image as a level.
 fn channel(pixels: &Pixels, channel: usize) -> Level<f32> {
     let texels = pixels.texels().map(|t| t[channel]).collect();
     Level { width: pixels.width, height: pixels.height, texels }
 }
 
-/// Holds a shot's depth chain against the twin.
+/// Holds the Hi-Z chain of a shot against the twin, to the bit.
 fn check_depth(shown: &Shown) {
     let levels = shown.levels("hi-z");
     let extent = [levels[0].width, levels[0].height];
@@ -67,6 +71,7 @@ fn check_depth(shown: &Shown) {
     }
 }
 
+/// At every size of `SIZES`, each texel of each level of the Hi-Z chain is the twin's, to the bit.
 #[test]
 fn depth_chains_equal_their_twin_to_the_bit() {
     let gpu = gpu();
@@ -82,6 +87,7 @@ fn depth_chains_equal_their_twin_to_the_bit() {
     }
 }
 
+/// A chain without maxima has one channel, with the same minima, and leads to the same finished image.
 #[test]
 fn without_maxima_the_minima_and_the_image_are_the_same() {
     let gpu = gpu();
@@ -100,6 +106,7 @@ fn without_maxima_the_minima_and_the_image_are_the_same() {
     assert_eq!(shown[0].get("composite").values, shown[1].get("composite").values);
 }
 
+/// The Hi-Z chain equals the twin on the large scene of the author's rooms, too, if its files are there.
 #[test]
 fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
     let Some(folder) = shared_scenes() else { return };
@@ -112,13 +119,15 @@ fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
     }
 }
 
+/// At every size of `SIZES`, each level of the visibility chain is the twin's of the level below, but for one texel in
+/// 1000 that lies near the middle between two steps.
 #[test]
 fn visibility_chains_equal_their_twin_but_for_rounding_ties() {
-    // A level of the twin is made from the GPU's own level below, so that a difference stays where
-    // it arises. A device may fuse or reorder Eq. 4.2, whose denominator f + n − z (f − n) then
-    // differs by one unit in the last place of f: 6.1e-5 of 0.2 at the far plane, 3e-4 relative,
-    // twice in the quotient. That moves a share by at most 0.16 steps of 1/255, so only texels that
-    // lie this close to the middle between two steps may differ, and by one step.
+    // The twin makes each level from the device's level below, so that a difference stays in the level where it arises.
+    // A device may fuse or reorder Eq. 4.2, whose denominator f + n − z (f − n) then differs by one unit in the last
+    // place of f. At the far plane, this is 6.1e-5 of 0.2, a share of 3e-4, and it counts twice in the quotient. It
+    // moves a share by at most 0.16 steps of 1/255, so that only texels which lie this close to the middle between two
+    // steps may differ, by one step.
     const TIE: f32 = 0.16;
     let gpu = gpu();
     let (mut texels, mut differing) = (0_usize, 0_usize);
@@ -155,6 +164,8 @@ fn visibility_chains_equal_their_twin_but_for_rounding_ties() {
     assert!(differing * 1000 <= texels, "{differing} of {texels} texels differ");
 }
 
+/// The twin makes the whole chain out of level 0 alone. Each level may add one step of 1/255 by rounding, so that level
+/// n is within n steps.
 #[test]
 fn a_visibility_chain_from_end_to_end_stays_within_a_step_a_level() {
     let gpu = gpu();
@@ -168,11 +179,14 @@ fn a_visibility_chain_from_end_to_end_stays_within_a_step_a_level() {
     }
 }
 
-/// One step of f16 at a value, which is what rounding to it may move the value by, twice.
+/// One step of a 16-bit float at a value. Rounding to 16 bits moves a value by at most half a step, and two roundings
+/// by at most one.
 fn half_step(value: f32) -> f32 {
     (value.abs() / 1024.0).max(6e-8)
 }
 
+/// Where sides are powers of two, each texel of the colour chain is the mean of four texels below it, within the
+/// rounding of 16-bit floats.
 #[test]
 fn blits_of_even_levels_are_box_averages() {
     let gpu = gpu();
@@ -183,7 +197,7 @@ fn blits_of_even_levels_are_box_averages() {
             let (below, here) = (levels[n - 1], levels[n]);
             for (y, x) in (0..here.height).flat_map(|y| (0..here.width).map(move |x| (y, x))) {
                 for c in 0..3 {
-                    // A side of 1 has no second texel.
+                    // A level whose side is one texel has no second texel there, so that its only texel counts twice.
                     let texel = |dx: u32, dy: u32| {
                         let (x, y) = ((2 * x + dx).min(below.width - 1), (2 * y + dy).min(below.height - 1));
                         below.texel(x, y)[c]
@@ -202,7 +216,8 @@ fn blits_of_even_levels_are_box_averages() {
     }
 }
 
-/// A flat G-buffer with depths and colours of its own in every pixel.
+/// A G-buffer whose pixels all reflect and face the camera. `depth` and `color` give the depth and the colour of each
+/// pixel by its index.
 fn colored(extent: [u32; 2], depth: impl Fn(u64) -> f32, color: impl Fn(u64) -> Vec3) -> GBufferData {
     let pixels = extent[0] as usize * extent[1] as usize;
     GBufferData {
@@ -218,12 +233,15 @@ fn colored(extent: [u32; 2], depth: impl Fn(u64) -> f32, color: impl Fn(u64) -> 
     }
 }
 
+/// The pass that makes seven coarse levels at once gives the bilinear sample of the level below in each texel. Blits
+/// make the finer levels, and images that are too small have blits alone.
 #[test]
 fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
     let gpu = gpu();
     let mut context = FrameContext::new(&gpu).unwrap();
     let pass = ColorChainPass::in_few_passes(&gpu).unwrap();
-    // From 128 pixels on there are seven levels above the first; below, blits make all.
+    // An image of 128 pixels or more has at least seven levels above the first. For smaller images, blits make all
+    // levels.
     for (extent, coarse) in [
         ([127, 61], 7..7),
         ([128, 1], 1..8),
@@ -260,6 +278,8 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
     gpu.check_validation().unwrap();
 }
 
+/// In the chain that leaves sky out, alpha is 0 in pixels of sky, and level 1 is a bilinear sample of level 0 with sky
+/// set to zero.
 #[test]
 fn a_chain_without_sky_is_made_of_what_is_lit() {
     let gpu = gpu();
@@ -287,7 +307,7 @@ fn a_chain_without_sky_is_made_of_what_is_lit() {
         for (y, x) in (0..coarser.height).flat_map(|y| (0..coarser.width).map(move |x| (y, x))) {
             let (u, v) = ((x as f32 + 0.5) / coarser.width as f32, (y as f32 + 0.5) / coarser.height as f32);
             for (found, twin) in coarser.texel(x, y).iter().zip(bilinear(&finest, u, v)) {
-                // Both round a place to a part of a texel, between colours of up to 1.
+                // Device and twin round the place of the sample to a part of a texel, between colours of up to 1.
                 let bound = half_step(twin) + extent[0] as f32 * f32::EPSILON;
                 assert!((found - twin).abs() <= bound, "{extent:?}, ({x}, {y}): {found} against {twin}");
             }
@@ -296,11 +316,12 @@ fn a_chain_without_sky_is_made_of_what_is_lit() {
     gpu.check_validation().unwrap();
 }
 
+/// At every size of `SIZES`, each level of the Gaussian chain is the twin's blur of the level below.
 #[test]
 fn gaussian_chains_equal_their_twin() {
-    // Horizontal, then vertical, each rounded to f16 on the GPU: one step of f16 each. Where a side
-    // is odd, a tap falls between texels at any fraction, and a device's filter has at least 8
-    // bits for it (half a step is 1/512), in two directions.
+    // The device blurs horizontally and then vertically, and rounds to a 16-bit float each time: one step each. Where a
+    // side is odd, a tap falls between texels at any fraction. A device's filter has at least 8 bits for a fraction
+    // (half a step is 1/512), in two directions.
     let gpu = gpu();
     for extent in SIZES {
         let shown = render(&gpu, extent, ChainFilter::Gaussian);
@@ -321,6 +342,8 @@ fn gaussian_chains_equal_their_twin() {
     }
 }
 
+/// The Gaussian filter and the blit give one level 0 and different levels 1, so that tests of either filter mean
+/// something.
 #[test]
 fn the_two_filters_differ() {
     let gpu = gpu();
@@ -330,7 +353,8 @@ fn the_two_filters_differ() {
     assert!(difference > 0.005, "{difference}");
 }
 
-/// One direction of the masked Gaussian into a level, whose depths are given: where the mask says no, the middle is taken.
+/// Blurs an image with the masked Gaussian in the direction [dx, dy], into a level of the size of `depth`. Where
+/// `counts(middle, tap)` says that a tap's depth does not count, the middle is taken instead.
 fn masked(image: &Pixels, depth: &Pixels, counts: &dyn Fn(f32, f32) -> bool, [dx, dy]: [i32; 2]) -> Pixels {
     let [w, h] = [depth.width, depth.height].map(|v| v as i32);
     let mut values = Vec::new();
@@ -349,9 +373,12 @@ fn masked(image: &Pixels, depth: &Pixels, counts: &dyn Fn(f32, f32) -> bool, [dx
     Pixels { width: w as u32, height: h as u32, channels: 3, values }
 }
 
+/// At every size of `SIZES`, the chains with both masks equal the twin's masked blur of the level below, and the masks
+/// change many texels.
 #[test]
 fn masked_gaussian_chains_equal_their_twin() {
-    // Tolerances as above. Of the mask by surfaces, a pair of depths may lie on the tolerance but for its rounding.
+    // Colours have the tolerance of `gaussian_chains_equal_their_twin`. With the mask by surfaces, two depths may
+    // differ by just the tolerance of the mask, so that rounding decides: one texel in 500 may differ.
     const TOLERANCE: f32 = 0.1;
     let gpu = gpu();
     for (mask, extent) in

@@ -1,20 +1,23 @@
-//! The workflow of the public CI service, and the scripts for clusters: the targets that the workflow makes exist, and the
-//! scripts refuse wrong arguments.
+//! The workflow of the public CI service, and the scripts for clusters: the targets that the workflow makes exist, and
+//! the scripts refuse wrong arguments.
 
 use crate::common::repository;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::process::Command;
 
+/// The workflow file of the public CI service.
 fn workflow() -> Value {
     let text = std::fs::read_to_string(repository().join(".github/workflows/ci.yml")).unwrap();
     serde_saphyr::from_str(&text).unwrap()
 }
 
+/// The jobs of the workflow by name.
 fn jobs(workflow: &Value) -> Vec<(&str, &Value)> {
     workflow["jobs"].as_object().unwrap().iter().map(|(name, job)| (name.as_str(), job)).collect()
 }
 
+/// The steps of a job.
 fn steps(job: &Value) -> &[Value] {
     job["steps"].as_array().unwrap()
 }
@@ -24,7 +27,7 @@ fn commands(job: &Value) -> Vec<&str> {
     steps(job).iter().filter_map(|step| step["run"].as_str()).flat_map(str::lines).collect()
 }
 
-/// The targets of the Makefile.
+/// The names of the targets that the Makefile declares.
 pub fn targets() -> BTreeSet<String> {
     let text = std::fs::read_to_string(repository().join("Makefile")).unwrap();
     let rule = |line: &str| {
@@ -35,6 +38,7 @@ pub fn targets() -> BTreeSet<String> {
     text.lines().filter_map(rule).collect()
 }
 
+/// Each `make` target of the workflow is in the Makefile, and five important targets are made.
 #[test]
 fn the_workflow_makes_targets_that_exist() {
     let (workflow, targets) = (workflow(), targets());
@@ -53,6 +57,8 @@ fn the_workflow_makes_targets_that_exist() {
     }
 }
 
+/// Bash can parse each script. `cluster/submit.sh` ends with status 2 and a sentence for each kind of wrong arguments,
+/// and leaves no file.
 #[test]
 fn scripts_are_whole_and_refuse_wrong_arguments() {
     let scripts = repository().join("scripts");
@@ -89,6 +95,7 @@ fn scripts_are_whole_and_refuse_wrong_arguments() {
     }
 }
 
+/// Each script prints a help text for `--help`, says nothing on standard error, and writes no file.
 #[test]
 fn every_script_says_what_it_is_for() {
     let mut seen = 0;
@@ -115,13 +122,14 @@ fn every_script_says_what_it_is_for() {
     assert_eq!(output.status.code(), Some(2), "nothing is fetched for a flag that there is not");
 }
 
-/// The numbers of a version, without what is said before and behind them.
+/// The numbers of a version, without `=` before them and without labels behind them: `=1.2.3+x` gives 1, 2 and 3.
 fn numbers(version: &str) -> Vec<u64> {
     let plain = version.trim_start_matches('=').split(['+', '-']).next().unwrap();
     plain.split('.').map(|number| number.parse().unwrap()).collect()
 }
 
-/// What is asked for is what is tested: a version with three numbers, and the lock file has it or a younger one.
+/// Each dependency asks for a version of three numbers, and the lock file, with which tests run, has that version or a
+/// later compatible one.
 #[test]
 fn each_manifest_asks_for_versions_that_are_tested() {
     let read = |file: &str| std::fs::read_to_string(repository().join(file)).unwrap().parse::<toml::Table>().unwrap();
@@ -153,6 +161,7 @@ fn each_manifest_asks_for_versions_that_are_tested() {
     assert!(seen > 40, "{seen}");
 }
 
+/// The script that checks the licences of all crates succeeds.
 #[test]
 fn licences_of_all_crates_may_be_passed_on() {
     if Command::new("python3").arg("--version").output().is_err() {

@@ -1,4 +1,4 @@
-//! The command as a user meets it: exit statuses, sentences, files, and what goes to which stream.
+//! The command as a user meets it: exit statuses, sentences, files, and the stream on which each text is printed.
 
 mod mistakes;
 
@@ -8,11 +8,13 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
+/// An OBJ file with a floor and a wall.
 const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
                     o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n";
+/// The options of a camera that looks at the room.
 const EYE: [&str; 4] = ["--eye", "0,1.5,0", "--look-at", "0,1,6"];
 
-/// A folder with two OBJ files: a mirror floor before a wall, and one that is broken at line 4.
+/// A folder with two OBJ files: a mirror floor before a wall, and a file that is broken at line 4.
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("room.obj", ROOM);
@@ -25,6 +27,8 @@ fn room<'a>(command: &'a str, args: &[&'a str]) -> Vec<&'a str> {
     [&[command, "--scene", "room.obj"], &EYE[..], args].concat()
 }
 
+/// `render` writes a PNG of the size that was asked for and nothing else. An EXR has the same pixels in linear light,
+/// and each of four options changes the image.
 #[test]
 fn render_writes_the_image_at_its_size() {
     let folder = folder();
@@ -61,6 +65,7 @@ fn render_writes_the_image_at_its_size() {
     }
 }
 
+/// Images of one pixel, one column and one row are written at their sizes.
 #[test]
 fn one_pixel_is_an_image() {
     let folder = folder();
@@ -71,6 +76,7 @@ fn one_pixel_is_an_image() {
     }
 }
 
+/// With `--json`, standard output is one record, whose fields say what was drawn and which passes were recorded.
 #[test]
 fn json_is_all_that_goes_to_standard_output() {
     let folder = folder();
@@ -90,6 +96,7 @@ fn json_is_all_that_goes_to_standard_output() {
     assert!(!folder.succeed(&room("render", &["--size", "9x9", "-o", "x.png", "--json"])).contains("Usage"));
 }
 
+/// `--dump` writes every intermediate and every level of the chains as PNG and EXR, and legends.
 #[test]
 fn dump_writes_every_intermediate_as_png_and_exr() {
     let folder = folder();
@@ -97,7 +104,7 @@ fn dump_writes_every_intermediate_as_png_and_exr() {
     let chain = |name: &str, levels: u32| (0..levels).map(|n| format!("{name}-{n}")).collect::<Vec<_>>();
     let single = ["albedo", "normal", "depth", "material", "reflection", "composite", "hits", "fade", "verdict"];
     let single = single.map(str::to_owned);
-    // 13 → 6 → 3 → 1.
+    // A chain of 13 pixels has four levels: 13, 6, 3 and 1.
     let stems = [single.to_vec(), chain("color", 4), chain("hi-z", 4), chain("visibility", 4)].concat();
     let mut expected: Vec<_> = stems.iter().flat_map(|s| [format!("{s}.png"), format!("{s}.exr")]).collect();
     expected.extend(["paths.png", "paths-legend.svg", "verdict-legend.svg"].map(str::to_owned));
@@ -107,6 +114,8 @@ fn dump_writes_every_intermediate_as_png_and_exr() {
     assert_eq!([size("color-0.png"), size("hi-z-1.png"), size("visibility-3.png")], [(13, 6), (6, 3), (1, 1)]);
 }
 
+/// `render --figure` draws figures 4.4 and 4.5; in figure 4.5, Hi-Z rays are green and rays of the linear march are
+/// red.
 #[test]
 fn figures_of_the_thesis_are_drawn() {
     let folder = folder();
@@ -123,6 +132,7 @@ fn figures_of_the_thesis_are_drawn() {
     }
 }
 
+/// One small run of `time`: its records, their passes and totals, and the files that the run writes.
 #[test]
 fn time_reports_every_pass_of_every_method_and_size() {
     let folder = folder();
@@ -176,6 +186,7 @@ fn time_reports_every_pass_of_every_method_and_size() {
     assert!(text.contains("hzct") && !text.contains("ssct"), "{text}");
 }
 
+/// One small run of `path` over a path from a file: its records, frames and files, and the errors of wrong paths.
 #[test]
 fn a_path_gives_frames_per_second_of_each_method() {
     let folder = folder();
@@ -226,6 +237,7 @@ fn a_path_gives_frames_per_second_of_each_method() {
     }
 }
 
+/// `time --table captions` shows the frame times that the thesis prints beside the measured ones.
 #[test]
 fn captions_stand_beside_what_is_measured() {
     let folder = folder();
@@ -245,10 +257,12 @@ fn captions_stand_beside_what_is_measured() {
     }
 }
 
+/// A quick study that is killed and resumed measures nothing twice. Its page shows every image that was written, embeds
+/// none twice, and links the files of records.
 #[test]
 fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let folder = folder();
-    // Killed on the way, and gone on with: nothing that was measured is lost, or measured twice.
+    // The study is killed on the way and resumed: no result is lost, and none is measured twice.
     let mut begun = Command::new(env!("CARGO_BIN_EXE_ssct"));
     let journal = || std::fs::read_to_string(folder.path("out/journal.jsonl")).unwrap_or_default();
     let mut killed = begun.args(["study", "--quick", "-o", "out"]).current_dir(folder.root()).spawn().unwrap();
@@ -299,7 +313,8 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert_eq!(maps.len(), 4 * (methods + 1));
     assert_eq!(linked_in("error/images/"), pngs);
     assert_eq!(page.matches("src=\"data:").count(), images.len() + pngs.len(), "no picture is embedded twice");
-    // A budget for what is sent by mail: 206 pictures of 22 kB, and more where a driver draws maps more sharply (Mesa 25: 2 %).
+    // The page may be sent by mail, so that it has a budget: 206 pictures of 22 kB, and 2 % more with Mesa 25, which
+    // draws maps more sharply.
     assert!(page.len() < 5_000_000, "a page of {} bytes", page.len());
     // Per cell: two references, and each method and the exact hits with their FLIP maps.
     assert_eq!(pngs.len(), 4 * (2 + 2 * (methods + 1)));
@@ -314,6 +329,8 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert_eq!(folder.list("out"), files);
 }
 
+/// `captures` places captures in a room and writes them as tables of a scene file; a scene file with these tables has
+/// the captures at the same places.
 #[test]
 fn captures_are_listed_written_and_read_again() {
     let folder = folder();
@@ -335,6 +352,7 @@ fn captures_are_listed_written_and_read_again() {
     assert!(folder.succeed(&["captures", "room.scene.toml"]).contains("file"));
 }
 
+/// `devices` lists each device, and `--device` takes its index or its name in any case of letters.
 #[test]
 fn devices_are_listed_with_the_index_that_device_takes() {
     let folder = folder();
@@ -350,6 +368,7 @@ fn devices_are_listed_with_the_index_that_device_takes() {
     }
 }
 
+/// Help and version are printed with status 0.
 #[test]
 fn help_and_version_are_no_errors() {
     let folder = folder();
@@ -358,6 +377,7 @@ fn help_and_version_are_no_errors() {
     }
 }
 
+/// Without `--scene`, the built-in rooms are drawn.
 #[test]
 fn a_built_in_scene_needs_no_files() {
     let folder = folder();
@@ -385,6 +405,7 @@ fn all_below(folder: &Path) -> Vec<String> {
     found
 }
 
+/// Scene and view names with `..`, separators, a zero byte or 400 letters make no file outside the folder of results.
 #[test]
 fn names_in_files_are_no_paths() {
     let long = "x".repeat(400);
@@ -407,6 +428,7 @@ fn names_in_files_are_no_paths() {
     }
 }
 
+/// A material's name with an escape character is printed without that character.
 #[test]
 fn names_in_files_do_not_command_the_terminal() {
     let folder = folder();

@@ -4,11 +4,12 @@ use crate::common::folder::Folder;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
+/// The first line of a file of samples.
 const HEADER: &str = "scene,view,method,preset,width,height,roughness,normal_deviation,resolution_scale,split,fallback,\
                       sample,pass,counted,ms\n";
 
-/// A run of six frames: a scene pass and two counted ones, the trace's times times a factor that alternates
-/// between two values.
+/// Writes a run of six frames: a scene pass of 3 ms, and two counted passes, `trace` and `composite`. The 8 ms of
+/// `trace` are multiplied by one factor in even frames and by the other in odd frames.
 fn times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &str) {
     let mut rows = HEADER.to_owned();
     for n in 0..6 {
@@ -35,17 +36,17 @@ fn exr(folder: &Folder, name: &str, halves: [[f32; 3]; 2]) {
     exr::prelude::write_rgb_file(folder.path(name), 32, 24, |x, y| -> (f32, f32, f32) { color(x, y) }).unwrap();
 }
 
-/// What `ssct compare` says where it must succeed.
+/// The output of `ssct compare`, which must succeed.
 fn said(folder: &Folder, args: &[&str]) -> String {
     folder.succeed(&[&["compare"], args].concat())
 }
 
-/// Its records.
+/// The records of `ssct compare --json`.
 fn compared(folder: &Folder, args: &[&str]) -> Vec<Value> {
     serde_json::from_str(&said(folder, &[args, &["--json"]].concat())).unwrap()
 }
 
-/// Exit status and sentence of what must fail.
+/// Checks the exit status and words of the sentence of a comparison that must fail.
 fn fails(folder: &Folder, args: &[&str], status: i32, words: &str) {
     let output = folder.run(&[&["compare"], args].concat());
     let text = String::from_utf8(output.stderr).unwrap();
@@ -53,10 +54,13 @@ fn fails(folder: &Folder, args: &[&str], status: i32, words: &str) {
     assert!(text.contains(words), "{args:?}: {text}");
 }
 
+/// The name and the verdict of each pass.
 fn verdicts(records: &[Value]) -> Vec<(&str, &str)> {
     records.iter().map(|r| (r["pass"].as_str().unwrap(), r["verdict"].as_str().unwrap_or("null"))).collect()
 }
 
+/// Constant factors on the time of `trace` give the verdicts that follow from ratios and the threshold of 5 %. The
+/// fields of the total's record are those of a hand computation.
 #[test]
 fn each_pass_and_the_total_get_a_verdict() {
     let folder = Folder::new();
@@ -66,7 +70,7 @@ fn each_pass_and_the_total_get_a_verdict() {
         ([2.0, 2.0], "SLOWER", "SLOWER"),
         ([0.5, 0.5], "FASTER", "FASTER"),
         ([0.6, 1.5], "UNDECIDED", "UNDECIDED"),
-        // 8 % of the trace are 6.4 % of the total, 6 % are 4.8 %.
+        // The trace is 8 of 10 ms: 8 % more of it are 6.4 % more in total, and 6 % are 4.8 %.
         ([1.08, 1.08], "SLOWER", "SLOWER"),
         ([1.06, 1.06], "SLOWER", "SAME"),
     ] {
@@ -85,6 +89,8 @@ fn each_pass_and_the_total_get_a_verdict() {
     assert_eq!((&total["warning"], &total["device_a"]["name"]), (&Value::Null, &"gpu".into()));
 }
 
+/// The bootstrap interval is the same in each run, and reaches the extreme ratios. With a threshold of 5 % the verdict
+/// is UNDECIDED, and with one of 50 % it is SAME.
 #[test]
 fn the_interval_is_the_same_every_time_and_the_threshold_moves_the_verdict() {
     let folder = Folder::new();
@@ -92,24 +98,28 @@ fn the_interval_is_the_same_every_time_and_the_threshold_moves_the_verdict() {
     times(&folder, "b", "ssct", [1.1, 1.3], "gpu");
     let trace = compared(&folder, &["a", "b"])[1].clone();
     assert_eq!(trace, compared(&folder, &["a", "b"])[1]);
-    // Medians of resamples reach both values of each side.
+    // The medians of resamples reach both values of either run: the ratio goes from 1.1 / 1.1 to 1.3 / 0.9.
     let (low, high) = (trace["low"].as_f64().unwrap(), trace["high"].as_f64().unwrap());
     assert!((low - 1.0).abs() < 1e-9 && (high - 1.3 / 0.9).abs() < 1e-9, "{low} {high}");
     assert_eq!(trace["verdict"], "UNDECIDED");
     assert_eq!(compared(&folder, &["a", "b", "--threshold", "0.5"])[1]["verdict"], "SAME");
 }
 
+/// With `--fail-on-slower`, status 1 says that a total is slower by more than the threshold; without it, the status is
+/// 0.
 #[test]
 fn a_slower_total_fails_where_asked() {
     let folder = Folder::new();
     times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
     times(&folder, "slow", "ssct", [1.06, 1.06], "gpu");
-    // The trace is slower, the total is not.
+    // The trace is slower by more than the threshold, and the total is not.
     said(&folder, &["base", "slow", "--fail-on-slower"]);
     fails(&folder, &["base", "slow", "--fail-on-slower", "--threshold", "0.01"], 1, "1 total(s) are slower");
     said(&folder, &["base", "slow", "--threshold", "0.01"]);
 }
 
+/// The text names two different devices, lists a pass that one run lacks, says what the verdicts mean, and is written
+/// to a file with the records.
 #[test]
 fn the_text_warns_and_lists_what_one_run_lacks() {
     let folder = Folder::new();
@@ -135,6 +145,7 @@ fn the_text_warns_and_lists_what_one_run_lacks() {
     assert!(said(&folder, &["base", "new"]).contains("no time.json says on which device B ran"));
 }
 
+/// A real run compared with itself has a ratio of 1 in each pass, and its total is the total that the run recorded.
 #[test]
 fn a_run_of_the_time_study_is_the_same_as_itself() {
     let folder = Folder::new();
@@ -156,6 +167,7 @@ fn a_run_of_the_time_study_is_the_same_as_itself() {
     assert!((found.as_f64().unwrap() - expected.as_f64().unwrap()).abs() < 1e-4, "{found} {expected}");
 }
 
+/// Passes of runs whose options differ are not compared; the text lists them and says which option differs.
 #[test]
 fn runs_with_other_flags_are_no_pair() {
     let folder = Folder::new();
@@ -187,13 +199,16 @@ fn runs_with_other_flags_are_no_pair() {
     }
 }
 
+/// Errors of two images of two colours each equal a computation by hand: RMSE, relative error, greatest error and its
+/// pixel, maps, and texts.
 #[test]
 fn images_have_the_errors_of_a_hand_computation() {
     let folder = Folder::new();
     exr(&folder, "a.exr", [[1.0, 2.0, 0.0], [0.5; 3]]);
     exr(&folder, "b.exr", [[1.0, 2.0, 3.0], [0.5; 3]]);
     let found = &compared(&folder, &["a.exr", "b.exr", "-o", "out"])[0];
-    // Half of the pixels differ by 3 in one of three channels; the reference's squares are 5 and 0.75.
+    // Half of the pixels differ by 3 in one of three channels: the mean square is 9 / 6. The squares of the reference
+    // are 5 in one half and 0.75 in the other, so that the relative error is 9 / 5.75.
     let close = |key: &str, expected: f64| (found[key].as_f64().unwrap() - expected).abs() < 1e-6;
     assert!(close("rmse", 1.5_f64.sqrt()) && close("rel_mse", 9.0 / 5.75), "{found}");
     assert_eq!((&found["kind"], &found["width"], &found["height"]), (&"compare-images".into(), &32.into(), &24.into()));
@@ -217,6 +232,8 @@ fn images_have_the_errors_of_a_hand_computation() {
     assert_eq!((same.matches("identical").count(), same.contains("0.000000")), (4, false), "{same}");
 }
 
+/// Errors of PNG files are errors of linear light: grey of the byte 188 has its value by the sRGB curve, also beside an
+/// EXR of that value.
 #[test]
 fn a_png_is_decoded_to_linear() {
     let folder = Folder::new();
@@ -236,6 +253,7 @@ fn a_png_is_decoded_to_linear() {
     assert!((0.967..0.968).contains(&black["flip"].as_f64().unwrap()), "{black}");
 }
 
+/// An image with NaN has no RMSE, its pixels are magenta in the map, and the text says NaN.
 #[test]
 fn what_is_no_number_is_not_hidden() {
     let folder = Folder::new();
@@ -247,6 +265,7 @@ fn what_is_no_number_is_not_hidden() {
     assert!(said(&folder, &["a.exr", "nan.exr"]).contains("NaN"));
 }
 
+/// Wrong arguments and broken files of `compare` each get a sentence and status 1 or 2.
 #[test]
 fn mistakes_are_sentences() {
     let folder = Folder::new();
@@ -296,6 +315,7 @@ fn mistakes_are_sentences() {
     fails(&folder, &["a", "a"], 1, "time.json: holds no record with a device");
 }
 
+/// EXR files that claim a huge size, lack a channel or have a subsampled channel are refused with a sentence.
 #[test]
 fn an_exr_that_cannot_be_read_is_refused() {
     use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
@@ -329,6 +349,7 @@ fn an_exr_that_cannot_be_read_is_refused() {
     fails(&folder, &["a.exr", "coarse.exr"], 1, "coarse.exr: channel B is subsampled");
 }
 
+/// `time --a-a` records a noise floor; a difference below the floor is undecided, and one above it is slower.
 #[test]
 fn a_method_timed_against_itself_knows_its_noise_floor() {
     let folder = Folder::new();
@@ -338,14 +359,14 @@ fn a_method_timed_against_itself_knows_its_noise_floor() {
         &folder.succeed(&[&time[..], &["0", "--a-a", "-o", "a", "--trace", "t.json", "--json"]].concat()),
     )
     .unwrap();
-    // Six frames and six again, each with the host's two sides, the frame, and its passes.
+    // Twelve frames, each with three spans (two of the host and the whole frame) and its passes.
     let trace: Value = serde_json::from_str(&folder.text("t.json")).unwrap();
     let passes = records[0]["passes"].as_array().unwrap().len();
     let timed = trace["traceEvents"].as_array().unwrap().iter().filter(|e| e["ph"] == "X").count();
     assert_eq!(timed, 12 * (3 + passes));
     let floor = records[0]["noise_floor"].as_f64().expect("a floor");
     assert!(floor > 0.0 && records[0]["passes"].as_array().unwrap().iter().all(|p| p["noise_floor"].is_f64()));
-    // Rows with other times, all alike so that the floor alone decides.
+    // Copies of the run in which all times are equal, so that the noise floor alone decides.
     let floor = floor.max(0.06);
     let samples = folder.text("a/time-samples.csv");
     let with = |name: &str, ms: f64| {
@@ -374,7 +395,7 @@ fn a_method_timed_against_itself_knows_its_noise_floor() {
     }
 }
 
-/// The verdicts of the table that `ssct time` ends with, and of `ssct compare`: pass, ratio and verdict of each row.
+/// The pass, the ratio and the verdict in each row of a table of verdicts, as `ssct time` and `ssct compare` print it.
 fn rows_of_verdicts(text: &str) -> Vec<[String; 3]> {
     let rows = text.lines().skip_while(|line| !line.contains("verdict")).skip(1).take_while(|line| !line.is_empty());
     let row = |line: &str| {
@@ -385,6 +406,8 @@ fn rows_of_verdicts(text: &str) -> Vec<[String; 3]> {
     rows.map(row).collect()
 }
 
+/// Variants of one run have the same verdicts at its end and in a later comparison. Two runs without a common variant
+/// are refused with the words that compare them.
 #[test]
 fn variants_of_one_run_are_judged_at_its_end_and_afterwards() {
     let folder = Folder::new();
@@ -403,7 +426,7 @@ fn variants_of_one_run_are_judged_at_its_end_and_afterwards() {
     assert_eq!(passes.iter().filter(|pass| pass.starts_with("hi-z")).collect::<Vec<_>>(), [&"hi-z"]);
     let opened = rows_of_verdicts(&said(&folder, &["run", "--a", many, "--b", few, "--all"]));
     assert!(opened.iter().filter(|[pass, ..]| pass.starts_with("hi-z/")).count() > 3, "{opened:?}");
-    // Each of three stands beside the first; one alone beside none.
+    // With three variants, the second and the third each have verdicts beside the first. One variant alone has none.
     let text = run(&[many, few, "hzct"], "three");
     let (_, verdicts) = text.split_once("B beside A").unwrap();
     assert_eq!(rows_of_verdicts(verdicts).iter().filter(|[pass, ..]| pass == "total").count(), 2, "{verdicts}");

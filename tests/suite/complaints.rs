@@ -1,12 +1,12 @@
-//! What engines' users complain of: every case is tried without a validation message, has its pictures, and shows what it is
-//! for where a method is known to suffer from it.
+//! Complaints of engines' users: every case is tried without a validation message and has its pictures. Where a method
+//! is known to suffer from the complaint, the number shows it.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
 use ssct_lab::study::complaints::COMPLAINTS;
 use std::collections::BTreeSet;
 
-/// Cases in which the published method suffers from what is complained of more than the project's own does.
+/// Cases in which the published method `ssct` suffers more from the complaint than `unified` does.
 const WORSE_IN_SSCT: [&str; 11] = [
     "thin poles",
     "grazing floor",
@@ -21,6 +21,8 @@ const WORSE_IN_SSCT: [&str; 11] = [
     "fine pattern far away",
 ];
 
+/// One quick run of all complaints with three variants: each has a record, a number is judged good by its limit, and
+/// `ssct` is worse than `unified` in the listed cases. Each case has pictures and stands on the page.
 #[test]
 fn every_complaint_is_tried_and_shows_what_it_is_for() {
     let folder = Folder::new();
@@ -31,6 +33,7 @@ fn every_complaint_is_tried_and_shows_what_it_is_for() {
         let found = records.iter().find(|r| r["case"] == case && r["method"] == method);
         found.unwrap_or_else(|| panic!("no {method} in {case}"))
     };
+    // The number of a case for a method, or none if the method showed nothing.
     let value = |case: &str, method: &str| row(case, method)["value"].as_f64();
     for complaint in COMPLAINTS {
         for method in ["ssct", "unified", "unified, screen alone"] {
@@ -57,6 +60,8 @@ fn every_complaint_is_tried_and_shows_what_it_is_for() {
     assert!(COMPLAINTS.iter().all(|c| page.contains(c.complaint)), "every complaint stands on the page");
 }
 
+/// The option `--case` chooses one case by a part of its name, for a method from a folder. A run with `--resume`
+/// measures nothing again and explains its numbers in lines of at most 100 characters.
 #[test]
 fn one_complaint_is_tried_on_a_method_from_a_folder_and_gone_on_with() {
     let folder = Folder::new();
@@ -80,6 +85,7 @@ fn one_complaint_is_tried_on_a_method_from_a_folder_and_gone_on_with() {
     assert_eq!(measured, 1, "nothing is measured twice");
 }
 
+/// An unknown case ends with status 2, and the message quotes the name and lists the cases that exist.
 #[test]
 fn a_complaint_that_is_not_there_is_refused_by_name() {
     let folder = Folder::new();

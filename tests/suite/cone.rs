@@ -1,5 +1,5 @@
-//! The cone of the shaders is the cone of `math::cone` (thesis §4.2.8, Eq. 4.5, 4.6, Alg. 5): from the
-//! hits and the chains that were read back, the host predicts every pixel's reflection.
+//! The cone of the shaders is the cone of `math::cone` (thesis §4.2.8, Eq. 4.5, 4.6, Alg. 5): from the hits and the
+//! chains that were read back, the host predicts the reflection of every pixel.
 
 use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show};
 use glam::{DVec2, Vec3};
@@ -10,7 +10,7 @@ use ssct_ground::math::cone::{Circle, circles};
 use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
-/// A trilinear sample of a chain; the level is clamped to it.
+/// A trilinear sample of a chain at texture coordinates; the level is clamped to the levels of the chain.
 fn trilinear(levels: &[&Pixels], position: DVec2, level: f64) -> [f64; 3] {
     let level = level.clamp(0.0, levels.len() as f64 - 1.0);
     let (fine, share) = (level as usize, level.fract());
@@ -19,12 +19,12 @@ fn trilinear(levels: &[&Pixels], position: DVec2, level: f64) -> [f64; 3] {
     [0, 1, 2].map(|c| a[c] * (1.0 - share) + b[c] * share)
 }
 
-/// What a device may make of a sample: its weights in x, y and level have at least 8 bits, each thus
-/// half a step of 1/256 off, times the contrast between texels, here below 1.
+/// The greatest error of a device's trilinear sample. The weights in x, y and level have at least 8 bits, so that each
+/// of the three is off by half of 1/256, times the contrast between texels, which is below 1 here.
 const FILTER: f64 = 3.0 / 512.0;
 
-/// What Alg. 5 gives for a pixel. Where the visibility collected is so near to 1 that the device's
-/// rounding decides whether another circle counts, both results.
+/// The colours that Alg. 5 may give for a pixel: one, or two where the sum of visibility is so near to 1 that rounding
+/// decides whether another circle counts. `origin` and `hit` are texture coordinates of the ray's two ends.
 fn predict(shown: &Shown, origin: DVec2, hit: DVec2, roughness: f64, preset: Preset) -> Vec<[f64; 3]> {
     let (color, visibility) = (shown.levels("color"), shown.levels("visibility"));
     let size = f64::from(color[0].width.max(color[0].height));
@@ -34,6 +34,7 @@ fn predict(shown: &Shown, origin: DVec2, hit: DVec2, roughness: f64, preset: Pre
     let (mut sum, mut weight, mut results) = ([0.0; 3], 0.0, Vec::new());
     for (n, circle) in circles(length, roughness / 2.0, 7, preset == Preset::Author).into_iter().enumerate() {
         let Circle { distance, radius } = circle;
+        // The sum of visibility after n samples may be off by so much.
         let doubt = n as f64 * FILTER;
         if weight >= 1.0 - doubt {
             results.push(sum.map(|c| c / weight));
@@ -52,11 +53,13 @@ fn predict(shown: &Shown, origin: DVec2, hit: DVec2, roughness: f64, preset: Pre
     results
 }
 
+/// In the cluttered scene, at five combinations of method, preset and roughness, each reflection of a hit lies within 2
+/// · FILTER of the predicted one.
 #[test]
 fn reflections_are_those_of_the_closed_form_circles() {
-    // A reflection is a quotient of sums of samples, numerator and denominator each off by FILTER,
-    // stored in f16, at levels of a logarithm that a device has to about 1/256. In the mean it is
-    // far better, since most neighbouring texels hardly differ.
+    // A reflection is a quotient of sums of samples, stored as a 16-bit float. Numerator and denominator are each off
+    // by FILTER at most, and the level by about 1/256. The mean error is far smaller, since most neighbouring texels
+    // hardly differ.
     let gpu = gpu();
     let extent = [321, 239];
     for (method, preset, roughness) in [
@@ -81,6 +84,7 @@ fn reflections_are_those_of_the_closed_form_circles() {
             let origin = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
             let hit = DVec2::new(f64::from(hit[0]), f64::from(hit[1]));
             let found = reflection.texel(x, y);
+            // The greatest difference of a channel.
             let apart = |p: &[f64; 3]| (0..3).map(|c| (f64::from(found[c]) - p[c]).abs()).fold(0.0, f64::max);
             let error = predict(&shown, origin, hit, stored, preset).iter().map(apart).fold(f64::INFINITY, f64::min);
             assert!(error < 2.0 * FILTER, "{method}, {preset:?}, {roughness}, ({x}, {y}): {found:?} is {error} off");
@@ -97,9 +101,11 @@ fn reflections_are_those_of_the_closed_form_circles() {
     }
 }
 
+/// Where all that is lit has one colour, the reflection of a hit has exactly this colour at any roughness, within the
+/// rounding of 16-bit floats.
 #[test]
 fn one_colour_stays_that_colour_at_any_roughness() {
-    // All that is lit has one colour, and no sky is in view, so the weights must cancel: C / C_alpha.
+    // No sky is in view, so that the weights of the samples must cancel in the quotient C / C_alpha of Alg. 5.
     let gpu = gpu();
     let color = Vec3::new(0.5, 0.25, 0.75);
     let mut b = Builder::new("one colour");
@@ -129,7 +135,7 @@ fn one_colour_stays_that_colour_at_any_roughness() {
             if PathCode::from_channel(hit[3]).is_some_and(PathCode::is_hit) {
                 hits += 1;
                 for c in 0..3 {
-                    // f16, after sums and a quotient in f32.
+                    // The result is rounded to a 16-bit float, after sums and a quotient in 32 bits.
                     assert!((found[c] - lit[c]).abs() <= lit[c] / 1000.0, "{preset:?}, {roughness}: {found:?} {lit:?}");
                 }
             }

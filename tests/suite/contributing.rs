@@ -1,5 +1,5 @@
-//! The page for whoever changes this repository (`CONTRIBUTING.md`): every target, option, constant and test that it names exists. That
-//! its files do is tested for all pages, in `docs.rs`.
+//! The page for whoever changes this repository (`CONTRIBUTING.md`): every target, option, constant and test that it
+//! names exists. The test in `docs.rs` holds for all pages that the files which they name exist.
 
 use crate::ci::targets;
 use crate::common::folder::Folder;
@@ -10,7 +10,7 @@ use std::fmt::Debug;
 /// Folders whose sources declare the names in capitals that the page quotes.
 const DECLARING: [&str; 5] = ["c", "lab", "scripts", "src", "tests"];
 
-/// The pieces of code of the page.
+/// The pieces of text between backquotes on the page.
 fn codes(page: &str) -> Vec<&str> {
     page.lines().flat_map(|line| line.split('`').skip(1).step_by(2)).collect()
 }
@@ -27,30 +27,34 @@ fn capitals(code: &str) -> impl Iterator<Item = &str> {
     code.split(move |c| !is_part(c)).filter(is_name)
 }
 
-/// What a piece of code makes: the words behind `make` that are no variables.
+/// The targets that a piece of code makes: the words behind `make` that have no `=`.
 fn made(code: &str) -> Vec<&str> {
     let behind = code.strip_prefix("make ").unwrap_or_default();
     behind.split_whitespace().filter(|word| !word.contains('=')).collect()
 }
 
-/// The command of the program in a piece of code, with its options.
+/// The command of the program in a piece of code, and its options; none if the code does not call `ssct`.
 fn command(code: &str) -> Option<(&str, Vec<&str>)> {
     let mut words = code.split_whitespace().skip_while(|word| word.contains('='));
     let command = words.next().filter(|word| *word == "ssct").and_then(|_| words.next())?;
     Some((command, words.filter(|word| word.starts_with('-')).collect()))
 }
 
+/// The text of the page.
 fn page() -> String {
     std::fs::read_to_string(repository().join("CONTRIBUTING.md")).unwrap()
 }
 
-/// Holds that everything is there that the page names of a kind, and that it names more than so many.
+/// Fails if a thing of some kind that the page names is not there, or if the page names at most `least` things of this
+/// kind.
 fn check<T: Debug>(kind: &str, named: &[T], least: usize, is_there: impl Fn(&T) -> bool) {
     let missing: Vec<&T> = named.iter().filter(|name| !is_there(name)).collect();
     assert!(missing.is_empty(), "there are no {kind} {missing:?}");
     assert!(named.len() > least, "only {} {kind} are named", named.len());
 }
 
+/// The targets are in the Makefile, the options in the help of their commands, the constants and variables in the
+/// sources, and the modules of tests have files.
 #[test]
 fn what_the_page_names_is_there() {
     let (page, targets, folder) = (page(), targets(), Folder::new());

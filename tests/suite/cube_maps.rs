@@ -1,6 +1,6 @@
-//! Cube maps: what is captured lies in the directions where it is, lookups corrected for parallax are
-//! exact in a room that is its own proxy box, levels are blurred as their roughness says, and behind a
-//! screen-space method a map shows where the method fades.
+//! Cube maps: what is captured lies in the right direction, lookups corrected for parallax are exact in a room that is
+//! its own proxy box, and levels are blurred as their roughness says. Behind a screen-space method, a map shows where
+//! the method fades.
 
 use crate::common::{Builder, Shown, camera, clutter, clutter_camera, gpu, show, with_small_captures};
 use ash::vk;
@@ -18,17 +18,20 @@ use ssct_lab::stage::image::render;
 use ssct_lab::stage::{Globals, Shot, Stage};
 use ssct_scenes::{Aabb, Camera, Probe, Scene, View, sky};
 
+/// The least corner of the room, in metres.
 const MIN: Vec3 = Vec3::new(-2.0, -1.0, -3.0);
+/// The greatest corner of the room, in metres.
 const MAX: Vec3 = Vec3::new(4.0, 2.0, 3.0);
 
-/// Albedo of a quarter of a wall: no two are alike.
+/// The albedo of a quarter of a wall, a different one for each quarter. The wall is given by its axis and side, the
+/// quarter by whether each of the other two coordinates is above 0.
 fn quarter_albedo(axis: usize, side: bool, high: [bool; 2]) -> Vec3 {
     let index = (axis * 2 + usize::from(side)) * 4 + usize::from(high[0]) + 2 * usize::from(high[1]);
     Vec3::new((index % 3) as f32, (index / 3 % 3) as f32, (index / 9) as f32) * 0.4 + 0.1
 }
 
-/// A room whose walls are in four quarters each, split where the other two coordinates are 0. With a
-/// mirror for a floor, or without.
+/// A room whose walls are in four quarters each, split where the other two coordinates are 0. Its floor is a mirror if
+/// `mirror_floor` is true.
 fn room(mirror_floor: bool) -> Scene {
     let mut b = Builder::new("room");
     for axis in 0..3 {
@@ -57,8 +60,8 @@ fn room(mirror_floor: bool) -> Scene {
     b.0
 }
 
-/// Colour of the wall that a ray from inside the room meets; `None` within `margin` metres of where
-/// another begins. There is no light, so a wall is a fifth of its albedo.
+/// The colour of the wall that a ray from inside the room meets, or none within `margin` metres of another quarter or
+/// wall. There is no light, so that a wall is a fifth of its albedo.
 fn seen(from: DVec3, direction: DVec3, margin: f64) -> Option<Vec3> {
     let (min, max) = (MIN.as_dvec3(), MAX.as_dvec3());
     let far = |a: usize| ((if direction[a] > 0.0 { max[a] } else { min[a] }) - from[a]) / direction[a];
@@ -69,11 +72,13 @@ fn seen(from: DVec3, direction: DVec3, margin: f64) -> Option<Vec3> {
     is_clear.then(|| 0.2 * quarter_albedo(axis, direction[axis] > 0.0, others.map(|a| point[a] > 0.0)))
 }
 
-/// 8 bits of sRGB and 16-bit floats.
+/// Whether a texel is a colour, but for the rounding of 8-bit sRGB and of 16-bit floats.
 fn is_color(found: &[f32], right: Vec3) -> bool {
     (0..3).all(|c| (found[c] - right[c]).abs() < 0.004)
 }
 
+/// Each texel of the six faces that were captured in the room has the colour of the wall in its direction; texels
+/// within 5 cm of an edge are left out.
 #[test]
 fn faces_show_what_lies_in_their_directions() {
     let gpu = gpu();
@@ -97,8 +102,8 @@ fn faces_show_what_lies_in_their_directions() {
     gpu.check_validation().unwrap();
 }
 
-/// Pixels that reflect: pixel, where the mirror floor at a height is seen there, and the direction of
-/// the reflection; world.
+/// The reflecting pixels: column, row, the point of the mirror floor at a height, and the direction of the reflected
+/// ray, both in world space.
 fn floor_rays(material: &ssct::gpu::Pixels, camera: &Camera, height: f64) -> Vec<(u32, u32, DVec3, DVec3)> {
     let inverse = camera.view_to_clip().as_dmat4().inverse();
     let to_world = camera.world_to_view.as_dmat4().inverse();
@@ -115,6 +120,8 @@ fn floor_rays(material: &ssct::gpu::Pixels, camera: &Camera, height: f64) -> Vec
     rays
 }
 
+/// With one and two probes whose box is the room, `pccm` shows in each pixel the wall that the reflected ray meets.
+/// Pixels near edges are left out.
 #[test]
 fn in_its_own_box_a_corrected_map_is_exact() {
     let gpu = gpu();
@@ -142,6 +149,8 @@ fn in_its_own_box_a_corrected_map_is_exact() {
     }
 }
 
+/// Two probes share the room by boxes that meet at x = 1: a pixel in one box shows exactly what the probe of that box
+/// shows alone.
 #[test]
 fn within_one_box_its_map_counts_alone() {
     let gpu = gpu();
@@ -173,6 +182,8 @@ fn within_one_box_its_map_counts_alone() {
     assert!(pixels.iter().all(|count| *count > 1000), "{pixels:?} pixels tell the maps apart");
 }
 
+/// `local-map` looks up by direction alone, so that a pixel shows the wall that the probe sees in that direction. Over
+/// a fifth of the pixels show a wall that their ray does not meet.
 #[test]
 fn a_local_map_shows_what_is_seen_from_where_it_was_captured() {
     let gpu = gpu();
@@ -185,11 +196,11 @@ fn a_local_map_shows_what_is_seen_from_where_it_was_captured() {
     let reflection = shown.get("reflection");
     let (mut clear, mut wrong) = (0, 0);
     for (x, y, from, direction) in floor_rays(shown.get("material"), &view, f64::from(MIN.y)) {
-        // By direction alone: as a ray from the map's own place sees the room, wherever the pixel is.
+        // The lookup has the direction alone: the ray starts at the place of the map, wherever the pixel is.
         let Some(right) = seen(place.as_dvec3(), direction, 0.25) else { continue };
         assert!(is_color(reflection.texel(x, y), right), "({x}, {y}): {:?}, not {right}", reflection.texel(x, y));
         clear += 1;
-        // Which is not what the pixel sees.
+        // The true ray starts at the pixel's own place.
         let truth = seen(from, direction, 0.25);
         wrong += usize::from(truth.is_some_and(|truth| !is_color(reflection.texel(x, y), truth)));
     }
@@ -197,6 +208,8 @@ fn a_local_map_shows_what_is_seen_from_where_it_was_captured() {
     assert!(clear > 5000 && wrong * 5 > clear, "{wrong} of {clear}");
 }
 
+/// On a lake under the sky, `environment` shows the sky in the direction of each reflected ray. Swapped axes would give
+/// over five times the mean error, so that they would be noticed.
 #[test]
 fn the_environment_is_the_sky_in_the_mirror_direction() {
     let gpu = gpu();
@@ -228,6 +241,8 @@ fn the_environment_is_the_sky_in_the_mirror_direction() {
     }
 }
 
+/// A cube map with a linear function of the direction is filtered to all levels: each level has the function's mean
+/// over the lobe of its roughness.
 #[test]
 fn levels_are_blurred_by_the_lobe_of_their_roughness() {
     let gpu = gpu();
@@ -252,7 +267,8 @@ fn levels_are_blurred_by_the_lobe_of_their_roughness() {
         })
         .unwrap();
     for level in 0..LEVELS {
-        // The mean of a linear function over the lobe cos^α is the function times (α + 1)/(α + 2).
+        // The mean of a linear function over the lobe cos^α is the function at the axis times (α + 1)/(α + 2), the mean
+        // of cos.
         let exponent = phong::exponent(level_roughness(level));
         let shrunk = if exponent.is_infinite() { 1.0 } else { ((exponent + 1.0) / (exponent + 2.0)) as f32 };
         let faces = context.read(target.level(level)).unwrap();
@@ -263,13 +279,15 @@ fn levels_are_blurred_by_the_lobe_of_their_roughness() {
             worst = (0..3).fold(worst, |w, c| w.max((found[c] - right[c]).abs()));
         }
         println!("level {level}, {size} texels, roughness {}: {shrunk}, worst {worst}", level_roughness(level));
-        // 16-bit floats, and 64 directions: they leave a hundredth of the lobe's own width.
+        // The bound has the rounding of 16-bit floats, and 3 % of the lobe's width for the noise of 64 directions.
         let width = 0.5 * (2.0 * (1.0 - shrunk)).sqrt();
         assert!(worst < 0.001 + 0.03 * width, "level {level}: {worst}");
     }
     gpu.check_validation().unwrap();
 }
 
+/// For every screen-space method over two fallbacks: the reflection is method · fade + fallback · (1 − fade), within
+/// the rounding of 16-bit floats.
 #[test]
 fn a_fallback_shows_where_the_method_fades() {
     let gpu = gpu();
@@ -290,20 +308,20 @@ fn a_fallback_shows_where_the_method_fades() {
                 let fade = local[3];
                 let added: [f32; 3] = std::array::from_fn(|c| found[c] - local[c] * fade);
                 let mut through = 1.0 - fade;
-                // What the rounding of each image to 16-bit floats makes of the difference of a channel: a device may
-                // round either way, so that each number is off by up to a step.
+                // The error that the rounding of each image to 16-bit floats makes in the difference of a channel: a
+                // device may round either way, so that each number is off by up to a step.
                 let step = |v: f32| (v.abs() / 1024.0).max(6e-8);
                 let rounded = |c: usize| {
                     step(found[c]) + fade * step(local[c]) + through * step(back[c]) + step(fade) * (local[c] + back[c])
                 };
                 let mut allowed: [f32; 3] = std::array::from_fn(rounded);
                 if ["unified", "stochastic"].contains(&method.name) && fade > 0.0 {
-                    // What rays of a lobe miss is black alone, and lets the fallback through (tests/unified.rs): the
-                    // same share of each channel, and no less than where it fades.
+                    // The rays of a lobe that miss are black without a fallback, and let the fallback through: one
+                    // share of each channel, which is at least the share that the fade leaves.
                     let c = (0..3).max_by(|a, b| back[*a].total_cmp(&back[*b])).unwrap();
                     let share = (added[c] / back[c].max(0.01)).max(through);
                     assert!(share <= 1.0 + 1.0 / 256.0 / back[c].max(0.01), "{share} of {name}, pixel {i}");
-                    // The share is as far off as the channel that it was told from.
+                    // The error of the share is that of the channel from which the share was computed.
                     let told = allowed[c] / back[c].max(0.01);
                     allowed = std::array::from_fn(|other| allowed[other] + told * back[other]);
                     through = share;
@@ -323,8 +341,8 @@ fn a_fallback_shows_where_the_method_fades() {
     }
 }
 
-/// Whatever the fallback leaves out because the method has it, as captures do: no colour is shown that the finished
-/// image lacks.
+/// For every screen-space method over three fallbacks: the finished image is lit colour + reflectivity · fade ·
+/// reflection, and fewer than 3 % of the reflecting pixels show nothing.
 #[test]
 fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
     let gpu = gpu();
@@ -356,7 +374,7 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
                 }
             }
             assert!(reflecting > 1000, "{reflecting}");
-            // Few rays end where neither shows anything.
+            // Few rays end where neither the method nor the fallback shows anything.
             assert!(
                 bright as f64 > 0.97 * reflecting as f64,
                 "{} over {fallback:?}: {bright} of {reflecting}",
@@ -366,6 +384,7 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
     }
 }
 
+/// Methods that are not screen-space refuse a fallback, and a G-buffer without its scene refuses the environment.
 #[test]
 fn what_has_no_fallback_says_so() {
     let gpu = gpu();

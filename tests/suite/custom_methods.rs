@@ -1,5 +1,5 @@
-//! Methods from folders, as a user has them: the examples run as any other method, and each mistake gets a sentence with
-//! file and line.
+//! Methods from folders, as a user has them: the examples run as any other method, and each mistake gets a sentence
+//! with file and line.
 
 mod interfaces;
 mod published;
@@ -8,10 +8,11 @@ use crate::common::folder::Folder;
 use crate::common::repository;
 use serde_json::Value;
 
+/// An OBJ file with a floor and a wall.
 const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
                     o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n";
 
-/// The room, and a copy of an example in the folder `m`.
+/// A folder with the room, and with a copy of an example method in its folder `m`.
 fn with_example(name: &str) -> Folder {
     let folder = Folder::new();
     folder.write("room.obj", ROOM);
@@ -24,7 +25,7 @@ fn with_example(name: &str) -> Folder {
     folder
 }
 
-/// The arguments of a command on the room, with the method in `m`.
+/// The arguments of a command on the room at a size of 64×36.
 fn on_room<'a>(command: &'a str, args: &[&'a str]) -> Vec<&'a str> {
     let place = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "64x36"];
     [&[command], &place[..], args].concat()
@@ -46,6 +47,8 @@ fn sentence(folder: &Folder, args: &[&str]) -> String {
     text.strip_prefix("ssct: ").expect("our own sentence").trim_end().to_owned()
 }
 
+/// Two examples are rendered, timed and judged. Each reflects, has its parameter as an option and in the records, and
+/// has its own pass.
 #[test]
 fn examples_run_as_methods_of_the_table_do() {
     for (name, pass, own) in [("march", "march", "view_steps"), ("three-pass", "intersect", "tile_steps")] {
@@ -68,6 +71,7 @@ fn examples_run_as_methods_of_the_table_do() {
     }
 }
 
+/// Two variants of one folder differ by the value of a parameter, which the records have.
 #[test]
 fn a_variant_may_be_a_folder_and_names_are_known_once() {
     let folder = with_example("march");
@@ -79,6 +83,7 @@ fn a_variant_may_be_a_folder_and_names_are_known_once() {
     assert!(found.contains(&10) && found.contains(&20), "{found:?}");
 }
 
+/// A method whose shaders read every source of images and values is rendered and timed without a message of the layers.
 #[test]
 fn every_kind_of_input_is_made_and_passes_the_validation_layers() {
     let sources = [
@@ -111,7 +116,7 @@ fn every_kind_of_input_is_made_and_passes_the_validation_layers() {
     let folder = Folder::new();
     folder.write("room.obj", ROOM);
     std::fs::create_dir(folder.path("m")).unwrap();
-    // Several shaders, as a stage has 16 images on some devices.
+    // Several shaders share the images, since some devices allow 16 images in a stage.
     let (mut manifest, mut inputs) = (String::from("name = \"all\"\nsummary = \"all\"\n"), String::from("[inputs]\n"));
     for (n, some) in sources.chunks(8).enumerate() {
         let mut shader = String::from("#version 450\nlayout(location = 0) out vec4 result;\n");
@@ -132,11 +137,13 @@ fn every_kind_of_input_is_made_and_passes_the_validation_layers() {
         first = \"is-first-frame\"\n";
     folder.write("m/method.toml", manifest);
     folder.succeed(&on_room("render", &["--method", "m", "--validation", "-o", "a.png"]));
-    // Two frames, of which the second reads what the first left.
+    // Several frames: each after the first reads images of the frame before.
     let timed = on_room("time", &["--method", "m", "--samples", "2", "--warmup", "1", "--validation", "--json"]);
     folder.succeed(&timed);
 }
 
+/// A shader reads the sky as a cube and captures as an array of cubes. Without captures, the run is refused with a
+/// sentence.
 #[test]
 fn captures_and_the_sky_are_cubes() {
     let folder = Folder::new();
@@ -162,6 +169,8 @@ fn captures_and_the_sky_are_cubes() {
     assert!(output.status.code() == Some(2) && text.contains("captures:colour, and there are no captures"), "{text}");
 }
 
+/// Each change of a good manifest, replaced text and new text, is refused with a sentence that has the manifest's line
+/// where there is one.
 #[test]
 fn mistakes_in_a_manifest_get_its_line() {
     let render = on_room("render", &["--method", "m", "-o", "x.png"]);
@@ -210,6 +219,7 @@ fn mistakes_in_a_manifest_get_its_line() {
     }
 }
 
+/// Each change of a good shader is refused with a sentence that has the shader's line where there is one.
 #[test]
 fn mistakes_in_a_shader_get_its_line() {
     let render = on_room("render", &["--method", "m", "-o", "x.png"]);
@@ -232,17 +242,18 @@ fn mistakes_in_a_shader_get_its_line() {
     assert!(sentence(&folder, &render).ends_with("march.spv: is not SPIR-V"));
 }
 
+/// A frame whose shader loops without end is given up after the half second that the manifest allows.
 #[test]
 fn a_shader_that_never_ends_is_given_up() {
     let folder = with_example("march");
     change(&folder, "m/method.toml", "summary =", "patience-s = 0.5\nsummary =");
-    // The loop writes what it depends on, so that no compiler may leave it out.
+    // The loop changes variables that the result depends on, so that no compiler may leave the loop out.
     change(&folder, "m/march.frag", "++i) {", "i = (i + 1) % steps) { place -= along; reflection.x += stride;");
     let said = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png", "--view-steps", "1000"]));
     assert!(said.contains("not done in 0.5 s") && said.contains("march"), "{said}");
 }
 
-/// The example `march` with a line above its declarations, and more files beside it.
+/// The example `march` with a line added below `#version`, and more files beside it.
 fn including(line: &str, files: &[(&str, &str)]) -> Folder {
     let folder = with_example("march");
     let text = folder.text("m/march.frag");
@@ -254,16 +265,18 @@ fn including(line: &str, files: &[(&str, &str)]) -> Folder {
     folder
 }
 
+/// Includes in a circle, too many, too deep or too large are refused. A file outside the method's folder is refused
+/// unless `--include` allows its folder.
 #[test]
 fn includes_end_and_stay_where_they_may_be() {
     let render = on_room("render", &["--method", "m", "-o", "x.png"]);
     let said = |line: &str, files: &[(&str, &str)]| sentence(&including(line, files), &render);
-    // A file that includes itself, at once or by way of others, and without end.
+    // A file that includes itself, directly or through others.
     let own = said("#include \"march.frag\"", &[]);
     assert!(own.starts_with("m/march.frag:") && own.ends_with("m/march.frag includes itself"), "{own}");
     let circle = [("m/a.glsl", "#include \"b.glsl\"\n"), ("m/b.glsl", "#include \"a.glsl\"\n")];
     assert!(said("#include \"a.glsl\"", &circle).ends_with(".glsl includes itself"));
-    // Files that each include the next twice are four thousand after twelve.
+    // Each file includes the next one twice, so that there are over four thousand includes after twelve files.
     let twice: Vec<(String, String)> =
         (0..30).map(|n| (format!("m/{n}.glsl"), format!("#include \"{}.glsl\"\n", n + 1).repeat(2))).collect();
     let twice: Vec<(&str, &str)> = twice.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
@@ -275,7 +288,7 @@ fn includes_end_and_stay_where_they_may_be() {
     let large = format!("// {}\n", "x".repeat(9 << 20));
     let large = [("m/a.glsl", large.as_str()), ("m/b.glsl", &large)];
     assert!(said("#include \"a.glsl\"\n#include \"b.glsl\"", &large).contains("more than 16777216 bytes together"));
-    // Other folders are for whom the user allows them.
+    // Files of other folders are read only where the user allows them.
     let out = "#include \"../shared.glsl\"";
     let outside = said(out, &[("shared.glsl", "const float SHARED = 1.0;\n")]);
     assert!(outside.contains("shared.glsl is outside of the method's folder m"), "{outside}");
@@ -285,12 +298,13 @@ fn includes_end_and_stay_where_they_may_be() {
     change(&folder, "m/method.toml", "shader = \"march.frag\"", "shader = \"../march.frag\"");
     std::fs::rename(folder.path("m/march.frag"), folder.path("march.frag")).unwrap();
     assert!(sentence(&folder, &render).contains("march.frag is outside of the method's folder m"));
-    // A guard leaves a file empty the second time.
+    // With a guard, a file is empty when it is included for the second time, so that a circle ends.
     let guard = "#ifndef A\n#define A\n#include \"b.glsl\"\nconst float TWO = 2.0;\n#endif\n";
     let guarded = [("m/a.glsl", guard), ("m/b.glsl", "#include \"a.glsl\"\n")];
     including("#include \"a.glsl\"\n#include \"a.glsl\"", &guarded).succeed(&render);
 }
 
+/// A symbolic link in the method's folder that leads out of the folder is refused.
 #[cfg(unix)]
 #[test]
 fn a_link_brings_no_file_into_a_method() {
@@ -300,6 +314,7 @@ fn a_link_brings_no_file_into_a_method() {
     assert!(said.contains("m/a.glsl is outside of the method's folder m"), "{said}");
 }
 
+/// The preset of the author's values is refused for a method from a folder, whose manifest has its values.
 #[test]
 fn a_preset_is_not_for_a_folder() {
     let folder = with_example("ssct");

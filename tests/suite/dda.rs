@@ -13,11 +13,14 @@ use ssct_scenes::{Camera, Scene, View};
 use ssct_truth::metrics::HitAgreement;
 use ssct_truth::reference::{Oracle, Outcome};
 
+/// The place of the camera, in metres.
 const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
+/// The wall stands at this z, in metres.
 const WALL_Z: f32 = 6.0;
+/// Size of the image in pixels.
 const EXTENT: [u32; 2] = [321, 239];
 
-/// A mirror floor that ends at a wall, which reaches below it.
+/// A mirror floor that ends at a wall. The wall reaches below the floor, so that no gap lies between them.
 fn floor_and_wall() -> Scene {
     let mut b = Builder::new("floor and wall");
     b.light(Vec3::Z);
@@ -28,7 +31,7 @@ fn floor_and_wall() -> Scene {
     b.0
 }
 
-/// A mirror that faces the camera, between a floor and a ceiling: its rays come back.
+/// A mirror that faces the camera, between a floor and a ceiling: its rays come back towards the camera.
 fn facing_mirror() -> Scene {
     let mut b = Builder::new("facing mirror");
     b.light(Vec3::Y);
@@ -40,16 +43,17 @@ fn facing_mirror() -> Scene {
     b.0
 }
 
+/// A camera that looks along the z axis.
 fn looks_ahead(extent: [u32; 2]) -> Camera {
     camera(EYE, EYE + Vec3::Z, extent)
 }
 
-/// A setup without fade, with other parameters.
+/// A setup without fade, with changed parameters of `dda`.
 fn setup(extent: [u32; 2], change: impl FnOnce(&mut DdaParams)) -> Setup {
     unfaded(extent).with(change)
 }
 
-/// The image of the hits, and how these agree with the oracle of the same G-buffer.
+/// The image of the hits of `dda`, and how they agree with the oracle on the same G-buffer.
 fn judged(scene: &Scene, camera: Camera, setup: &Setup) -> (Pixels, HitAgreement) {
     let gpu = gpu();
     let mut stage = Stage::new(&gpu, scene).unwrap();
@@ -71,6 +75,8 @@ fn judged(scene: &Scene, camera: Camera, setup: &Setup) -> (Pixels, HitAgreement
     (hits, agreement)
 }
 
+/// With a stride of 1 and no jitter, over 99 % of the hits agree with the oracle, and half of them lie within 0.75
+/// pixels. Two sizes are tried, with and without refinement.
 #[test]
 fn a_sample_a_pixel_ends_where_the_oracle_says() {
     for extent in [[512, 256], EXTENT] {
@@ -84,6 +90,8 @@ fn a_sample_a_pixel_ends_where_the_oracle_says() {
     }
 }
 
+/// With a stride of 16, refinement divides the median error of hits by more than 4, and raises the share of agreeing
+/// hits by more than 0.3, with jitter and without.
 #[test]
 fn refinement_brings_hits_nearer() {
     for jitter in [false, true] {
@@ -97,6 +105,8 @@ fn refinement_brings_hits_nearer() {
     }
 }
 
+/// Two runs with jitter give equal hits. In over 90 % of neighbouring pixels of two columns, jitter moves the hits
+/// apart by more than 1.5 pixels, and without jitter by less than 0.5.
 #[test]
 fn jitter_is_the_same_in_every_frame_and_not_in_neighbours() {
     let hits = |jitter| {
@@ -121,6 +131,8 @@ fn jitter_is_the_same_in_every_frame_and_not_in_neighbours() {
     assert!(differ * 10 > with.len() * 9, "{differ} of {}", with.len());
 }
 
+/// At tiny and odd sizes, strides and thicknesses, in three scenes, no value is infinite or NaN. No ray exhausts its
+/// steps, and each hit lies on the screen.
 #[test]
 fn no_size_and_no_ray_breaks_the_march() {
     let gpu = gpu();
@@ -129,7 +141,7 @@ fn no_size_and_no_ray_breaks_the_march() {
             for (scene, view) in [
                 (clutter(), clutter_camera(extent)),
                 (facing_mirror(), looks_ahead(extent)),
-                // Straight down on the floor: rays run back along the view, and into the camera.
+                // The camera looks straight down on the floor, so that rays run back into the camera.
                 (floor_and_wall(), camera(Vec3::new(0.0, 1.2, 3.0), Vec3::new(0.0, 0.0, 3.001), extent)),
             ] {
                 for (jitter, refine, thickness) in [(false, false, 0.0), (true, true, 0.25), (true, false, 1000.0)] {
@@ -154,6 +166,7 @@ fn no_size_and_no_ray_breaks_the_march() {
     }
 }
 
+/// On a mirror that faces the camera, over 90 % of the hits agree with the oracle.
 #[test]
 fn rays_towards_the_camera_are_traced_and_end_where_the_oracle_says() {
     let exact = setup(EXTENT, |p| (p.dda_stride, p.dda_jitter) = (1, false));
@@ -162,6 +175,7 @@ fn rays_towards_the_camera_are_traced_and_end_where_the_oracle_says() {
     assert!(agreement.pixels > 5_000 && agreement.hit_agreement.unwrap() > 0.9, "{agreement:?}");
 }
 
+/// With 4 steps only, most rays end with the code of an exhausted march and reflect black, while short rays still hit.
 #[test]
 fn a_march_without_enough_steps_says_so_and_misses() {
     let short = setup(EXTENT, |p| (p.dda_stride, p.dda_steps) = (1, 4));

@@ -1,5 +1,5 @@
-//! The pages that people read: their links lead somewhere, their citations name sections that exist, and what they quote
-//! of measurements is what the records under `benches/runs/` say. `make docs` writes the latter anew.
+//! The pages that people read: their links lead somewhere, their citations name sections that exist, and their quoted
+//! measurements are those of the records under `benches/runs/`. `make docs` writes the quotations anew.
 
 mod against_world;
 mod beside;
@@ -44,10 +44,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The README fits on a few screens.
+/// The greatest number of lines of the README, which fits on a few screens.
 const README_LINES: usize = 150;
 
-/// Where text stands that cites the pages.
+/// Files and folders with text that cites the pages.
 const CITING: &[&str] = &[
     "CONTRIBUTING.md",
     "README.md",
@@ -65,9 +65,10 @@ const CITING: &[&str] = &[
     "tests",
 ];
 
-/// Folders among them that no person wrote or reads.
+/// Folders among `CITING` that no person wrote or reads.
 const NOT_TEXT: &[&str] = &["benches/runs/2", "fuzz/corpus", "fuzz/target", "tests/golden"];
 
+/// The root of the repository.
 fn root() -> PathBuf {
     repository().to_owned()
 }
@@ -145,6 +146,7 @@ fn the_readme_is_short() {
     assert!(lines <= README_LINES, "README.md has {lines} lines; what is longer belongs into docs/");
 }
 
+/// Each link of a page leads to a file and a heading in the repository, and each label has a definition.
 #[test]
 fn links_lead_to_files_and_headings_that_exist() {
     let (mut links, mut broken) = (0, Vec::new());
@@ -199,11 +201,12 @@ fn is_path(code: &str) -> bool {
     folders.iter().any(|f| code.starts_with(f)) && code.contains('.') && !code.contains([' ', '*', '<', '{'])
 }
 
+/// Each path between backquotes on a page, except in the changelog, is a file of the repository.
 #[test]
 fn files_that_pages_name_exist() {
     let (mut named, mut missing) = (0, Vec::new());
     let map = ("src/ARCHITECTURE.md".to_owned(), fs::read_to_string(root().join("src/ARCHITECTURE.md")).unwrap());
-    // A changelog names what was once there, too.
+    // The changelog also names files of the past.
     for (name, text) in pages().into_iter().chain([map]).filter(|(name, _)| name != "CHANGELOG.md") {
         for line in outside_code(&text) {
             for code in line.split('`').skip(1).step_by(2).filter(|code| is_path(code)) {
@@ -218,7 +221,7 @@ fn files_that_pages_name_exist() {
     assert!(named > 5, "only {named} files are named");
 }
 
-/// A text as one line, without what begins the lines of comments.
+/// A text as one line, without the marks that begin comment lines.
 fn flowing(text: &str) -> String {
     let bare = |line: &str| {
         let line = line.trim();
@@ -260,6 +263,7 @@ fn items(page: &str, heading: &str) -> Vec<usize> {
     below.filter_map(|l| l.split_once(". ")?.0.parse().ok()).collect()
 }
 
+/// Examples of citations with the sections and items that are read from them.
 #[test]
 fn a_citation_is_read_as_its_author_means_it() {
     let one = |name: &str, items: &[usize]| (name.to_owned(), items.to_vec());
@@ -272,6 +276,7 @@ fn a_citation_is_read_as_its_author_means_it() {
     assert_eq!(items("## A\n1. x\n2. y\n## B\n3. z\n", "A"), [1, 2]);
 }
 
+/// Each section and numbered item of `docs/definitions.md` and `docs/numerics.md` that a text cites is there.
 #[test]
 fn cited_sections_exist() {
     let (mut citations, mut wrong) = (0, Vec::new());
@@ -297,14 +302,16 @@ fn cited_sections_exist() {
     assert!(citations > 0);
 }
 
+/// No text names three pages that exist only outside of the repository.
 #[test]
 fn nothing_cites_a_page_that_is_not_in_the_repository() {
-    // In pieces, so that this file does not hold the words.
+    // The words are written in pieces, so that this file does not contain them.
     let outside = [concat!("DEFINI", "TIONS"), concat!("NUMER", "ICS"), concat!("DE", "SIGN,")];
     let mut wrong = Vec::new();
     for (name, text) in texts() {
         for (number, line) in text.lines().enumerate() {
-            // A constant of the code has the first name: in Rust only comments cite, and code in them is marked.
+            // The first word is also a constant of the code. In Rust, only comments can cite a page, and code in
+            // comments stands between backquotes.
             let comment = if name.ends_with(".rs") { line.split_once("//").map_or("", |(_, c)| c) } else { line };
             let cites = comment.split('`').step_by(2).any(|prose| outside.iter().any(|word| prose.contains(word)));
             let in_text = line.contains(outside[1]);
@@ -340,8 +347,9 @@ fn keep(path: &Path, text: &str) {
     );
 }
 
-/// What a page should be: between `<!-- show: QUERY of RECORDS -->` and `<!-- end -->` stands what the records say,
-/// a table or a number. RECORDS are link definitions of the page, with commas between them.
+/// A page as it should be, and the number of its markers. Between `<!-- show: QUERY of RECORDS -->` and `<!-- end -->`
+/// stands the answer of the records, a table or a number. RECORDS are link definitions of the page, with commas between
+/// them.
 fn shown(name: &str, text: &str) -> (String, usize) {
     const BEGIN: &str = "<!-- show: ";
     const END: &str = "<!-- end -->";
@@ -359,7 +367,7 @@ fn shown(name: &str, text: &str) -> (String, usize) {
         let folders: Vec<_> = folders.collect();
         let answer = records::show(query, &folders).unwrap_or_else(|e| panic!("{name}: {marker}: {e}"));
         let is_table = answer.contains('\n');
-        // Markdown shows a line that begins with a comment as it stands, so a number may not begin one.
+        // Markdown does not format a line that begins with an HTML comment, so that a number may not begin a line.
         assert_eq!(is_table, before.ends_with('\n'), "{name}: {marker}: a table begins a line, and a number does not");
         let measured = || devices::line(query, &folders, &answer).unwrap_or_else(|e| panic!("{name}: {marker}: {e}"));
         let answer = if is_table { format!("\n{answer}\n{}\n", measured()) } else { answer };
@@ -369,10 +377,11 @@ fn shown(name: &str, text: &str) -> (String, usize) {
     (result + rest, count)
 }
 
+/// On each page, the text behind each `show` marker is what the records answer.
 #[test]
 fn pages_say_what_the_records_say() {
     let mut shows = 0;
-    // The page of options has none; another test writes it.
+    // The page of options has no markers; another test writes it.
     for (name, text) in pages().into_iter().filter(|(_, text)| text.contains("<!-- show:")) {
         let (should, count) = shown(&name, &text);
         keep(&root().join(&name), &should);

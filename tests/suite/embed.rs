@@ -1,5 +1,5 @@
-//! The door for other renderers: whatever conventions they have, what comes out is what the command makes of the same
-//! G-buffer; and what is wrong with their inputs is said before anything is recorded.
+//! The door for other renderers: whatever conventions a renderer has, the image is that which the command makes of the
+//! same G-buffer. Wrong inputs are refused with a sentence before anything is recorded.
 
 use crate::common::engine::{
     BYTES, Convention, Engine, FLOAT, HALVES, NATIVE, Theirs, bits, drawn, halves, info, rmse, view_of_rooms,
@@ -22,6 +22,7 @@ use std::ptr::NonNull;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// Through the door, in three frames, each method makes the images that it makes of that G-buffer directly, bit by bit.
 #[test]
 fn every_screen_space_method_makes_through_the_door_what_it_makes_otherwise() {
     let gpu = gpu();
@@ -64,7 +65,7 @@ fn every_convention_shows_the_same() {
         let convention = Convention { right_handed, clip_y, ..NATIVE };
         assert!(rmse(&show(convention), &native) < 1e-3, "{convention:?}");
     }
-    // Other encodings round otherwise, so that some rays at edges end elsewhere.
+    // Other encodings round otherwise, so that some rays at edges end elsewhere and the bound is wider.
     for (space, encoding) in [
         (NormalSpace::World, NormalEncoding::Float),
         (NormalSpace::World, NormalEncoding::Unorm),
@@ -77,7 +78,7 @@ fn every_convention_shows_the_same() {
     }
     let standard = Convention { standard_depth: true, ..NATIVE };
     assert!(rmse(&show(standard), &native) < 0.02);
-    // A wrong convention shows something else: the bounds above mean something.
+    // A wrong convention shows another image, so that the bounds above mean something.
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let mut input = theirs.input();
     input.normal.space = NormalSpace::World;
@@ -86,6 +87,7 @@ fn every_convention_shows_the_same() {
     gpu.check_validation().unwrap();
 }
 
+/// A shifted G-buffer with its shifted projection gives the shifted image in nine tenths of the pixels.
 #[test]
 fn a_shifted_projection_shifts_the_image() {
     let gpu = gpu();
@@ -96,8 +98,8 @@ fn a_shifted_projection_shifts_the_image() {
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
     let native = engine.read(&recorded.composite.unwrap());
-    // The images stay, but the projection is said to be shifted by 8 pixels, by a camera that looks as much aside: what was
-    // in the middle of the view is at its side, and every angle changes.
+    // The images stay, but the projection is said to be shifted by 8 pixels: the middle of the view is then at its
+    // side, and every angle of reflection changes.
     let mut aside = theirs.input();
     aside.camera.view_to_clip[8] = 2.0 * 8.0 / 96.0;
     let recorded = engine.frame(&mut reflections, &aside).unwrap();
@@ -128,7 +130,7 @@ fn a_shifted_projection_shifts_the_image() {
         all += 1;
         equal += usize::from(texel.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.02));
     }
-    // Rays that leave by the sides see more or less of the scene.
+    // In up to a tenth of the pixels, rays that leave the shifted image by its sides see more or less of the scene.
     assert!(equal * 10 > all * 9, "{equal} of {all} pixels are as they were");
     gpu.check_validation().unwrap();
 }
@@ -159,6 +161,7 @@ fn a_sky_shows_where_rays_end_in_it() {
     gpu.check_validation().unwrap();
 }
 
+/// An image that is not asked for takes no memory, no pass makes it, and the other image is the same.
 #[test]
 fn what_is_not_asked_for_is_not_made() {
     let gpu = gpu();
@@ -187,10 +190,10 @@ fn what_is_not_asked_for_is_not_made() {
     gpu.check_validation().unwrap();
 }
 
-/// An allocator of the caller's: an object for each block.
+/// An allocator of the caller that makes a memory object for each block.
 struct Objects {
     gpu: Gpu,
-    /// Blocks that were given, and those that were not taken back.
+    /// The number of blocks that were given, and the number of those that were not taken back.
     count: Arc<[AtomicUsize; 2]>,
 }
 
@@ -234,6 +237,7 @@ unsafe impl DeviceMemory for Objects {
     }
 }
 
+/// An allocator of the caller gives all memory, gets all of it back, and changes no pixel.
 #[test]
 fn memory_of_the_callers_is_taken_and_given_back() {
     let gpu = gpu();
@@ -255,7 +259,7 @@ fn memory_of_the_callers_is_taken_and_given_back() {
     assert!(theirs == ours && bytes > 0 && none == 0, "{bytes} {none}");
     let [given, held] = count.each_ref().map(|n| n.load(Ordering::SeqCst));
     assert!(given > 10 && held == 0, "{held} of {given} blocks are held");
-    // Memory that there is not is an error that says for what.
+    // An allocator without memory leads to an error with its reason.
     struct Nothing;
     // SAFETY: it gives nothing.
     unsafe impl DeviceMemory for Nothing {
@@ -343,7 +347,7 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     let recorded = engine.frame(&mut reflections, &input).unwrap();
     assert!(recorded.passes.iter().any(|p| p.starts_with("follow")), "{:?}", recorded.passes);
     let seen = engine.read(&recorded.composite.unwrap());
-    // Beside the same captures from the host, whose normals are not made of depth.
+    // The expected image: the same captures from the host, with normals of their own that are not made of depth.
     let mut host = FrameContext::new(&gpu).unwrap();
     let given = CaptureImages::of_faces(&mut host, &[capture], |_, f| Ok(faces[f].clone())).unwrap();
     let given = given.within(scene.bounds());
@@ -389,7 +393,7 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
     refused(&|i| i.outputs.layout = vk::ImageLayout::UNDEFINED, ["outputs", "UNDEFINED"]);
     refused(&|i| i.sky = Some(i.color), ["sky", "6"]);
     refused(&|i| i.depth.part.aspect_mask = vk::ImageAspectFlags::DEPTH, ["depth", "aspects"]);
-    // And of what they are made for.
+    // Wrong descriptions of the reflections that are to be made.
     let wrong = |info: &ReflectionsInfo, word: &str| {
         let said = Reflections::new(&context, info).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(said.contains(word), "{word}: {said:?}");
@@ -411,7 +415,7 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
     // SAFETY: refused before anything is made of it.
     let said = unsafe { Context::new(lacking) }.err().unwrap().to_string();
     assert!(said.contains("synchronization2"), "{said}");
-    // All is as it was.
+    // The refused calls changed nothing: a good frame still works.
     assert!(engine.frame(&mut reflections, &theirs.input()).is_ok());
     gpu.check_validation().unwrap();
 }
@@ -439,7 +443,7 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     let nothing = FrameInput { reflectivity: FactorInput::Constant(0.0), ..input };
     let recorded = engine.frame(&mut reflections, &nothing).unwrap();
     assert!(recorded.reflection.is_none() && recorded.passes.iter().all(|p| p == "import"), "{:?}", recorded.passes);
-    // Neither is there a pass for what the caller knows not to be there; and what is shown is the same.
+    // Passes for kinds of reflectors that the caller rules out are not recorded, and the image is the same.
     let of_image = theirs.input();
     let mut data = data.clone();
     data.roughness.fill(0.0);
@@ -449,7 +453,7 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     let reflectors = Reflectors { narrow: false, wide: false, ..Reflectors::UNKNOWN };
     let recorded = engine.frame(&mut reflections, &FrameInput { reflectors, ..mirrors.input() }).unwrap();
     assert!(bits(&engine.read(&recorded.composite.unwrap())) == shown && recorded.passes.len() < all);
-    // Bytes are as good as halves for what needs no more.
+    // Images of bytes are taken for roughness and reflectivity, as images of 16-bit floats are.
     let bytes: Vec<u8> = data.roughness.iter().flat_map(|r| [(r * 255.0).round() as u8, 128, 0, 255]).collect();
     let image = engine.upload(BYTES, [64, 48], &bytes);
     let image_input = ImageInput::color(image.handle(), image.all().view(), BYTES, [64, 48]);
@@ -462,6 +466,7 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     gpu.check_validation().unwrap();
 }
 
+/// Reflections are made, resized and dropped in two threads, and no device memory is left.
 #[test]
 fn views_come_and_go_in_two_threads_and_leave_nothing() {
     let run = || {

@@ -3,7 +3,8 @@
 use crate::common::images::check_composite;
 use std::process::Command;
 
-/// The example as a user starts it, and the command on the images that it drew.
+/// Runs the example under the validation layers. Its composite equals that which the command makes of the G-buffer that
+/// the example drew.
 #[test]
 fn the_example_shows_what_the_command_makes_of_its_images() {
     let program = std::env::current_exe().unwrap();

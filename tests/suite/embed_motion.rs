@@ -1,4 +1,5 @@
-//! Motion through the door: with it, the history of what moves is that of the laboratory, which knows where things stand.
+//! Motion through the door: with motion given, the history of a mesh that moves is that of the laboratory, which knows
+//! where meshes stand.
 
 use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, plain_rooms, triangles_of};
 use crate::common::gpu;
@@ -14,14 +15,16 @@ use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{GBufferData, Scene, View};
 use ssct_truth::metrics::image::masked_rmse;
 
+/// Size of the images in pixels.
 const EXTENT: [u32; 2] = [161, 91];
 
-/// Two floats.
+/// The format of images of motion: two 32-bit floats a pixel.
 const WAYS: vk::Format = vk::Format::R32G32_SFLOAT;
 
-/// The parameters of both.
+/// The parameters of the door, the same as those of `setup`.
 const PARAMETERS: [(&str, &str); 3] = [("history", "on"), ("history-frames", "8"), ("first", "screen")];
 
+/// The parameters of the laboratory, the same as `PARAMETERS`.
 fn setup() -> Setup {
     Setup::new(EXTENT)
         .with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, 8))
@@ -29,10 +32,10 @@ fn setup() -> Setup {
         .with(|p: &mut UnifiedParams| (p.first, p.hit_color) = (FirstTraced::Screen, HitColor::Screen))
 }
 
-/// A frame of a film: what the laboratory drew, and what it made of it.
+/// A frame of a film: the G-buffer and the scene that the laboratory drew, and the reflection that it made of them.
 struct Moment {
     data: GBufferData,
-    /// Where the mesh that moves is, and how far it came since the frame before.
+    /// The bounds of the mesh that moves, and how far it came since the frame before, in metres.
     moved: (Aabb, Vec3),
     scene: Scene,
     reflection: Vec<[f32; 3]>,
@@ -84,11 +87,12 @@ fn film(view: &View, name: &str, step: Vec3, [moving, resting]: [u32; 2]) -> Vec
     made
 }
 
+/// The colours of an image without the fourth channel.
 fn colors(image: &Pixels) -> Vec<[f32; 3]> {
     image.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }
 
-/// The place that each pixel shows.
+/// For each pixel, its centre in pixels and the point that it shows, in world space.
 fn places(data: &GBufferData) -> impl Iterator<Item = (Vec2, Vec3)> {
     let to_clip = data.camera.view_to_clip_reversed() * data.camera.world_to_view;
     let place = move |(i, depth): (usize, &f32)| {
@@ -99,11 +103,12 @@ fn places(data: &GBufferData) -> impl Iterator<Item = (Vec2, Vec3)> {
     data.depth.iter().enumerate().map(place)
 }
 
+/// The size of the images as a vector.
 fn size() -> Vec2 {
     Vec2::from(EXTENT.map(|side| side as f32))
 }
 
-/// Which pixels show the mesh that moves.
+/// For each pixel, whether it shows the mesh that moves.
 fn shows(moment: &Moment) -> Vec<bool> {
     let inside = moment.moved.0.grown(0.01);
     let is_in = |place: Vec3| place.cmpge(inside.min).all() && place.cmple(inside.max).all();
@@ -120,7 +125,7 @@ fn ways(moment: &Moment) -> Vec<Vec2> {
     places(&moment.data).zip(shows(moment)).map(way).collect()
 }
 
-/// What the door makes of a film, with ways that are stored in a scale or without.
+/// The reflections that the door makes of a film, with motion stored in units of `scale` pixels, or without motion.
 fn through_the_door(film: &[Moment], scale: Option<[f32; 2]>) -> Vec<Pixels> {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
@@ -147,18 +152,21 @@ fn through_the_door(film: &[Moment], scale: Option<[f32; 2]>) -> Vec<Pixels> {
     made
 }
 
+/// An image of motion as an input of the door.
 fn motion(image: &Image, scale: [f32; 2]) -> MotionInput {
     let image = ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
     MotionInput { image, scale, jittered: false }
 }
 
-/// How far the door's film is off the laboratory's in a frame, where the screen shows what moves.
+/// How far the door's reflection is off the laboratory's in a frame, over the pixels that show the moving mesh.
 fn off(film: &[Moment], made: &[Pixels], frame: usize) -> f64 {
     let mask = shows(&film[frame]);
     assert!(mask.iter().filter(|m| **m).count() > 30, "nothing that moves is seen");
     masked_rmse(&film[frame].reflection, &colors(&made[frame]), &mask)
 }
 
+/// A ball rolls for six frames and rests for six: with motion, the door's reflections are less than half as far off the
+/// laboratory's as without. Another unit of the motion changes no bit.
 #[test]
 fn a_moved_reflector_with_motion_given_is_what_the_laboratory_makes_of_it() {
     let scene = painted_rooms();
@@ -169,14 +177,16 @@ fn a_moved_reflector_with_motion_given_is_what_the_laboratory_makes_of_it() {
     let [off_with, off_without] = [mean(&with), mean(&without)];
     println!("{off_with:.4} off with motion, {off_without:.4} without");
     assert!(off_with < 0.5 * off_without, "{off_with} with motion, {off_without} without");
-    // Where nothing but the rolling ball is in doubt, it is the same.
+    // In frame 3, the door's reflection in the rolling ball is the laboratory's, but for 0.001.
     let [rolls, alone] = [&with, &without].map(|made| off(&film, made, 3));
     assert!(rolls < 1e-3 && alone > 0.05, "{rolls} with motion, {alone} without");
-    // Whatever way round and in whatever unit it is stored.
+    // Motion may be stored with either sign and in any unit.
     let scaled = through_the_door(&film[..6], Some([-2.0, 0.5]));
     assert!(bits(&scaled[5]) == bits(&with[5]));
 }
 
+/// Images of motion of a wrong size, format or scale are refused. Motion of NaN moves nothing, and no value becomes
+/// infinite or NaN.
 #[test]
 fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     let gpu = gpu();
@@ -205,7 +215,7 @@ fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     refused(&|m| m.image.format = vk::Format::R16G16_SINT, "floats");
     refused(&|m| m.scale = [1.0, 0.0], "the input motion has the scale [1.0, 0.0]");
     refused(&|m| m.scale = [f32::NAN, 1.0], "finite");
-    // Ways that are no numbers move nothing.
+    // Motion of NaN counts as no motion.
     let input = FrameInput { motion: Some(good), ..theirs.input() };
     for _ in 0..3 {
         let recorded = engine.frame(&mut reflections, &input).unwrap();
@@ -215,7 +225,8 @@ fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     gpu.check_validation().unwrap();
 }
 
-/// A projection that is jittered from frame to frame, before which nothing moves.
+/// The projection is jittered from frame to frame and nothing moves. Motion that holds the jitter and says so gives the
+/// image of motion without jitter, to the bit; motion that holds it silently does not.
 #[test]
 fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
     let gpu = gpu();

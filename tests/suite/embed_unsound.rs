@@ -1,5 +1,5 @@
-//! What hosts get wrong: colours that are no numbers are black and spread nowhere, and an instance that was made for an older
-//! Vulkan is refused.
+//! Mistakes of hosts: colours that are no numbers are black and spread nowhere, and an instance that was made for an
+//! older Vulkan is refused.
 
 use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
 use crate::common::gpu;
@@ -9,6 +9,8 @@ use ssct::methods::{METHODS, Setup};
 use ssct::{Context, DeviceHandles, EnabledFeatures, Reflections};
 use ssct_lab::stage::gbuffer;
 
+/// NaN in a colour counts as 0 and infinity as the greatest 16-bit float. Every screen-space method makes the image of
+/// a G-buffer with these numbers, to the bit, from the host and through the door.
 #[test]
 fn a_colour_that_is_no_number_is_black_and_spreads_nowhere() {
     let gpu = gpu();
@@ -42,6 +44,7 @@ fn a_colour_that_is_no_number_is_black_and_spreads_nowhere() {
     gpu.check_validation().unwrap();
 }
 
+/// A context on an instance of Vulkan 1.2 is refused with a sentence.
 #[test]
 fn an_instance_of_an_older_version_is_refused() {
     // SAFETY: the handles belong together and are destroyed after the context was refused.

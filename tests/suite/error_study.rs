@@ -1,17 +1,19 @@
-//! `ssct error` on a small view: finite figures for every reference, kept cells, files; and the time
-//! records whose passes add up to the frame.
+//! `ssct error` on a small view: finite figures for every reference, kept cells and files. Also the records of `ssct
+//! time`, whose passes add up to the frame.
 
 use crate::common::repository;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
+/// The records that a command prints.
 fn ssct(arguments: &[&str]) -> Vec<Value> {
     let output = Command::new(env!("CARGO_BIN_EXE_ssct")).args(arguments).output().unwrap();
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+/// The records of a small study of errors that is kept in a folder, with a number of rays of the reference.
 fn error_study(folder: &Path, rays: &str) -> Vec<Value> {
     let folder = folder.to_str().unwrap();
     let what = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "ssct,hzct", "--roughness", "0,0.1"];
@@ -19,6 +21,8 @@ fn error_study(folder: &Path, rays: &str) -> Vec<Value> {
     ssct(&[&what[..], &how[..]].concat())
 }
 
+/// Two methods at two roughnesses: each record has the figures of its reference, within their ranges. A second run
+/// keeps the results, and another number of rays is measured anew.
 #[test]
 fn every_reference_has_finite_figures_and_cells_are_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -42,7 +46,8 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
             assert!(record_against("world", 0.1)[key].is_null(), "hits of glossy pixels don't compare");
         }
         let (world, glossy) = (record_against("world", 0.0), record_against("world", 0.1));
-        // A miss is right by world agreement where the screen does not show the ray's end, and never a right place.
+        // By world agreement a miss is right where the screen does not show the ray's end; by place agreement a miss is
+        // never right.
         let places = world["place_agreement"].as_f64().unwrap();
         assert!(places > 0.05 && places < world["hit_agreement"].as_f64().unwrap(), "{world}");
         assert!(glossy["place_agreement"].is_null(), "a lobe ends in many places");
@@ -59,8 +64,8 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
     }
     assert!(records.iter().all(|r| r["against"] != "world" || r["standard_error"].as_f64().unwrap() > 0.0));
 
-    // A ray that meets a window shows the sky along itself, in the reference and in `unified`. The thesis's cone shows the
-    // window's pixel, which has the sky as the camera sees it. Where a scene has no windows, the two are equal.
+    // A ray that meets a window shows the sky along the ray, in the reference and in `unified`. The thesis's cone shows
+    // the window's pixel, which has the sky as the camera sees it. Without windows, the two would be equal.
     let mirrors = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "unified", "--beyond", "none"];
     let how = ["--roughness", "0", "--size", "96x54", "--no-sweep", "--samples", "1", "--rays", "64", "--json"];
     let mirrors = ssct(&[&mirrors[..], &how[..]].concat());
@@ -83,10 +88,11 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
     let other = error_study(folder.path(), "5");
     let time = |r: &[Value]| r[0]["standard_error"].clone();
     assert_ne!((time(&records), &records), (time(&other), &other), "other settings are measured anew");
-    // Their times are those of before, and yet there is a picture to judge.
+    // Times were kept from the first run, and the second run still had a picture to judge.
     assert!(other.iter().all(|r| r["against"] != "world" || r["standard_error"].as_f64().unwrap() > 0.0));
 }
 
+/// Two variants of `unified` write two different pictures.
 #[test]
 fn variants_of_one_method_have_pictures_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -100,11 +106,13 @@ fn variants_of_one_method_have_pictures_of_their_own() {
     assert!(picture("unified") != picture("unified-none"), "on the screen alone, rays are lost");
 }
 
+/// `unified` by either version of the oracle agrees with that version in 99.99 % of the pixels. By version 2, it
+/// disagrees with the triangles in less than 0.8 times as many pixels as by version 1.
 #[test]
 fn unified_is_held_against_the_oracle_that_it_follows() {
     let what = ["error", "--scene", "rooms", "--view", "two-cylinders", "--method", "unified", "--roughness", "0"];
     let how = ["--size", "161x90", "--samples", "1", "--rays", "2", "--json", "--no-sweep", "--beyond", "none"];
-    // The two versions of `unified` on the screen alone.
+    // Runs `unified` on the screen alone, by a version of the oracle.
     let of_version = |version| ssct(&[&what[..], &how, &["--oracle", version]].concat());
     let records = ["1", "2"].map(of_version).concat();
     let agreement = |version: Value, against: &str| {
@@ -123,15 +131,17 @@ fn unified_is_held_against_the_oracle_that_it_follows() {
     assert!(wrong_of_second < 0.8 * wrong, "{wrong_of_second} of {wrong}");
     let pictures = records.iter().filter(|r| r["method"] == "screen-reference");
     assert_eq!(pictures.map(|r| r["setup"]["oracle"].clone()).collect::<Vec<_>>(), [Value::from(1), 2.into()]);
-    // Another method is judged by the one that is asked for.
+    // Other methods are judged by the version that `--oracle` asks for.
     let oracle = ["--oracle", "2"];
     let records = ssct(&[&what[..5], &["--method", "ssct,unified", "--roughness", "0"], &how, &oracle].concat());
     assert!(records.iter().all(|r| r["setup"]["oracle"] == 2), "{records:?}");
 }
 
+/// A method that shows the environment has records against the triangles with the sky, and none against the screen's
+/// reference.
 #[test]
 fn what_shows_the_environment_is_held_against_a_world_with_it() {
-    // An open square under the sky, so that the two worlds differ.
+    // The street lies under the sky, so that a world with the environment differs from one without.
     let run = |more: &[&str]| {
         let what = ["error", "--scene", "street", "--roughness", "0", "--size", "64x36", "--quick"];
         let how = ["--no-sweep", "--samples", "1", "--rays", "2", "--json"];
@@ -157,6 +167,8 @@ fn what_shows_the_environment_is_held_against_a_world_with_it() {
     assert_eq!(plain.2, behind.2, "the hits are the method's own");
 }
 
+/// In a run of `time`, the medians of the passes add up to 0.5 to 1.5 of the median of the frame, and those that count
+/// to as much of the total.
 #[test]
 fn the_passes_add_up_to_the_frame() {
     let records = ssct(&["time", "--method", "ssct,hzct", "--size", "640x360", "--samples", "5", "--json"]);
@@ -166,9 +178,9 @@ fn the_passes_add_up_to_the_frame() {
         let passes = record["passes"].as_array().unwrap();
         let sum: f64 = passes.iter().map(median).sum();
         let ratio = sum / median(&record["frame"]);
-        // On a CPU that others use too, the queue's thread waits between stamps, and medians of parts
-        // are not the median of the whole; a pass left out or counted twice is further off than that.
-        // The kept records below hold the narrow bound, from a quiet machine.
+        // On a shared CPU, the queue's thread waits between timestamps, and medians of parts do not add up to the
+        // median of the whole. A pass that is left out or counted twice is further off than the bound. The test of kept
+        // records below has a narrow bound, since these are from a quiet machine.
         assert!((0.5..1.5).contains(&ratio), "the passes' medians are {ratio:.3} of the frame's");
         let total: f64 = passes.iter().filter(|p| p["counted"] == true).map(median).sum();
         let ratio = total / median(&record["total"]);
@@ -183,6 +195,7 @@ fn the_passes_add_up_to_the_frame() {
     }
 }
 
+/// In two kept runs from a quiet machine, the medians of the passes add up to 0.9 to 1.1 of the median of the frame.
 #[test]
 fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
     let runs = repository().join("benches/runs/2026-11-28-lavapipe");
@@ -199,6 +212,8 @@ fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
     }
 }
 
+/// A reference of 64 rays that resumes at 16 is that of a straight run, to the bit. Four times the rays halve the
+/// standard error.
 #[test]
 fn the_reference_is_sampled_on_from_where_it_stopped() {
     let folder = tempfile::tempdir().unwrap();

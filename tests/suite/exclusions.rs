@@ -1,4 +1,5 @@
-//! The table of requests that an effect refuses: each row is asked for by some request, and names a parameter that there is.
+//! The table of requests that an effect refuses: each row is the first match of some request, and names a parameter
+//! that exists.
 
 use ssct::methods::exclusions::{Asked, Brought, EXCLUSIONS, Exclusion, check};
 use ssct::methods::layers::LayerParams;
@@ -7,19 +8,21 @@ use ssct::methods::{EffectParams, Fallback, Setup, find, parameters};
 use ssct::passes::trace_normals::TraceNormals;
 use ssct_ground::scene::ProjectionKind;
 
-/// A request for a method with the scene.
+/// A request for a method beside the scene.
 fn with_scene<'a>(method: &'static str, setup: &'a Setup) -> Asked<'a> {
     let info = find(method).unwrap();
     let (effect, brought) = (setup.effect(), None);
     Asked { info, setup, effect, has_scene: true, has_captures: false, has_triangles: false, brought }
 }
 
-/// A request for a method with a G-buffer alone, and what is brought along.
+/// A request for a method on a G-buffer without the scene, with captures, triangles or nothing brought along.
 fn without_scene<'a>(method: &'static str, setup: &'a Setup, brought: Option<Brought>) -> Asked<'a> {
     let [has_captures, has_triangles] = [Brought::Captures, Brought::Triangles].map(|part| brought == Some(part));
     Asked { has_scene: false, has_captures, has_triangles, brought, ..with_scene(method, setup) }
 }
 
+/// One request for each row of the table, in order: that row is the first which matches the request, and its refusal is
+/// a sentence. A plain request is not refused.
 #[test]
 fn each_is_the_first_that_some_request_asks_for() {
     let plain = Setup::new([8, 8]);
@@ -66,6 +69,7 @@ fn each_is_the_first_that_some_request_asks_for() {
     assert!(check(&with_scene("unified", &plain)).is_ok());
 }
 
+/// The parameter of each row is one of the parameters of the methods, or the method itself.
 #[test]
 fn each_names_a_parameter_that_there_is() {
     let named: Vec<&str> = parameters().into_iter().map(|(parameter, _)| parameter.name).collect();

@@ -1,18 +1,20 @@
-//! `ssct figures`: the files it makes, what is left out and why, and its page, small; shown by a headless
-//! Chromium where there is one.
+//! `ssct figures`: the files that it makes, which figures are left out and why, and its page, in small pictures. A
+//! headless Chromium shows the page where there is one.
 
 use crate::common::folder::Folder;
 use crate::common::html::{attributes, probe};
 use image::RgbImage;
 use std::path::Path;
 
-/// Mean of the three channels in a part of a picture: left, top, right, bottom in pixels.
+/// The mean of the three channels in a part of a picture, given by its left, top, right and bottom in pixels.
 fn mean(image: &RgbImage, [left, top, right, bottom]: [u32; 4]) -> f64 {
     let pixels = (top..bottom).flat_map(|y| (left..right).map(move |x| image.get_pixel(x, y).0));
     let values: Vec<f64> = pixels.flat_map(|p| p.map(f64::from)).collect();
     values.iter().sum::<f64>() / values.len() as f64
 }
 
+/// Each figure of both documents is on the page and has a file, or says that a method is missing. The page needs
+/// nothing from elsewhere.
 #[test]
 fn every_figure_is_made_or_says_what_it_lacks() {
     let folder = Folder::new();
@@ -28,7 +30,7 @@ fn every_figure_is_made_or_says_what_it_lacks() {
         let line =
             said.lines().find(|l| l.starts_with(&format!("{stem}.")) || l.starts_with(&format!("{stem} "))).unwrap();
         match line.split_once(" left out: ") {
-            // Only what another part of the program would bring.
+            // A figure may be left out only because its method does not exist.
             Some((_, why)) => assert!(why.starts_with("there is no method"), "{line}"),
             None => {
                 let file = line.split(": ").next().unwrap();
@@ -36,7 +38,7 @@ fn every_figure_is_made_or_says_what_it_lacks() {
             }
         }
     }
-    // Whatever methods there are, ssct and hzct are, so that these were made.
+    // The methods ssct and hzct always exist, so that these figures were made.
     for stem in
         ["thesis-4.1.svg", "thesis-4.4.png", "thesis-4.6.svg", "thesis-5.1.png", "thesis-5.9.png", "schmidt-27.png"]
     {
@@ -52,7 +54,7 @@ fn every_figure_is_made_or_says_what_it_lacks() {
     shown(&folder);
 }
 
-/// The page in a browser, on a phone: nothing wider than the screen, every picture there.
+/// Shows the page in a browser as wide as a phone: nothing is wider than the screen, and every picture is there.
 fn shown(folder: &Folder) {
     let script = r#"
   const d = (await show("f/index.html", 390, false)).contentDocument, r = d.documentElement;
@@ -63,6 +65,8 @@ fn shown(folder: &Folder) {
     assert_eq!(found, "overflow 0 bad 0 some true");
 }
 
+/// Five figures have the content that their captions name: lost minima in bold, brighter floors without fade, more
+/// reflections by SSCT, and a grey picture of the reflectance.
 #[test]
 fn figures_show_what_their_captions_say() {
     let folder = Folder::new();
@@ -86,7 +90,7 @@ fn figures_show_what_their_captions_say() {
     // Two renders with a gap of eight pixels.
     let fade = folder.image("f/thesis-4.8.png");
     assert_eq!(fade.dimensions(), (2 * 192 + 8, 108));
-    // The floor in the lower half: brighter with reflections that do not fade.
+    // The floor in the lower half is brighter in the left picture, whose reflections do not fade.
     let floor = |left: u32| mean(&fade, [left, 60, left + 192, 108]);
     assert!(floor(0) > floor(200) + 2.0, "{} {}", floor(0), floor(200));
     // In figure 5.2 SSCT catches more than HZCT.
@@ -100,6 +104,7 @@ fn figures_show_what_their_captions_say() {
     assert!((244..392).all(|x| gbuffer.get_pixel(x, 2 * 116 + 50).0.windows(2).all(|c| c[0] == c[1])));
 }
 
+/// A figure that does not exist is refused with status 2 and the numbers that exist, and no folder is made.
 #[test]
 fn wrong_numbers_are_told() {
     let folder = Folder::new();
@@ -123,6 +128,8 @@ fn boards(folder: &Folder) {
     std::fs::write(folder.path("a scene/boards.scene.toml"), scene).unwrap();
 }
 
+/// With a scene file that has the views of Sponza, the four figures of that scene are drawn in it. Other figures and
+/// other scenes are refused.
 #[test]
 fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
     let folder = Folder::new();
@@ -149,6 +156,8 @@ fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
     assert!(!folder.path("g").exists());
 }
 
+/// In the Cornell box, the ceiling is black without diffuse bounces and bright with four. A scene without a rectangular
+/// light and another method are refused.
 #[test]
 fn indirect_light_comes_from_area_lights_alone() {
     let folder = Folder::new();

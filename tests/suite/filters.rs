@@ -1,5 +1,5 @@
-//! The filters of SSLR and of the poster equal their twins on the CPU: the mask-weighted chain, the
-//! reflection's mip level, and the Gaussian volumes.
+//! The filters of SSLR and of the poster equal their twins on the CPU: the mask-weighted chain, the mip level of the
+//! reflection, the Gaussian volumes, and the edge-aware chain.
 
 use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, show};
 use ssct::gpu::{Gpu, Pixels};
@@ -10,17 +10,20 @@ use ssct_ground::math::linear_to_srgb;
 use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
+/// The cluttered scene with `sslr` and all intermediates.
 fn sslr(gpu: &Gpu, extent: [u32; 2], preset: Preset, roughness: f32) -> Shown {
     let globals = Globals { roughness: Some(roughness), ..Globals::default() };
     let setup = Setup::new(extent).of_preset(preset);
     show(gpu, &clutter(), clutter_camera(extent), "sslr", &setup, &globals)
 }
 
+/// A linear value in sRGB, from 0 to 255.
 fn encoded(v: f32) -> f32 {
     linear_to_srgb(v) * 255.0
 }
 
-/// Thesis 4.3.2, one direction of colour and mask: where the mask reads 0, the central pixel is taken.
+/// One direction of the blur of thesis 4.3.2, of colour and mask, into a size in texels. Where the mask reads 0 at a
+/// tap, the central pixel is taken. `step` is the distance of taps in texture coordinates.
 fn masked_blur(color: &Pixels, mask: &Pixels, [w, h]: [u32; 2], step: [f32; 2]) -> (Pixels, Pixels) {
     let (mut colors, mut masks) = (Vec::new(), Vec::new());
     for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
@@ -43,13 +46,14 @@ fn masked_blur(color: &Pixels, mask: &Pixels, [w, h]: [u32; 2], step: [f32; 2]) 
     )
 }
 
-/// To 8 bits and back, as the images between the passes do.
+/// A colour and a mask rounded to 8 bits and back, as the images between the passes store them.
 fn rounded(mut color: Pixels, mut mask: Pixels) -> (Pixels, Pixels) {
     color.values.iter_mut().for_each(|v| *v = ssct_ground::math::srgb_to_linear(encoded(*v).round() / 255.0));
     mask.values.iter_mut().for_each(|v| *v = (*v * 255.0).round() / 255.0);
     (color, mask)
 }
 
+/// At five sizes, at most 1 % of the texels of `sslr`'s chain differ from the twin's blur of the level below.
 #[test]
 fn masked_chains_equal_their_twin() {
     let gpu = gpu();
@@ -71,7 +75,8 @@ fn masked_chains_equal_their_twin() {
                 let gpu_color = &colors[n].values[4 * i..4 * i + 3];
                 let off = (0..3).map(|c| (encoded(gpu_color[c]) - encoded(color.values[3 * i + c])).abs());
                 let off = off.fold((masks[n].values[i] - mask.values[i]).abs() * 255.0, f32::max);
-                // Two roundings to 8 bits, and the filter's weights have 8 bits too.
+                // The bound in steps of 8 bits: two roundings of half a step, and the filter's weights, which have 8
+                // bits, too.
                 differing += usize::from(off > 2.5);
             }
         }
@@ -80,6 +85,8 @@ fn masked_chains_equal_their_twin() {
     }
 }
 
+/// For each hit of `sslr`, the reflection is the trilinear sample at a level: the number of levels times roughness
+/// times spread. With the author's preset, the spread is ten times as large.
 #[test]
 fn the_reflection_is_the_level_that_roughness_and_length_ask_for() {
     let gpu = gpu();
@@ -87,7 +94,7 @@ fn the_reflection_is_the_level_that_roughness_and_length_ask_for() {
     for (preset, factor) in [(Preset::Published, 1.0), (Preset::Author, 10.0)] {
         let roughness = 0.3_f32;
         let shown = sslr(&gpu, extent, preset, roughness);
-        // The material is stored in 16 bits.
+        // The device stores the roughness as a 16-bit float, so that its value is read back.
         let roughness =
             shown.get("material").values.chunks_exact(2).find(|m| m[0] > 0.0).unwrap()[1].min(roughness + 1e-3);
         let (levels, reflection) = (shown.levels("ray-trace-color"), shown.get("reflection"));
@@ -105,7 +112,7 @@ fn the_reflection_is_the_level_that_roughness_and_length_ask_for() {
             let high = bilinear(levels[(level as usize + 1).min(levels.len() - 1)], u, v);
             for c in 0..3 {
                 let expected = low[c] + (high[c] - low[c]) * level.fract();
-                // Weights of 8 bits in three dimensions, and f16.
+                // The bound has filter weights of 8 bits in three dimensions, and the rounding of 16-bit floats.
                 assert!((found[c] - expected).abs() < 0.015, "({x}, {y}), level {level}: {found:?}, {expected}");
             }
             assert_eq!(found[3], 1.0, "a hit does not fade");
@@ -117,6 +124,8 @@ fn the_reflection_is_the_level_that_roughness_and_length_ask_for() {
     }
 }
 
+/// Each slice of the poster's volume is the twin's Gaussian of the slice before. From slice to slice the contrast
+/// falls, and the mean stays.
 #[test]
 fn slices_of_the_volumes_are_gaussians_of_each_other() {
     let gpu = gpu();
@@ -133,7 +142,7 @@ fn slices_of_the_volumes_are_gaussians_of_each_other() {
             let twin = blur(&across, w, h, [0.0, distance / h as f32]);
             for (i, (g, c)) in slices[n].texels().zip(twin.texels()).enumerate() {
                 for (g, c) in g.iter().zip(c) {
-                    // f16 twice, and weights of 8 bits in three dimensions.
+                    // The bound has two roundings to 16-bit floats, and filter weights of 8 bits in three dimensions.
                     assert!((g - c).abs() < 0.012, "{extent:?}, slice {n}, texel {i}: {g} against {c}");
                 }
             }
@@ -152,7 +161,8 @@ fn slices_of_the_volumes_are_gaussians_of_each_other() {
     }
 }
 
-/// A level of the edge-aware chain from the one below it: depth alone.
+/// The twin of a level of depth in the edge-aware chain, from the level below: the mean of the depths that agree,
+/// within the tolerance, with the depth which most others agree with.
 fn edge_aware(below: &Pixels, tolerance: f32) -> Vec<f32> {
     let half = |n: u32| (n / 2).max(1);
     let (w, h) = (half(below.width), half(below.height));
@@ -171,6 +181,8 @@ fn edge_aware(below: &Pixels, tolerance: f32) -> Vec<f32> {
     (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(texel).collect()
 }
 
+/// Each level of the edge-aware chain is the twin's, but for 1e-5 of a depth, and differs from plain means in more than
+/// 20 texels.
 #[test]
 fn the_edge_aware_chain_keeps_to_one_surface() {
     let gpu = gpu();

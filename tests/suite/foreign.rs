@@ -1,5 +1,6 @@
 //! Nothing foreign is trusted: shards that somebody else measured, folders that somebody else made, and names that
-//! somebody else gave. What cannot be is refused with its place, nothing is written outside of a folder, and nothing waits.
+//! somebody else gave. Impossible content is refused with its place, nothing is written outside of a folder, and no
+//! command waits without end.
 
 mod names;
 
@@ -10,10 +11,10 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// A picture that may not be written over, beside the folders of runs.
+/// The content of files beside the folders of runs, which no command may write over.
 const PRECIOUS: &str = "nobody may write over this";
 
-/// A command that fails with one sentence, and its exit status.
+/// The one sentence of a command that must fail with status 1 or 2.
 fn refused(folder: &Folder, args: &[&str]) -> String {
     let output = folder.run(args);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -22,7 +23,8 @@ fn refused(folder: &Folder, args: &[&str]) -> String {
     said
 }
 
-/// A small run of a study in `part`, whose journal a test changes, and a file that must stay as it is.
+/// A small run of a study in the folder `part`, whose journal a test then changes, and four files that must stay as
+/// they are.
 fn run_of(study: &[&str]) -> Folder {
     let folder = Folder::new();
     std::fs::create_dir(folder.path("home")).unwrap();
@@ -33,10 +35,12 @@ fn run_of(study: &[&str]) -> Folder {
     folder
 }
 
+/// A run of `ssct figures` with one figure.
 fn figures() -> Folder {
     run_of(&["figures", "--only", "4.1", "--size", "48x27"])
 }
 
+/// A run of `ssct error` with one method.
 fn errors() -> Folder {
     let place = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--no-sweep"];
     run_of(
@@ -57,7 +61,7 @@ fn change(folder: &Folder, file: &str, change: impl Fn(&mut Value)) {
     folder.write(file, changed.collect::<String>());
 }
 
-/// Nothing was written but what was there before.
+/// Holds that the precious files are as before, and that the merge wrote no page.
 fn assert_untouched(folder: &Folder) {
     for file in ["x.svg", "home/x.svg", "escaped.svg", "home/escaped.svg"] {
         assert_eq!(folder.text(file), PRECIOUS, "{file}");
@@ -65,6 +69,8 @@ fn assert_untouched(folder: &Folder) {
     assert!(!folder.path("home/all/index.html").exists(), "nothing is written");
 }
 
+/// A journal that names a picture outside its folder, a hidden file, a page or nothing is refused with its line and the
+/// name.
 #[test]
 fn a_figure_that_is_no_picture_of_its_folder_is_refused() {
     for name in
@@ -78,6 +84,7 @@ fn a_figure_that_is_no_picture_of_its_folder_is_refused() {
     }
 }
 
+/// An SVG drawing with a script element is refused when runs are merged.
 #[test]
 fn a_drawing_with_a_script_is_not_copied() {
     let folder = figures();
@@ -88,6 +95,7 @@ fn a_drawing_with_a_script_is_not_copied() {
     assert_untouched(&folder);
 }
 
+/// A journal whose method is a path is refused with its line.
 #[test]
 fn a_method_that_is_a_path_is_refused() {
     let place = ["precision", "--scene", "corridor", "--view", "corridor", "--size", "32x18", "--rays", "2"];
@@ -100,6 +108,8 @@ fn a_method_that_is_a_path_is_refused() {
     assert_untouched(&folder);
 }
 
+/// A journal with a negative error, an image without width, no list of records, or an agreement above 1 is refused with
+/// its line.
 #[test]
 fn figures_that_cannot_be_are_refused_with_their_line() {
     type Change = fn(&mut Value);
@@ -125,6 +135,8 @@ fn figures_that_cannot_be_are_refused_with_their_line() {
     }
 }
 
+/// With `--resume`, an entry of the journal that cannot be read is measured again, and the command says so. The errors
+/// are those of before.
 #[test]
 fn what_a_journal_lost_is_measured_again_and_said() {
     let folder = errors();
@@ -145,6 +157,8 @@ fn what_a_journal_lost_is_measured_again_and_said() {
     assert!(!rmse(&a).is_empty() && rmse(&a) == rmse(&b), "{b}");
 }
 
+/// A merge into a folder with a cut journal is completed. A merge into a folder that has results of another run is
+/// refused, and their journal stays.
 #[test]
 fn a_broken_merge_goes_on_and_nothing_is_written_over_that_is_not_merged() {
     let folder = errors();
@@ -154,7 +168,7 @@ fn a_broken_merge_goes_on_and_nothing_is_written_over_that_is_not_merged() {
     folder.write("all/journal.jsonl", &whole[..cut]);
     folder.succeed(&["merge", "part", "-o", "all"]);
     assert_eq!(folder.text("all/journal.jsonl"), whole);
-    // What another run measured there would be lost, whether that run was finished or not.
+    // Results of another run in that folder would be lost, whether that run was finished or not.
     for end in ["", "{\"finished\":true}\n"] {
         let other = format!("{{\"key\":\"error other\",\"value\":[]}}\n{end}");
         folder.write("all/journal.jsonl", &other);
@@ -165,6 +179,7 @@ fn a_broken_merge_goes_on_and_nothing_is_written_over_that_is_not_merged() {
     }
 }
 
+/// A list of cells that claims 10^18 samples is refused with a limit.
 #[test]
 fn samples_without_number_are_refused_before_memory_is_taken() {
     let folder = run_of(&["time", "--scene", "corridor", "--size", "32x18", "--samples", "1", "--method", "ssct"]);
@@ -174,6 +189,7 @@ fn samples_without_number_are_refused_before_memory_is_taken() {
     assert!(said.contains("part/cells.json") && said.contains("at most"), "{said}");
 }
 
+/// A share of a reference whose fingerprint is a path out of its folder is refused, and no file is made there.
 #[test]
 fn a_share_of_a_reference_names_no_other_file() {
     let folder = Folder::new();
@@ -205,11 +221,14 @@ fn at_once(folder: &Folder, args: &[&str]) -> String {
     format!("{out}{said}")
 }
 
+/// Makes a named pipe.
 #[cfg(unix)]
 fn pipe(path: &Path) {
     assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
 }
 
+/// A pipe or a link to `/dev/zero` in the place of a file is named in a sentence at once, and no command reads it
+/// without end.
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_no_files() {
@@ -247,6 +266,8 @@ fn pipes_and_devices_are_no_files() {
     assert!(at_once(&folder, &["merge", "instead", "-o", "all"]).contains("is no folder"));
 }
 
+/// A link out of a run's folder is not read, and a link inside is. In the folder that is written, no link leads the
+/// program to a file outside.
 #[cfg(unix)]
 #[test]
 fn links_that_lead_out_are_neither_read_nor_written_through() {
@@ -261,7 +282,7 @@ fn links_that_lead_out_are_neither_read_nor_written_through() {
     let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
     assert!(said.contains(&picture) && said.contains("leads out of its folder"), "{said}");
     assert_untouched(&folder);
-    // A link that stays in the run's folder is as good as the file.
+    // A link that stays in the run's folder is read as the file itself.
     std::fs::remove_file(folder.path(&place)).unwrap();
     std::fs::write(folder.path("part/own.png"), own).unwrap();
     symlink("../own.png", folder.path(&place)).unwrap();
@@ -279,7 +300,7 @@ fn links_that_lead_out_are_neither_read_nor_written_through() {
     let said = refused(&folder, &["merge", "part", "-o", "home/away"]);
     assert!(said.contains("leads out of its folder"), "{said}");
     assert!(!folder.path(&picture).exists());
-    // A journal is written behind its end, which a link would move.
+    // A journal is appended to, and through a link the program would append to a file outside.
     std::fs::create_dir_all(folder.path("home/behind")).unwrap();
     symlink("../../x.svg", folder.path("home/behind/journal.jsonl")).unwrap();
     let said = refused(&folder, &["merge", "part", "-o", "home/behind"]);
@@ -287,6 +308,7 @@ fn links_that_lead_out_are_neither_read_nor_written_through() {
     assert_untouched(&folder);
 }
 
+/// `ssct index` leaves out a run whose records are a link to another folder, and says so.
 #[cfg(unix)]
 #[test]
 fn a_page_over_runs_shows_no_file_that_a_link_brings() {
@@ -302,6 +324,7 @@ fn a_page_over_runs_shows_no_file_that_a_link_brings() {
     );
 }
 
+/// Help, version and lists that cannot be printed, since the device is full, end with status 1.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_help_that_finds_no_room_fails() {
@@ -315,6 +338,7 @@ fn a_help_that_finds_no_room_fails() {
     }
 }
 
+/// Under a limit of 200 000 KiB of address space, `render` says that memory is short, with the limit.
 #[cfg(target_os = "linux")]
 #[test]
 fn little_memory_is_called_that() {
@@ -362,6 +386,7 @@ fn a_study_on_a_full_disk_keeps_what_it_measured() {
     assert!(keys.len() > 40);
 }
 
+/// An EXR file of less than 3 MB with 16000×4200 pixels is refused by its number of pixels.
 #[test]
 fn a_large_image_that_a_small_file_claims_is_refused_before_memory_is_taken() {
     use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};

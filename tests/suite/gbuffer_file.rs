@@ -1,5 +1,5 @@
-//! A G-buffer that goes to a file and comes back gives the same image, to the bit, as the direct run; and so do captures
-//! beside it.
+//! A G-buffer that goes to a file and comes back gives the same image as the direct run, to the bit. The same holds for
+//! captures beside the file.
 
 use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
 use crate::common::folder::Folder;
@@ -14,6 +14,8 @@ use ssct_scenes::{GBufferData, gbuffer_file};
 use std::path::Path;
 use std::process::Command;
 
+/// For every screen-space method at two sizes: the G-buffer from the file equals the one that was written, and the
+/// reflection and the finished image of both are equal, to the bit.
 #[test]
 fn export_and_reflect_are_the_direct_run_to_the_bit() {
     let gpu = gpu();
@@ -44,6 +46,8 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
     gpu.check_validation().unwrap();
 }
 
+/// `unified` on a G-buffer beside its scene is within a tenth of the error of the G-buffer alone, at three roughnesses.
+/// Methods that need the scene reflect something.
 #[test]
 fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
     let gpu = gpu();
@@ -68,7 +72,7 @@ fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
         let [near, far] = [off(&beside), off(&alone)];
         assert!(near < 0.1 * far && far > 0.005, "roughness {roughness}: {near} and {far}");
     }
-    // A method of the scene has it.
+    // Methods that need the scene find it beside the G-buffer.
     let (camera, materials) = (view.camera(&scene, extent), scene.materials.clone());
     let shot = Shot::new(&mut stage, unified, &setup, Wants::IMAGE, camera, materials).unwrap();
     stage.draw(&shot).unwrap();
@@ -80,6 +84,7 @@ fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
     gpu.check_validation().unwrap();
 }
 
+/// `gbuffer reflect --triangles` takes a built-in scene; an unknown scene, or captures beside it, are refused.
 #[test]
 fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
     let folder = Folder::new();
@@ -98,6 +103,7 @@ fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
     }
 }
 
+/// By default, `gbuffer reflect` gives pixels in doubt 16 own rays, and with `auto` none.
 #[test]
 fn an_image_of_a_file_gets_the_most_own_rays_unless_a_number_is_given() {
     let folder = Folder::new();
@@ -113,16 +119,19 @@ fn an_image_of_a_file_gets_the_most_own_rays_unless_a_number_is_given() {
     assert!(image(&["--own-rays", "auto"]) == image(&["--own-rays", "none"]));
 }
 
-/// Mirrors and both kinds of lobes, windows that show the sky, and sky beyond the atrium's roof; and how many captures.
+/// Scenes with their views and numbers of captures: mirrors and both kinds of lobes, windows that show the sky, and sky
+/// beyond the roof of the atrium.
 const CAPTURED: [(&str, &str, CaptureCount); 2] =
     [("rooms", "window", CaptureCount::Number(2)), ("atrium", "hall", CaptureCount::Number(1))];
 
-/// Texels along a side of their captures.
+/// Texels along a side of the captures.
 const SIDE: CaptureSide = CaptureSide::Side128;
 
-/// The variable that tells [`child`] the folder of the captures of each scene.
+/// The environment variable by which [`child`] learns the folder with the captures of each scene.
 const CUBES: &str = "SSCT_TEST_CUBES";
 
+/// Four combinations of method and fallback in two scenes: the image of a G-buffer beside a folder of captures equals
+/// that of the scene with the same captures, byte by byte. [`child`] tries more roughnesses.
 #[test]
 fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     let folder = Folder::new();
@@ -144,7 +153,7 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
         for cubes in ["cubes", scene] {
             run(&["captures", scene, "--captures", captures, "--capture-side", side, "--view", view, "-o", cubes]);
         }
-        // The command, with the scene's own materials; `child` has the others.
+        // The command tries the scene's own materials, and `child` tries even ones.
         let place = ["--scene", scene, "--view", view, "--size", "97x61"];
         run(&[&["gbuffer", "export", "g.exr"], &place[..]].concat());
         for method in [
@@ -164,7 +173,7 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--exact", "gbuffer_file::child", "--ignored", "--nocapture"]).env(CUBES, folder.root());
     succeed(command);
-    // Two captures of the rooms, and the first of them drawn over by that of the atrium.
+    // The folder has two captures of the rooms, the first of which was replaced by that of the atrium.
     assert_eq!(folder.list("cubes"), ["1", "2", "captures.toml", "sky"]);
     let faces = ["nx.exr", "ny.exr", "nz.exr", "px.exr", "py.exr", "pz.exr"];
     let mut files = [&["color.png", "depth.png"], &faces[..]].concat();
@@ -174,6 +183,8 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     assert_eq!(folder.image("cubes/1/color.png").dimensions(), (512, 384));
 }
 
+/// In a process of one thread: for every combination of scene, roughness, method and fallback, a G-buffer beside
+/// captures from files gives the direct image, to the bit.
 #[test]
 #[ignore = "a process that the test above starts"]
 fn child() {
@@ -219,6 +230,8 @@ fn child() {
     gpu.check_validation().unwrap();
 }
 
+/// A folder of captures that does not exist, lacks a face, or has a broken file is refused with a sentence, and so is a
+/// method that reads no captures.
 #[test]
 fn captures_beside_a_gbuffer_that_cannot_be_are_refused_in_a_sentence() {
     let folder = Folder::new();
@@ -271,12 +284,14 @@ fn corridor(gpu: &ssct::gpu::Gpu) -> GBufferData {
     gbuffer::read(&mut stage.context, &shot).unwrap()
 }
 
+/// A third of the pixels have colours of up to the greatest 32-bit float; every screen-space method still makes finite
+/// images.
 #[test]
 fn no_method_makes_infinity_of_colours_beyond_half_floats() {
     let gpu = gpu();
     let mut data = corridor(&gpu);
     for (k, colour) in data.color.iter_mut().enumerate() {
-        // Lamps of every brightness that a 32-bit float has, over a third of the image.
+        // A third of the pixels are lamps, as bright as 32-bit floats allow.
         if k % 3 == 0 {
             *colour = Vec3::new(7e4, 1e9, f32::MAX);
         }
@@ -292,6 +307,8 @@ fn no_method_makes_infinity_of_colours_beyond_half_floats() {
     }
 }
 
+/// Very bright colours of either sign, handed over in 32-bit floats through the door, lead to finite images of every
+/// screen-space method.
 #[test]
 fn no_method_makes_infinity_of_them_behind_the_door() {
     let gpu = gpu();
@@ -312,6 +329,8 @@ fn no_method_makes_infinity_of_them_behind_the_door() {
     gpu.check_validation().unwrap();
 }
 
+/// A file with a value that is not allowed in some channel is refused with the channel, the value and the pixel.
+/// Colours beyond 16-bit floats are allowed.
 #[test]
 fn files_in_our_own_conventions_are_checked_pixel_by_pixel() {
     let good = corridor(&gpu());
@@ -322,7 +341,7 @@ fn files_in_our_own_conventions_are_checked_pixel_by_pixel() {
         gbuffer_file::decode(&gbuffer_file::encode(&data, path).unwrap(), path)
     };
     assert!(read(&|_| ()).unwrap() == good);
-    // Brighter than a half float is no mistake of a file.
+    // A colour beyond the range of 16-bit floats is no mistake in a file.
     assert_eq!(read(&|d| d.color[3].x = 7e4).unwrap().color[3].x, 7e4);
     let pixel = 64 * 5 + 7;
     let said = |change: &dyn Fn(&mut GBufferData)| read(change).unwrap_err().to_string();
@@ -347,12 +366,14 @@ fn files_in_our_own_conventions_are_checked_pixel_by_pixel() {
     }
 }
 
+/// A file that holds a part of its image is refused, pixels beyond 16-bit floats are counted in a warning, and a
+/// compression that the program does not know is named.
 #[test]
 fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
     let mut data = corridor(&gpu());
     let folder = Folder::new();
     let whole = gbuffer_file::encode(&data, Path::new("a.exr")).unwrap();
-    // The window that is shown becomes one pixel wider: what is there is then a piece of it.
+    // The display window becomes one pixel wider, so that the stored pixels are a part of the image.
     let name = b"displayWindow\0box2i\0\x10\0\0\0";
     let column_offset = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 8;
     let mut piece = whole.clone();

@@ -1,7 +1,7 @@
 //! G-buffers in the conventions of other renderers, read by maps. The tests write a G-buffer of this program in other
-//! conventions, read it back, and compare it and the images that methods make of it with the original: to the bit where
-//! nothing was rounded, else within what the format rounds. The example maps read files of the layouts that they are
-//! for.
+//! conventions, read it back, and compare it and its images with the original. They must be equal to the bit where
+//! nothing was rounded, else within the rounding of the format. The example maps read files of the layouts that they
+//! are for.
 
 mod agreement;
 mod errors;
@@ -29,11 +29,12 @@ use ssct_scenes::gbuffer_map::GBufferMap;
 use ssct_scenes::{GBufferData, gbuffer_file};
 use std::sync::OnceLock;
 
+/// Size of the images in pixels.
 const SIZE: [u32; 2] = [161, 119];
 
-/// Half the distance from 1 to the next larger float of 32 bits and of 16 bits: the largest share that rounding
-/// changes.
+/// Half the distance from 1 to the next larger 32-bit float: the largest share by which rounding changes a value.
 const ROUNDS_32: f64 = 1.0 / (1 << 24) as f64;
+/// Half the distance from 1 to the next larger 16-bit float.
 const ROUNDS_16: f64 = 1.0 / (1 << 11) as f64;
 
 /// The corridor of the rooms with its own materials, and with sky in the uppermost rows.
@@ -50,7 +51,7 @@ fn original() -> &'static GBufferData {
         let shot = Shot::new(&mut stage, &METHODS[0], &setup, Wants::IMAGE, camera, materials).unwrap();
         stage.run(&shot, ssct::gpu::frame::Mode::Plain).unwrap();
         let mut data = gbuffer::read(&mut stage.context, &shot).unwrap();
-        // The view has no sky: a strip becomes sky.
+        // The view shows no sky, so that the uppermost seven rows become sky.
         let sky = SIZE[0] as usize * 7;
         data.depth[..sky].fill(0.0);
         data.normal[..sky].fill(Vec3::ZERO);
@@ -62,19 +63,23 @@ fn original() -> &'static GBufferData {
     })
 }
 
+/// Reads a file by the text of a map.
 fn read(folder: &Folder, map: &str, main: &str) -> GBufferData {
     folder.write("map.toml", map);
     GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(main)).unwrap()
 }
 
+/// A number for each value.
 fn each<'a, T>(values: &'a [T], value: impl Fn(&T) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
     values.iter().map(value)
 }
 
+/// One component of each vector.
 fn axis(values: &[Vec3], k: usize) -> impl Iterator<Item = f64> + '_ {
     each(values, move |v| f64::from(v[k]))
 }
 
+/// Pairs of a channel's name and its samples.
 fn named(names: &[&str], samples: impl IntoIterator<Item = FlatSamples>) -> Vec<(String, FlatSamples)> {
     names.iter().map(|name| (*name).to_owned()).zip(samples).collect()
 }
@@ -119,6 +124,8 @@ fn same_images(read: &GBufferData, held: &GBufferData) {
     }
 }
 
+/// A frame with other names, in two files and several parts, in tiles, with rows from the bottom up and in two kinds of
+/// floats, is the original to the bit.
 #[test]
 fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     let data = original();
@@ -126,7 +133,7 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     let width = SIZE[0] as usize;
     let up = |samples| flipped(samples, width);
     let is_half = |v: f32| f32::from(f16::from_f32(v)) == v;
-    // The program keeps these in 16 bits, so that they are exact in them.
+    // The program keeps colours and normals in 16-bit floats, so that a file of 16-bit floats has them exactly.
     assert!(data.color.iter().chain(&data.normal).all(|v| v.to_array().into_iter().all(is_half)));
     let camera = &data.camera;
     let main = Part::new(named(&["Depth.D"], [up(floats(each(&data.depth, |v| f64::from(*v))))]))
@@ -137,7 +144,7 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
         .with("planes", AttributeValue::Text(format!("{}", camera.lens.near_m).as_str().into()))
         .with("far plane", AttributeValue::F64(f64::from(camera.lens.far_m)))
         .with("aspect", AttributeValue::F32(camera.aspect))
-        // Right-handed, as a program with row vectors writes it.
+        // The matrix of a right-handed world, in the order in which a program with row vectors writes it.
         .with(
             "place",
             AttributeValue::Matrix4x4(
@@ -149,7 +156,7 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
         named(&["R", "G"], [&data.roughness, &data.reflectivity].map(|v| up(floats(each(v, |v| f64::from(*v))))));
     let colour = Part::new(colour).named("lit").compressed(Compression::RLE);
     write_exr(&folder.path("frame.exr"), SIZE, vec![main, colour, Part::new(material).named("material")]);
-    // The right-handed view space has z the other way.
+    // In the right-handed view space, z has the other sign.
     let normal = [0, 1, 2].map(|k| up(halves(axis(&data.normal, k).map(|v| if k == 2 { -v } else { v }))));
     let normal = Part::new(named(&["x", "y", "z"], normal)).compressed(Compression::PXR24).tiled(33);
     write_exr(&folder.path("normals.exr"), SIZE, vec![normal]);
@@ -186,7 +193,7 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
         normal.z = -normal.z;
     }
     assert!(read(&folder, map, "frame.exr") == expected, "a view space that is ours, of normals that are not");
-    // With both right-handed everything is as it was.
+    // With a right-handed world and a right-handed view, the map gives the original back.
     let both = map.replace("view = \"left\"", "view = \"right\"");
     let turned = (Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0)) * camera.world_to_view).as_dmat4()
         * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
@@ -196,7 +203,8 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     let by_rows = both.replace(&numbers(&turned), &rows).replace("world = ", "matrices = \"rows\"\nworld = ");
     assert!(read(&folder, &by_rows, "frame.exr") == *data, "as four rows");
 
-    // The command: what a map reads reflects as what it was, and `convert` writes it as a file of our own.
+    // The command makes the image of the original out of the mapped files, and `convert` writes them as a file of this
+    // program.
     folder.write("map.toml", &both);
     std::fs::write(folder.path("own.exr"), gbuffer_file::encode(data, &folder.path("own.exr")).unwrap()).unwrap();
     for method in ["unified", "ssct"] {
@@ -212,11 +220,13 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     assert!(gbuffer_file::load(&folder.path("converted.exr")).unwrap() == *data, "the file is the exported one");
 }
 
-/// From our world to one that is right-handed with z up, and back.
+/// Swaps y and z: from this program's world to a right-handed world with z up, and back.
 fn z_up(v: DVec3) -> DVec3 {
     DVec3::new(v.x, v.z, v.y)
 }
 
+/// A frame of a right-handed world with z up, depth in metres, 16-bit normals, Phong exponents and scaled reflectivity
+/// is the original within the rounding of each format.
 #[test]
 fn a_right_handed_world_with_z_up_and_distances_in_metres() {
     let data = original();
@@ -242,7 +252,7 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
     ));
     write_exr(&folder.path("a.exr"), SIZE, vec![depth_and_normal]);
     write_exr(&folder.path("b.exr"), SIZE, vec![rest]);
-    // From z up to ours, and from a view along −z.
+    // The matrix takes a view along −z to a world with z up.
     let swap = DMat4::from_cols(glam::DVec4::X, glam::DVec4::Z, glam::DVec4::Y, glam::DVec4::W);
     let turned = swap * to_world * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
     let lens = data.camera.lens;
@@ -292,7 +302,7 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
     let mut held = data.clone();
     let of_depth = f64::from(lens.near_m) * f64::from(lens.far_m) / f64::from(lens.far_m - lens.near_m);
     for i in 0..data.depth.len() {
-        // d = a + b / z: z is rounded once, d once.
+        // The reversed depth is d = a + b / z. Both z and d are rounded once.
         let d = f64::from(data.depth[i]);
         let bound = ROUNDS_32 * (of_depth / z[i] + d);
         assert!((f64::from(got.depth[i]) - d).abs() <= bound * 1.01, "{i}: {} {d}", got.depth[i]);
@@ -302,8 +312,8 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
         if data.depth[i] > 0.0 {
             let n = DVec3::from((stored[i] * 2.0 - 1.0).to_array()).normalize();
             held.normal[i] = to_view.transform_vector3(z_up(n)).as_vec3();
-            // A component in 0…1 is rounded by half a step of 2⁻¹¹ at most, and doubled; normalising at most doubles
-            // once more.
+            // A component in 0 to 1 is rounded by at most half a step of 2⁻¹¹, and the map doubles it; normalising at
+            // most doubles the error once more.
             let off = got.normal[i].as_dvec3().distance(data.normal[i].as_dvec3().normalize());
             assert!(off <= 4.0 * 3_f64.sqrt() * ROUNDS_16 / 2.0, "{i}: {off}");
             assert!(got.normal[i].distance(held.normal[i]) < 1e-6, "{i}");
@@ -314,13 +324,16 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
     same_images(&got, &held);
 }
 
-/// Octahedral coordinates from −1 to 1 of a direction, by the other of the two usual ways to write the fold.
+/// Octahedral coordinates from −1 to 1 of a direction. The fold is written in the other of the two usual ways than in
+/// the program.
 fn octahedral(n: DVec3) -> [f64; 2] {
     let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
     let sign = |v: f64| if v >= 0.0 { 1.0 } else { -1.0 };
     if n.z >= 0.0 { [n.x, n.y] } else { [(1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)] }
 }
 
+/// Three kinds of depth and three encodings of octahedral normals, with rows from the bottom up, are the original
+/// within the rounding of each encoding.
 #[test]
 fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
     let data = original();
@@ -389,8 +402,8 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
         ..data.clone()
     };
     let expected = in_view(data);
-    // Each encoding of normals, with the most that a coordinate is off: e in x and in y and 2 e in z are √6 e together,
-    // seen from the centre, from which the octahedron is at least 1/√3 away, as √18 e.
+    // Each encoding of normals, with the greatest error e of a coordinate. An error of e in x, e in y and 2 e in z is
+    // √6 e long. The octahedron is at least 1/√3 away from its centre, so that the direction is off by √18 e at most.
     for (normal, step) in [
         (signed, ROUNDS_32),
         ("encoding = \"octahedral-unorm\"\nchannels = [\"u\", \"v\"]\nscale = 1.5259021896696422e-5", 1.0 / 65535.0),
@@ -415,13 +428,14 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
             let d = f64::from(data.depth[i]);
             let z = view_z(data.depth[i], data);
             let b = f64::from(lens.near_m) * f64::from(lens.far_m) / f64::from(lens.far_m - lens.near_m);
-            // Distances are rounded as shares, and so is what comes of them.
+            // A distance is rounded by a share of itself, and the depth that is computed from it by a share of b / z +
+            // d.
             let of_distance = if bound == 0.0 && d > 0.0 { 1.01 * ROUNDS_32 * (b / z + d) } else { 0.0 };
             let off = (f64::from(got.depth[i]) - d).abs();
             assert!(off <= bound + of_distance + ROUNDS_32 * d, "{depth}, {i}: {off}");
             assert_eq!(got.depth[i] > 0.0, d > 0.0, "{depth}, {i}");
         }
-        // What the files hold, as the test itself reads it.
+        // The depth that the files hold after rounding, as the test itself computes it.
         let mut held = expected.clone();
         let rounded: Option<Vec<f64>> = match depth {
             d if d == gl_depth => Some(gl.iter().map(|v| 0.5 - 0.5 * f64::from(*v)).collect()),

@@ -1,5 +1,5 @@
-//! The glossy passes of `unified` against their twins on the CPU, each pass by itself: a twin takes what the device
-//! made in the pass before, so that a difference stays where it arises.
+//! The glossy passes of `unified` against their twins on the CPU, each pass by itself. A twin takes the results that
+//! the device made in the pass before, so that a difference stays in the pass where it arises.
 
 use crate::common::{check_validation, gpu, is_gpu_assisted, tolerated_share};
 use glam::{IVec2, Vec2, Vec3, Vec4};
@@ -21,20 +21,23 @@ use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 use ssct_truth::reference::Level;
 use ssct_truth::reference::unified::{AimedRay, Gloss, NeighbourRay, ResolvedCell, Traversal};
 
-/// The numbers of fade that `unified::parameters` gives.
+/// The distances from the middle of the screen, in half screens, between which a reflection fades.
+/// `unified::parameters` gives these numbers.
 const FADE: [f32; 2] = [0.8, 1.0];
 
-/// How a G-buffer is drawn.
+/// The choices by which a G-buffer is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Way {
+    /// The version of the oracle that the traversal follows.
     pub(crate) oracle: OracleVersion,
-    /// Over the tiles of a list; else the whole image, all reflectors of which must be of one kind.
+    /// Whether passes run over the tiles of a list. Otherwise they run over the whole image, and all its reflectors
+    /// must be of one kind.
     pub(crate) tiles: bool,
-    /// Whether another reflection is behind.
+    /// Whether another reflection lies behind, so that the fade is stored.
     pub(crate) over: bool,
 }
 
-/// What the device made of a G-buffer, pass by pass.
+/// The results of each pass on the device: colour chain, rays of narrow and of wide lobes, cells, and both images.
 pub(crate) struct Drawn {
     chain: Vec<Level<Vec3>>,
     narrow: Level<NeighbourRay>,
@@ -44,6 +47,7 @@ pub(crate) struct Drawn {
     composite: Pixels,
 }
 
+/// Runs the glossy passes on a G-buffer, and reads the result of each.
 pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let extent = [data.width, data.height];
     let mut context = FrameContext::new(gpu).unwrap();
@@ -128,33 +132,34 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     }
 }
 
+/// An image with its texels in another type.
 fn level<T>(pixels: &Pixels, texels: Vec<T>) -> Level<T> {
     Level { width: pixels.width, height: pixels.height, texels }
 }
 
-/// One step of 16-bit floats at a value: a device may round what it stores up or down.
+/// One step of 16-bit floats at a value: a device may round a stored value up or down.
 fn half_step(value: f32) -> f32 {
     (value.abs() / 1024.0).max(6e-8)
 }
 
-/// What 32-bit floats add to a step of storage, in steps: 2⁻¹² of a value, which is 4096 of their roundings. A weight is
-/// a few tens of operations, and its exponent, which has an error in units of the last place of up to 14, is one of
-/// them; a mean of colours that are not negative has at most twice its weights' relative error.
+/// The error that 32-bit arithmetic adds, in steps of 16-bit storage: 2⁻¹² of a value, which is 4096 roundings. A
+/// weight takes a few tens of operations, among them an exponent whose error is up to 14 units in the last place. A
+/// mean of colours that are not negative has at most twice the relative error of its weights.
 const ARITHMETIC: f32 = 0.25;
 
-/// By how much a direction may be off on the device: 16 roundings, and what a step of 1 − u, which may be rounded to
-/// either side of a number, makes of the sine of the angle from the lobe's middle: sin² = −2 ln(1 − u) / (α + 1). (Vulkan
-/// asks less of `cos` and `sin`; on a device that is as bad as that, rays would go elsewhere, and this test would say so.)
+/// The greatest error of a ray's direction on the device. It has 16 roundings, and the effect of one step of 1 − u on
+/// the sine of the angle from the lobe's middle: sin² = −2 ln(1 − u) / (α + 1). Vulkan allows larger errors of `cos`
+/// and `sin`; on a device with such errors, rays would go elsewhere and this test would fail.
 fn aim_error(aim: &AimedRay) -> f32 {
     let of_square = f32::EPSILON / aim.lobe.power;
     let sine = aim.direction.distance(aim.lobe.mirror);
     16.0 * f32::EPSILON / 2.0 + of_square / sine.max(of_square.sqrt())
 }
 
-/// What was compared in a pass.
+/// Numbers of a pass that was compared.
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Count {
-    /// Rays, or pixels and cells.
+    /// Rays, or pixels and cells, that were compared.
     pub(crate) all: usize,
     /// Rays that hit, or pixels and cells that show a hit.
     pub(crate) hits: usize,
@@ -173,7 +178,7 @@ impl Count {
     }
 }
 
-/// A ray as it is, and as it would be were its direction off by [`aim_error`].
+/// A ray, and eight rays whose directions are off by [`aim_error`] to all sides.
 fn aims(aim: AimedRay) -> impl Iterator<Item = AimedRay> {
     let (x, y) = aim.direction.any_orthonormal_pair();
     let aside = (0..8).map(move |i| {
@@ -183,9 +188,9 @@ fn aims(aim: AimedRay) -> impl Iterator<Item = AimedRay> {
     std::iter::once(Vec3::ZERO).chain(aside).map(move |off| AimedRay { direction: aim.direction + off, ..aim })
 }
 
-/// Holds what a ray left against its twin: it lies between what the twin finds along directions that are off by no
-/// more than the device's error, but for the rounding of the numbers of the key, each of which has its own, and of
-/// colours in 16 bits.
+/// Holds a stored ray against its twin. The ray must lie between the results of the twin along directions that are off
+/// by the device's error. The numbers of the key and the 16-bit colours may be off by their rounding besides.
+/// `key_error` gives the rounding of each number of the key.
 fn check_ray(
     gloss: &Gloss,
     aim: AimedRay,
@@ -217,9 +222,8 @@ fn check_ray(
     });
 }
 
-/// Holds images of 16-bit floats against what the twin makes of the same input. Where another reflection is behind,
-/// the fade is rounded before the colour of the first image is divided by it: that is a second step, and a longer one
-/// where the fade is so small that 16-bit floats have few digits for it.
+/// Holds two images of 16-bit floats, reflection and composite, against the twin's. With another reflection behind, the
+/// fade is rounded before the first image is divided by it: a second step, and a longer one where the fade is small.
 fn check_shown(found: [Vec4; 2], twin: [Vec4; 2], over: bool, count: &mut Count) {
     let fade = twin[0].w;
     let of_fade = if fade > 0.0 { half_step(fade) / fade } else { 1.0 / 1024.0 };
@@ -238,26 +242,29 @@ fn check_shown(found: [Vec4; 2], twin: [Vec4; 2], over: bool, count: &mut Count)
     count.add(Count { all: 1, hits: usize::from(twin[0].w > 0.0), ties: 0, wrong: usize::from(off) });
 }
 
+/// The pixels of an image, row after row.
 fn pixels(width: u32, height: u32) -> impl Iterator<Item = IVec2> {
     (0..height as i32).flat_map(move |y| (0..width as i32).map(move |x| IVec2::new(x, y)))
 }
 
-/// "trace/narrow", "trace/wide", "cells", "resolve/narrow" and "resolve/wide".
+/// A count for each pass: "trace/narrow", "trace/wide", "cells", "resolve/narrow" and "resolve/wide".
 pub(crate) type Counts = [Count; 5];
 
+/// Compares the results of every pass with the twin's, and counts.
 pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
     let traversal = Traversal::new(data).of_version(way.oracle);
     let gloss = Gloss::new(&traversal, &drawn.chain, Some(FADE), way.over);
     let mut counts = Counts::default();
     let [narrow, wide, cells, resolve_narrow, resolve_wide] = &mut counts;
-    // The middle of a narrow lobe is stored in steps of 1 / 32767 along two axes, which a rounding may move by one; the
-    // root of its power is good to its last bits.
+    // The middle of a narrow lobe is stored in steps of 1 / 32767 along two axes, and rounding may move it by one step.
+    // The root of its power is exact but for the last bits.
     let narrow_error = |aim: &AimedRay, _: &NeighbourRay| {
         let step = 4.0 / 32767.0;
         [step, step, step, 8.0 * f32::EPSILON * aim.lobe.power.sqrt()]
     };
-    // Places and densities of wide lobes are good to their last bits, those of the greatest coordinate; where a ray
-    // goes far, its depth is good to those of the depth that it begins at. The way to a near hit counts a thousandfold.
+    // Places and densities of wide lobes are exact but for the last bits of the greatest coordinate. Where a ray goes
+    // far, the error grows with its depth over the depth at which it begins. The way to a near hit has a thousand times
+    // the error.
     let wide_error = |aim: &AimedRay, found: &NeighbourRay| {
         let place = found.key.truncate().abs().max_element() * (found.key.z / aim.point.z).max(1.0);
         let is_near = |position: Vec2| (position - aim.pixel.as_vec2() - 0.5).abs().max_element() < 8.5;
@@ -278,7 +285,7 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
         };
         match twin {
             Some((reflection, color)) => check_shown(shown, [reflection, color.extend(1.0)], way.over, count),
-            // Nothing is rounded there.
+            // Pixels without a glossy reflection are copied, and nothing is rounded.
             None => {
                 let i = data.index(x, y);
                 let is_lit = data.surface[i] == Surface::Lit && data.depth[i] > 0.0;
@@ -312,8 +319,8 @@ pub(crate) fn rooms(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, dev
     gbuffer::read(&mut stage.context, &shot).unwrap()
 }
 
-/// A G-buffer with a roughness of its own in every block of `block` pixels a side: none that reflects, mirrors, narrow
-/// lobes and wide ones beside each other.
+/// The G-buffer with a random roughness in each square of `block` pixels a side, so that mirrors, narrow lobes and wide
+/// lobes are neighbours. One square in ten does not reflect.
 pub(crate) fn mixed(data: &GBufferData, block: u32) -> GBufferData {
     let stream = Stream::new(u64::from(block), u64::from(data.width));
     let mut mixed = data.clone();
@@ -327,11 +334,12 @@ pub(crate) fn mixed(data: &GBufferData, block: u32) -> GBufferData {
     mixed
 }
 
+/// A value rounded to a 16-bit float.
 fn half(v: f32) -> f32 {
     half::f16::from_f32(v).to_f32()
 }
 
-/// Noise: depths over four decades, normals in any direction, colours up to thousands.
+/// A G-buffer of noise: depths from 0.2 to 400, normals in any direction, colours up to thousands.
 pub(crate) fn noise(extent: [u32; 2]) -> GBufferData {
     let count = u64::from(extent[0]) * u64::from(extent[1]);
     let stream = Stream::new(count, 7);
@@ -358,6 +366,8 @@ fn under_sky(data: &GBufferData) -> GBufferData {
     GBufferData { depth: data.depth.iter().enumerate().map(depth).collect(), ..data.clone() }
 }
 
+/// Each glossy pass on views of the corridor, on mixed roughnesses and on noise equals its twin within the allowed
+/// error. Few rays are ties.
 #[test]
 fn every_glossy_pass_is_its_twin() {
     use OracleVersion::{V1, V2};
@@ -389,13 +399,15 @@ fn every_glossy_pass_is_its_twin() {
         }
     }
     println!("rays or pixels, hits, ties: {:?}", totals.map(|c| [c.all, c.hits, c.ties]));
-    // Enough of each, and few that could end anywhere.
+    // Each pass has over 5000 hits, and less than one ray in 1000 could end in several pixels.
     for Count { all, hits, ties, .. } in totals.into_iter().take(take) {
         assert!(hits > 5000 && hits < all && ties * 1000 < all, "{all}, {hits}, {ties}");
     }
     check_validation(&gpu).unwrap();
 }
 
+/// If every 16th ray that the device traced is replaced by an empty one, the comparison finds over 5 % of the rays and
+/// over 10 % of the gathered pixels wrong. The test above thus notices a lost ray.
 #[test]
 fn a_ray_that_is_not_gathered_is_seen() {
     let gpu = gpu();
@@ -408,7 +420,7 @@ fn a_ray_that_is_not_gathered_is_seen() {
         }
         let counts = check(&data, &drawn, way);
         assert!(counts[traced].wrong * 20 > counts[traced].all, "{counts:?}");
-        // Each stands in the neighbourhood of 9 pixels, or of 25 cells, most of which have others like it.
+        // Each replaced ray lies in the neighbourhood of 9 pixels, or of 25 cells.
         assert!(counts[shown].wrong * 10 > counts[shown].all, "{counts:?}");
     }
 }

@@ -1,6 +1,7 @@
-//! Small images of the built-in scenes, kept in `tests/golden/`, a sheet for each view, and compared by FLIP. They are drawn without anisotropy,
-//! since each driver places the samples of an anisotropic filter as it likes, and on lavapipe with maps filtered in floating point (docs/devices.md).
-//! To renew them after a change that is meant: `SSCT_UPDATE_GOLDEN=1 cargo test --test suite golden::`, and look at them.
+//! Small images of the built-in scenes, kept in `tests/golden/`, a sheet for each view, and compared by FLIP. They are
+//! drawn without anisotropy, since each driver places the samples of an anisotropic filter as it likes. On lavapipe,
+//! maps are filtered in floating point (docs/devices.md). To renew the sheets after an intended change:
+//! `SSCT_UPDATE_GOLDEN=1 cargo test --test suite golden::`, and look at them.
 
 use crate::common::{gpu, repository, unfaded};
 use ssct::gpu::{DeviceQuery, Gpu};
@@ -16,16 +17,16 @@ use ssct_truth::metrics::flip::FlipMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Size in pixels of one image on a sheet.
 const EXTENT: [u32; 2] = [192, 108];
 
-/// Mean FLIP that an image may differ by. Devices may disagree about pixels on edges, the last of 8
-/// bits of a filter's weights, and rays that pass a cell within rounding: a pixel in a hundred or
-/// so, if it were wholly wrong, makes 0.01. Another preset, filter or fade makes 0.07 and more, which
-/// `a_changed_pass_is_seen` holds this against.
+/// The greatest mean FLIP between an image and the kept one. Devices may differ in pixels on edges, in the last of 8
+/// bits of a filter's weights, and in rays that pass a cell within rounding. One pixel in a hundred that is wholly
+/// wrong makes 0.01. Another preset, filter or fade makes 0.07 and more, as `a_changed_pass_is_seen` tests.
 const BOUND: f64 = 0.01;
 
-/// The views with their roughness: mirrors and gloss in the scenes of the first thesis, the materials'
-/// own in those of the second.
+/// Scene, view and roughness of each sheet. The scenes of the first thesis have mirrors or gloss; the others have their
+/// materials' own roughness.
 const VIEWS: [(&str, &str, Option<f32>); 7] = [
     ("rooms", "cylinder", Some(0.0)),
     ("rooms", "corridor", Some(0.3)),
@@ -36,7 +37,7 @@ const VIEWS: [(&str, &str, Option<f32>); 7] = [
     ("corridor", "corridor", None),
 ];
 
-/// Images beside each other on a sheet, which has those of all methods in their order.
+/// The number of images in a row of a sheet; a sheet has one image for each method, in the order of the table.
 const COLUMNS: u32 = 5;
 
 /// The images of a view, one for each method.
@@ -46,7 +47,7 @@ struct Sheet {
 }
 
 impl Sheet {
-    /// Opens the sheet of a view; a new one, where it is to be renewed.
+    /// Opens the sheet of a view, or makes a new one if the sheets are to be renewed.
     fn open(stem: &str) -> Self {
         let path = repository().join("tests/golden").join(format!("{stem}.png"));
         let size = [COLUMNS * EXTENT[0], (METHODS.len() as u32).div_ceil(COLUMNS) * EXTENT[1]];
@@ -59,17 +60,20 @@ impl Sheet {
         Self { path, image }
     }
 
-    /// Where the image of a method lies.
+    /// The left upper corner of the image of a method on a sheet, in pixels. Methods are numbered in the order of the
+    /// table.
     fn corner(number: usize) -> [u32; 2] {
         let number = number as u32;
         [number % COLUMNS * EXTENT[0], number / COLUMNS * EXTENT[1]]
     }
 
+    /// The kept image of a method.
     fn get(&self, number: usize) -> image::RgbImage {
         let [x, y] = Self::corner(number);
         image::imageops::crop_imm(&self.image, x, y, EXTENT[0], EXTENT[1]).to_image()
     }
 
+    /// Puts the new image of a method on the sheet.
     fn put(&mut self, number: usize, made: &Rgb) {
         let [x, y] = Self::corner(number);
         let made = image::RgbImage::from_raw(made.width, made.height, made.bytes.clone()).unwrap();
@@ -77,16 +81,17 @@ impl Sheet {
     }
 }
 
-/// Where images of a failed comparison go.
+/// The path at which an image of a failed comparison is written.
 fn failed(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden").join(name)
 }
 
+/// Whether the sheets are to be renewed instead of compared.
 fn is_updating() -> bool {
     std::env::var_os("SSCT_UPDATE_GOLDEN").is_some_and(|v| v == "1")
 }
 
-/// Compares an image with the known one; what is wrong, in a sentence.
+/// Compares an image with the kept one. Returns a sentence if the mean FLIP is not below the bound.
 fn compare(stem: &str, known: &image::RgbImage, image: &Rgb) -> Option<String> {
     assert_eq!([known.width(), known.height()], [image.width, image.height], "{stem}");
     let map = FlipMap::new(known.as_raw(), &image.bytes, image.width, image.height);
@@ -105,10 +110,12 @@ fn compare(stem: &str, known: &image::RgbImage, image: &Rgb) -> Option<String> {
     ))
 }
 
-/// Mesa's variable, and its word by which lavapipe filters maps of 8 bits in floating point. Otherwise it does so in fixed point, which
-/// Mesa 26 rounds otherwise than Mesa 22 and 25.
+/// A variable of Mesa, and the word in it by which lavapipe filters maps of 8 bits in floating point. Without it,
+/// lavapipe filters in fixed point, which Mesa 26 rounds otherwise than Mesa 22 and 25.
 const FILTER: [&str; 2] = ["GALLIVM_PERF", "no_aos_sampling"];
 
+/// Every method on every view of `VIEWS`, on each device that is there, differs from the kept image by a mean FLIP
+/// below 0.01.
 #[test]
 fn images_of_the_built_in_scenes_are_as_they_were() {
     let [variable, word] = FILTER;
@@ -130,7 +137,7 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
         println!("one device here, {} ({}): held against the images alone", one.info.name, one.info.driver);
     }
     for device in &usable {
-        // One image for all devices: where there are two, they are this close to each other, too.
+        // All devices are compared with one image, so that two devices are also close to each other.
         println!("{} ({})", device.info.name, device.info.driver);
         let device = Some(device.index.to_string());
         let query = DeviceQuery { device, validation: true, isotropic: true, ..DeviceQuery::default() };
@@ -141,7 +148,7 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
     }
 }
 
-/// Holds every method on every view against its image.
+/// Holds every method on every view against its kept image.
 fn check(gpu: &Gpu) {
     let mut wrong = Vec::new();
     for name in library::names() {
@@ -174,12 +181,13 @@ fn check(gpu: &Gpu) {
     assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n"));
 }
 
+/// The bound tells changes apart: another preset, another filter of the colour chain, and no fade each differ by over
+/// five times the bound.
 #[test]
 fn a_changed_pass_is_seen() {
     if is_updating() {
         return;
     }
-    // The bound must tell what it is for: another preset, another filter, no fade.
     let gpu = gpu();
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();

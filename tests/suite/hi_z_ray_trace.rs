@@ -1,4 +1,4 @@
-//! The Hi-Z ray tracing's twin on the CPU against the shader, ray by ray, over the pass's own chain.
+//! The twin of the Hi-Z ray tracing on the CPU against the shader, ray by ray, over the Hi-Z chain that the pass made.
 
 use glam::{Vec2, Vec3};
 use ssct::gpu::Pixels;
@@ -12,9 +12,10 @@ use ssct_truth::reference::Level;
 use ssct_truth::reference::hi_z::MinMax;
 use ssct_truth::reference::hi_z_ray_trace::{End, reflection_ray, trace};
 
-/// No power of two, so that levels have odd sides.
+/// The size of the image, which is no power of two, so that levels have odd sides.
 const SIZE: [u32; 2] = [97, 55];
 
+/// In two views, at least 98 % of the rays of the shader and of the twin end in one way, and hits lie within a pixel.
 #[test]
 fn every_ray_ends_where_the_shader_says() {
     let gpu = crate::common::gpu();
@@ -70,7 +71,7 @@ fn every_ray_ends_where_the_shader_says() {
         }
         println!("{name}: {same} of {rays} rays agree, {hit} hit");
         assert!(rays > 1000 && hit > 500, "{name}: {rays} rays, {hit} hits");
-        // The rest: a rounding decides about a cell, and the ray goes on from there.
+        // In the other rays, rounding decides whether a ray meets a cell, and the ray goes on differently from there.
         assert!(f64::from(same) >= 0.98 * f64::from(rays), "{name}: {same} of {rays}");
     }
 }

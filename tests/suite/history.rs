@@ -1,4 +1,5 @@
-//! The history of `unified`: what it keeps at rest, what it leaves alone, and how it follows what moves.
+//! The history of `unified`: what it averages at rest, which pixels it leaves alone, and how it follows a camera or a
+//! mesh that moves.
 
 use crate::common::gpu;
 use glam::{Vec2, Vec3};
@@ -8,30 +9,33 @@ use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{Placement, Scene, View};
 use ssct_truth::metrics::image::masked_rmse;
 
+/// Size of the images in pixels.
 const EXTENT: [u32; 2] = [161, 91];
 
-/// Frames that the history averages.
+/// The number of frames that the history averages.
 const AVERAGED: u32 = 8;
 
+/// A setup with a history.
 fn with_history() -> Setup {
     Setup::new(EXTENT).with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, AVERAGED))
 }
 
-/// What stands where in a frame, and where it is seen from.
+/// The state of a frame: the view, the place of the ball, and the shift of the image.
 struct Moment {
     view: View,
     ball: Placement,
-    /// By how many pixels the image is shifted, to the right and down.
+    /// The shift of the image in pixels, to the right and down.
     shift: [f32; 2],
 }
 
 impl Moment {
+    /// A moment at rest: the view, with the ball in its own place and no shift.
     fn from_view(view: &View) -> Self {
         Self { view: view.clone(), ball: Placement::HERE, shift: [0.0; 2] }
     }
 }
 
-/// The reflections that `unified` makes of the rooms, frame by frame.
+/// The reflections that `unified` makes of a scene, one image for each moment.
 fn film(scene: &Scene, roughness: f32, setup: &Setup, moments: &[Moment]) -> Vec<Vec<[f32; 3]>> {
     let gpu = gpu();
     let mut stage = Stage::new(&gpu, scene).unwrap();
@@ -51,21 +55,22 @@ fn film(scene: &Scene, roughness: f32, setup: &Setup, moments: &[Moment]) -> Vec
     made
 }
 
+/// The rooms, and the view of their corridor.
 fn rooms() -> (Scene, View) {
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap().clone();
     (scene, view)
 }
 
-/// The rooms with the surfaces' own normals, in which every driver draws the same: each filters maps of normals in its own way
-/// (docs/devices.md).
+/// The rooms with the normals of their triangles, in which all drivers draw alike: each driver filters maps of normals
+/// in its own way (docs/devices.md).
 fn rooms_without_bumps() -> (Scene, View) {
     let (mut scene, view) = rooms();
     scene.materials.iter_mut().for_each(|material| material.normal_deviation = 0.0);
     (scene, view)
 }
 
-/// A camera that walks aside for some frames and then rests.
+/// A camera that moves aside by 2 cm in each of some frames and then rests.
 fn walk(view: &View, moving: u32, resting: u32) -> Vec<Moment> {
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
     let place = |n: u32| {
@@ -75,16 +80,18 @@ fn walk(view: &View, moving: u32, resting: u32) -> Vec<Moment> {
     (0..=moving + resting).map(|n| Moment::from_view(&place(n))).collect()
 }
 
-/// A camera at rest, before which the ball rolls after some frames.
+/// A camera at rest; after some frames, the ball rolls by 3 cm along x and along z in each frame.
 fn roll(view: &View, resting: u32, rolling: u32) -> Vec<Moment> {
     let ball = |n: u32| Vec3::new(-0.03, 0.0, -0.03) * n.saturating_sub(resting) as f32;
     (0..=resting + rolling).map(|n| Moment { ball: ball(n).into(), ..Moment::from_view(view) }).collect()
 }
 
+/// The root mean square difference of two images, over all pixels.
 fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     masked_rmse(a, b, &vec![true; a.len()])
 }
 
+/// At roughness 0, the film with a history equals the film without, to the bit.
 #[test]
 fn mirrors_have_no_history() {
     let (scene, view) = rooms();
@@ -93,6 +100,8 @@ fn mirrors_have_no_history() {
     assert!(alone == averaged, "a history changes a mirror");
 }
 
+/// With a camera at rest, the image changes while frames are averaged. From the eighth frame on, it is the same to the
+/// bit.
 #[test]
 fn at_rest_the_picture_settles_and_then_stands_still_to_the_bit() {
     let (scene, view) = rooms();
@@ -107,13 +116,15 @@ fn at_rest_the_picture_settles_and_then_stands_still_to_the_bit() {
     }
 }
 
+/// Four frames after a moving camera stops, the error against the settled image is below 0.7 of the error of one frame
+/// without a history.
 #[test]
 fn four_frames_after_a_stop_the_picture_is_what_it_will_be() {
     let (scene, view) = rooms_without_bumps();
     for roughness in [0.1, 0.4] {
         let moments = walk(&view, 6, 2 * AVERAGED);
         let frames = film(&scene, roughness, &with_history(), &moments);
-        // Averaged at rest alone, over as many frames.
+        // The reference: as many frames, all of them at rest.
         let settled = film(&scene, roughness, &with_history(), &moments[6..]);
         let truth = settled.last().unwrap();
         let [at_stop, after_four, at_end] = [6, 10, frames.len() - 1].map(|n| rmse(truth, &frames[n]));
@@ -124,19 +135,21 @@ fn four_frames_after_a_stop_the_picture_is_what_it_will_be() {
     }
 }
 
-/// The mean of images, as renderers make it of a jittered camera's.
+/// The mean of images, as a renderer averages the frames of a jittered camera.
 fn mean(images: &[Vec<[f32; 3]>]) -> Vec<[f32; 3]> {
     let sum = |n: usize, c: usize| images.iter().map(|image| image[n][c]).sum::<f32>();
     (0..images[0].len()).map(|n| [0, 1, 2].map(|c| sum(n, c) / images.len() as f32)).collect()
 }
 
+/// Over five phases of a jitter, the mean image with a history is nearer to the truth than without, by a factor of 0.6
+/// for narrow lobes and 0.7 for wide ones.
 #[test]
 fn a_jittered_camera_at_rest_is_at_rest() {
     let (scene, view) = rooms();
     let phases = [[0.0, -0.17], [-0.25, 0.17], [0.25, -0.39], [-0.38, -0.06], [0.13, 0.28]];
     let jittered = |n: usize| Moment { shift: phases[n % phases.len()], ..Moment::from_view(&view) };
     for (roughness, most) in [(0.1, 0.6), (0.4, 0.7)] {
-        // Each phase by itself at rest, over more directions.
+        // The truth: each phase by itself at rest, averaged over five times as many frames.
         let long = with_history().with(|p: &mut EffectParams| p.history_frames = 5 * AVERAGED);
         let at_rest = |n: usize| {
             let moments: Vec<_> = (0..5 * AVERAGED).map(|_| jittered(n)).collect();
@@ -154,12 +167,14 @@ fn a_jittered_camera_at_rest_is_at_rest() {
     }
 }
 
+/// From one frame of the rolling ball to the next, at most 1.2 times as many pixels change with a history as without.
 #[test]
 fn a_thing_that_moves_changes_no_pixel_that_does_not_see_it() {
     let (scene, view) = rooms();
     let moments = roll(&view, AVERAGED, 4);
     let [alone, averaged] = [Setup::new(EXTENT), with_history()].map(|setup| film(&scene, 0.1, &setup, &moments));
-    // From the second step on: before the first, the rays of the two have other directions.
+    // The last two frames are compared, in which the ball rolls. In frames at rest, a history changes the directions of
+    // rays.
     let (from, to) = (moments.len() - 2, moments.len() - 1);
     let changes = |film: &[Vec<[f32; 3]>], n: usize| film[from][n] != film[to][n];
     let count = |film: &[Vec<[f32; 3]>]| (0..film[0].len()).filter(|n| changes(film, *n)).count();
@@ -169,12 +184,14 @@ fn a_thing_that_moves_changes_no_pixel_that_does_not_see_it() {
     assert!(with as f64 <= 1.2 * without as f64, "{with} pixels change with a history, {without} without");
 }
 
+/// After ten frames of rolling, the pixels that showed or show the ball are at most 1.1 times as far from the truth as
+/// one frame without a history: no ghost is left.
 #[test]
 fn nothing_of_a_thing_is_left_where_it_was_reflected() {
     let (scene, view) = rooms();
     let moments = roll(&view, AVERAGED, 10);
     let rolled = film(&scene, 0.1, &with_history(), &moments);
-    // Frames that never saw the ball elsewhere.
+    // The truth: frames in which the ball was never elsewhere.
     let still: Vec<Moment> =
         (0..AVERAGED).map(|_| Moment { ball: moments.last().unwrap().ball, ..Moment::from_view(&view) }).collect();
     let there = film(&scene, 0.1, &with_history(), &still);
@@ -187,8 +204,8 @@ fn nothing_of_a_thing_is_left_where_it_was_reflected() {
     assert!(of_rolled < 1.1 * of_alone, "{of_rolled} against {of_alone}");
 }
 
-/// Places the ball of the rooms twenty times as large before the camera, and so deep in the floor that a hill 3.4 m wide stands out
-/// of it: a mirror that is curved a little. Returns its middle and radius, too.
+/// Places the ball of the rooms twenty times as large before the camera, so deep in the floor that a hill 3.4 m wide
+/// stands out: a slightly curved mirror. Returns the placement, the ball's middle and its radius.
 fn hill(scene: &Scene, view: &View) -> (Placement, Vec3, f32) {
     const SIZE: f32 = 20.0;
     const HEIGHT_M: f32 = 0.3;
@@ -200,6 +217,7 @@ fn hill(scene: &Scene, view: &View) -> (Placement, Vec3, f32) {
     (Placement { size: SIZE, offset: middle - SIZE * ball, ..Placement::HERE }, middle, radius)
 }
 
+/// The hill moves aside by 3 cm in each frame: in its pixels, the history has less than 0.75 of the error of one frame.
 #[test]
 fn a_mirror_that_moves_finds_what_it_showed() {
     let (scene, view) = rooms_without_bumps();
@@ -230,6 +248,8 @@ fn a_mirror_that_moves_finds_what_it_showed() {
     }
 }
 
+/// The camera moves past the hill, which stands still: in the hill's pixels, the history has a smaller error than one
+/// frame.
 #[test]
 fn a_curved_mirror_finds_what_it_showed() {
     let (scene, view) = rooms_without_bumps();
@@ -244,6 +264,7 @@ fn a_curved_mirror_finds_what_it_showed() {
     let moments: Vec<Moment> = (0..8 + 3 * AVERAGED).map(moment).collect();
     let camera = moments[8].view.camera(&scene, EXTENT);
     let scale = camera.view_to_clip().to_cols_array_2d();
+    // Whether a pixel shows the top of the hill: the ray through it meets the sphere near the top.
     let is_on = |pixel: u32| {
         let place = Vec2::new((pixel % EXTENT[0]) as f32, (pixel / EXTENT[0]) as f32) + 0.5;
         let ndc = (2.0 * place / Vec2::new(EXTENT[0] as f32, EXTENT[1] as f32) - 1.0) * Vec2::new(1.0, -1.0);
@@ -263,7 +284,7 @@ fn a_curved_mirror_finds_what_it_showed() {
         let truth = settled.last().unwrap();
         let [alone, averaged] = [alone, averaged].map(|frames| masked_rmse(truth, &frames[8], &mask));
         println!("roughness {roughness}: {alone:.4} alone, {averaged:.4} with a history");
-        // If the mirror counted as plane, the history would be 1.16 times as far off as one frame at 0.3.
+        // If the history took the mirror as flat, its error at roughness 0.3 would be 1.16 times that of one frame.
         assert!(averaged < alone, "{averaged} with a history, {alone} without");
     }
 }

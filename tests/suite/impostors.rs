@@ -1,5 +1,5 @@
-//! The built-in impostors against the triangles: each shows, texel by texel, what a ray along its
-//! normal sees of the lit scene, the right way round.
+//! The built-in impostors against the triangles: each shows, texel by texel, the colour that a ray along its normal
+//! finds in the lit scene, the right way round.
 
 use glam::{DVec3, Vec3};
 use ssct::passes::scene_data::MAX_LIGHTS;
@@ -8,22 +8,22 @@ use ssct_scenes::bvh::WorldRay;
 use ssct_scenes::{Encoding, Impostor, Material, Scene, library};
 use ssct_truth::reference::surface::World;
 
-/// Points along each side of an image that are looked at.
+/// The number of points along each side of an image that are compared.
 const GRID: u32 = 24;
 
-/// Linear colour and alpha of a texel.
+/// The linear colour and the alpha of a texel of an impostor.
 fn texel(scene: &Scene, impostor: &Impostor, x: u32, y: u32) -> (Vec3, u8) {
     let texture = &scene.textures[impostor.texture];
     let rgba = &texture.rgba[4 * (y * texture.width + x) as usize..][..4];
     (Vec3::from_array([0, 1, 2].map(|k| srgb_to_linear(f32::from(rgba[k]) / 255.0))), rgba[3])
 }
 
-/// Mean difference between an impostor's image and what rays see, and the share of the rays that see
-/// nothing near the rectangle where the image says that something is. `mirrored` reads the image from
-/// its other end.
+/// The mean difference between an impostor's image and the colours that rays find, and the share of the rays that find
+/// nothing where the image is opaque. Rays start `reach` metres in front of the rectangle. `mirrored` reads the image
+/// from right to left.
 fn difference(world: &World, impostor: &Impostor, reach: f32, mirrored: bool) -> (f32, f32) {
     let texture = &world.scene.textures[impostor.texture];
-    // A little askew: boxes and planes along the axes are met from one side or the other, never along.
+    // The direction is slightly askew, so that no ray runs along a box or a plane that is parallel to an axis.
     let askew = 1e-5 * (impostor.half_u.normalize() + impostor.half_v.normalize());
     let direction = (askew - impostor.normal()).as_dvec3().normalize();
     let (mut sum, mut seen, mut missed) = (0.0, 0.0, 0.0_f32);
@@ -55,12 +55,14 @@ fn difference(world: &World, impostor: &Impostor, reach: f32, mirrored: bool) ->
     (sum / seen, missed / (seen + missed))
 }
 
+/// Each impostor of each built-in scene differs from the rays' colours by less than 0.05 in the mean, and by over 1.3
+/// times as much if it is mirrored.
 #[test]
 fn impostors_show_what_stands_there() {
     for name in library::names() {
         let scene = crate::common::built_in(name);
         assert!(scene.lights.len() <= MAX_LIGHTS, "{name}");
-        // Impostors leave the relief out.
+        // The images of impostors have no bumps of normal maps.
         let flat = |m: &Material| Material { normal_deviation: 0.0, ..m.clone() };
         let materials: Vec<Material> = scene.materials.iter().map(flat).collect();
         let world = World::new(&scene, &materials);
@@ -70,7 +72,7 @@ fn impostors_show_what_stands_there() {
             assert!(impostor.half_u.dot(impostor.half_v).abs() < 1e-4, "{impostor:?}");
             let ratio = impostor.half_u.length() / impostor.half_v.length();
             assert!((texture.width as f32 / texture.height as f32 / ratio - 1.0).abs() < 0.03, "{impostor:?}");
-            // From before what stands out of the rectangle: a car's side, a front's sills.
+            // Rays start in front of parts that stand out of the rectangle: the side of a car, the sills of a front.
             let reach = if impostor.name == "car" { 1.2 } else { 0.4 };
             let (wrong, missed) = difference(&world, impostor, reach, false);
             let (mirrored, _) = difference(&world, impostor, reach, true);
@@ -81,6 +83,8 @@ fn impostors_show_what_stands_there() {
     }
 }
 
+/// Two signs and the car have transparent texels in 2 % to 60 % of their images, and the materials of the signs have
+/// masks with holes.
 #[test]
 fn cut_signs_are_transparent_around_their_shape_as_their_geometry_is() {
     let street = crate::common::built_in("street");

@@ -1,5 +1,5 @@
-//! Runs that do not come to their end: killed, stopped, out of device, out of disk, two in one folder.
-//! What was measured stays, and nothing is measured twice.
+//! Runs that do not come to their end: killed, stopped, without device, without disk, two in one folder. Every result
+//! stays, and nothing is measured twice.
 
 use crate::common::folder::is_notice;
 use crate::common::hang::wait_until;
@@ -9,22 +9,28 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
+/// The program under test.
 const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
+/// A small run of `ssct time` with two methods.
 const TIME: [&str; 7] = ["time", "--scene", "corridor", "--size", "32x18", "--method", "ssct,unified"];
+/// A small run of `ssct error`.
 const ERROR: [&str; 10] =
     ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--method", "ssct"];
 
+/// The program with some arguments and its output in pipes.
 fn command(args: &[&str], more: &[&str]) -> Command {
     let mut command = Command::new(SSCT);
     command.args(args).args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
 
-/// Runs to the end; whatever it is, no panic, and one line at most on standard error beside the methods that are left out.
+/// Runs the program to its end. Returns the exit status and standard error.
 fn run(args: &[&str], more: &[&str]) -> (Option<i32>, String) {
     ended(command(args, more).output().unwrap())
 }
 
+/// The exit status and standard error of a run that ended. There must be no panic, and at most one line beside the
+/// notice about methods that are left out.
 fn ended(output: Output) -> (Option<i32>, String) {
     let said = String::from_utf8(output.stderr).unwrap();
     let lines = said.lines().filter(|line| !is_notice(line));
@@ -32,8 +38,9 @@ fn ended(output: Output) -> (Option<i32>, String) {
     (output.status.code(), said)
 }
 
+/// Sends a signal to a process.
 fn signal(child: &Child, name: &str) {
-    // The shell's own command: a bare machine has no program of this name.
+    // The shell's built-in `kill` is used, since a bare machine has no program of this name.
     let line = format!("kill -{name} {}", child.id());
     assert!(Command::new("sh").args(["-c", &line]).status().unwrap().success());
 }
@@ -45,12 +52,12 @@ fn journal(folder: &Path) -> Vec<String> {
     text[..whole].lines().map(str::to_owned).collect()
 }
 
+/// Waits until the journal of a folder has so many lines.
 fn measures(folder: &Path, lines: usize) {
     wait_until(|| format!("a run that should write {lines} lines"), || journal(folder).len() >= lines);
 }
 
-/// Starts a run, and halts it where it has measured so much: a test that takes its time does not find
-/// the run at its end.
+/// Starts a run and halts it once its journal has so many lines, so that a slow test does not find the run at its end.
 fn start(args: &[&str], more: &[&str], folder: &Path, lines: usize) -> Child {
     let child = command(args, more).spawn().unwrap();
     measures(folder, lines);
@@ -58,14 +65,14 @@ fn start(args: &[&str], more: &[&str], folder: &Path, lines: usize) -> Child {
     child
 }
 
-/// Tells a halted run to stop, which it hears as it goes on.
+/// Sends a signal to a halted run, which receives it as it goes on, and waits for its end.
 fn stop(child: Child, name: &str) -> (Option<i32>, String) {
     signal(&child, name);
     signal(&child, "CONT");
     ended(child.wait_with_output().unwrap())
 }
 
-/// The keys of a journal, each of which must be there once.
+/// The keys of a journal's entries; no key may occur twice.
 fn keys(lines: &[String]) -> HashSet<String> {
     let entries = lines.iter().map(|l| serde_json::from_str::<Value>(l).unwrap());
     let all: Vec<String> = entries.filter_map(|e| e["key"].as_str().map(str::to_owned)).collect();
@@ -74,10 +81,13 @@ fn keys(lines: &[String]) -> HashSet<String> {
     once
 }
 
+/// The records of a file.
 fn records(file: PathBuf) -> Vec<Value> {
     serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap()
 }
 
+/// A run of `time` is killed, resumed, interrupted and resumed: no line of its journal is lost or repeated. A second
+/// run in the same folder is refused, as is a new run over unfinished results.
 #[test]
 fn times_survive_a_kill_and_a_signal() {
     let folder = tempfile::tempdir().unwrap();
@@ -110,7 +120,7 @@ fn times_survive_a_kill_and_a_signal() {
     let second = journal(&out);
     assert!(second.len() < 2 * samples + 2 && second[..first.len()] == first, "nothing is lost");
     let counted: u64 = records(out.join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
-    // The frame whose work is counted comes first, of either method.
+    // For each of the two methods, the journal's first entry is a frame whose work is counted, not timed.
     assert_eq!(counted + 2, second.len() as u64, "what was measured is written");
 
     assert_eq!(run(&TIME, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
@@ -127,6 +137,7 @@ fn times_survive_a_kill_and_a_signal() {
     assert_eq!(keys(&journal(&out)).len(), 2 + 2);
 }
 
+/// A run of `error` is killed, resumed, terminated and resumed: all cells and samples are in its journal once.
 #[test]
 fn cells_of_the_error_study_survive_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -143,13 +154,15 @@ fn cells_of_the_error_study_survive_too() {
     assert_eq!(run(&ERROR, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
     let third = journal(folder.path());
     assert_eq!((&second[..first.len()], &third[..second.len()]), (&first[..], &second[..]));
-    // Nine samples and a cell for each roughness of the scene's one view.
+    // Each of the six roughnesses has nine samples and one cell.
     assert_eq!(keys(&third).len(), 6 * 10);
     let roughness: HashSet<String> =
         records(folder.path().join("error.json")).iter().map(|r| r["roughness"].to_string()).collect();
     assert_eq!(roughness.len(), 6);
 }
 
+/// A simulated loss of the device ends the run with a sentence, and all frames before it are recorded. After a failed
+/// allocation the journal is unchanged, and the run can be resumed.
 #[test]
 fn a_lost_device_leaves_what_was_measured() {
     let folder = tempfile::tempdir().unwrap();
@@ -173,6 +186,8 @@ fn a_lost_device_leaves_what_was_measured() {
     assert_eq!(keys(&journal(folder.path())).len(), 2 * 51);
 }
 
+/// Folders that cannot be created and files beyond a limit of size are named in one sentence, and no half-written file
+/// is left.
 #[test]
 fn no_room_and_no_right_to_write_are_sentences() {
     let folder = tempfile::tempdir().unwrap();
@@ -185,7 +200,7 @@ fn no_room_and_no_right_to_write_are_sentences() {
         assert_eq!(status, Some(1), "{args:?} {out}: {said}");
         assert!(said.contains("cannot create the folder") && said.contains(&out), "{said}");
     }
-    // Files of a kilobyte at most, whoever the user is.
+    // A limit of one kilobyte for files, which also holds for the superuser.
     let little = |args: &str| {
         let line = format!("trap '' XFSZ; ulimit -f 2; exec {SSCT} {args}");
         ended(Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap())

@@ -1,5 +1,5 @@
-//! A second layer of depth (`--layers 2`): what only it can show is shown where the world shows it, its passes are
-//! recorded where it is asked for and nowhere else, and what cannot have one says so.
+//! A second layer of depth (`--layers 2`): what only the layer can show is shown where the triangles have it. Its
+//! passes are recorded only where it is asked for, and methods without layers refuse it.
 
 use crate::common::folder::Folder;
 use crate::common::{Builder, camera, check_validation, gpu, unfaded};
@@ -13,16 +13,19 @@ use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{Camera, GBufferData, Scene, View};
 use ssct_truth::metrics::place::RayEnd;
 
+/// The place of the camera, in metres.
 const EYE: Vec3 = Vec3::new(0.0, 1.0, 0.0);
+/// Size of the images in pixels.
 const EXTENT: [u32; 2] = [320, 180];
 /// The methods that march through layers.
 const METHODS_WITH_LAYERS: [&str; 4] = ["poster", "ssr", "ssr-fast", "dda"];
-/// The green panel, which stands before the wall and behind the pillar: its depth, and how far to each side it reaches.
+/// The green panel stands at this z, in front of the wall and behind the pillar, in metres.
 const PANEL_Z: f32 = 5.9;
+/// The green panel reaches to this x on either side, in metres.
 const PANEL_X: f32 = 0.9;
 
-/// A mirror at the left, a wall with a green panel before it, and a pillar that hides all of the panel from the eye and
-/// nothing of it from the mirror.
+/// A mirror on the left, a wall with a green panel in front of it, and a pillar. The pillar hides all of the panel from
+/// the eye and nothing of it from the mirror.
 fn scene() -> Scene {
     let mut b = Builder::new("pillar");
     b.light(Vec3::Z);
@@ -36,14 +39,17 @@ fn scene() -> Scene {
     b.0
 }
 
+/// A camera that looks along the z axis.
 fn looks_ahead() -> Camera {
     camera(EYE, EYE + Vec3::Z, EXTENT)
 }
 
+/// Whether a colour is that of the panel.
 fn is_green(color: &[f32]) -> bool {
     color[1] > 0.5 && color[0] < 0.1 && color[2] < 0.1
 }
 
+/// The results of a method on the scene.
 struct Drawn {
     data: GBufferData,
     /// The reflection before fade and reflectivity.
@@ -53,6 +59,7 @@ struct Drawn {
     counted: Vec<String>,
 }
 
+/// Draws the scene with a method.
 fn draw(method: &str, setup: &Setup) -> Drawn {
     let gpu = gpu();
     let scene = scene();
@@ -69,11 +76,12 @@ fn draw(method: &str, setup: &Setup) -> Drawn {
     Drawn { data, reflection, ends, counted }
 }
 
+/// A setup without fade with a number of layers.
 fn with_layers(extent: [u32; 2], layers: u32) -> Setup {
     unfaded(extent).with(|p: &mut LayerParams| p.layers = layers)
 }
 
-/// Where the mirror ray of each reflecting pixel meets the plane of the panel, if on the panel.
+/// For each pixel, the point at which its mirror ray meets the panel, or none if it does not.
 fn on_panel(data: &GBufferData) -> Vec<Option<Vec3>> {
     let to_view = data.view_to_clip().inverse();
     let to_world = data.camera.world_to_view.as_dmat4().inverse();
@@ -87,6 +95,8 @@ fn on_panel(data: &GBufferData) -> Vec<Option<Vec3>> {
     (0..data.depth.len()).map(|i| if data.reflects(i) { meets(i) } else { None }).collect()
 }
 
+/// With one layer no method shows the panel. With two, each shows it in over 90 % of the pixels whose ray meets it, and
+/// hardly elsewhere.
 #[test]
 fn only_a_second_layer_shows_what_is_behind_a_pillar() {
     for method in METHODS_WITH_LAYERS {
@@ -108,8 +118,8 @@ fn only_a_second_layer_shows_what_is_behind_a_pillar() {
         println!("{method}: {shown} of {expected} shown, {placed} in place, {wrong} wrong");
         assert_eq!(green(&one, true) + green(&one, false), 0, "{method}: one layer shows the panel");
         assert!(shown as f64 > 0.9 * expected as f64, "{method}: {shown} of {expected}");
-        // Schmidt's surfaces are half a metre thick here, and in listing 5 a metre before and behind them, so that what
-        // passes the edge of the panel meets it: a tenth of its width at each end.
+        // Schmidt's surfaces are half a metre thick here, and in listing 5 they reach a metre before and behind. Rays
+        // that pass the edge of the panel thus meet it: a tenth of its width at each end.
         let most = match method {
             "ssr" => 0.05,
             "ssr-fast" => 0.1,
@@ -122,6 +132,7 @@ fn only_a_second_layer_shows_what_is_behind_a_pillar() {
     }
 }
 
+/// One layer is the default, to the bit. Two layers add passes under `layer/`, and the other passes are the same.
 #[test]
 fn a_second_layer_is_drawn_where_it_is_asked_for_and_nowhere_else() {
     for method in METHODS_WITH_LAYERS {
@@ -139,16 +150,19 @@ fn a_second_layer_is_drawn_where_it_is_asked_for_and_nowhere_else() {
     }
 }
 
+/// With a separation of 1000 km, the second layer shows nothing; with one just below the distance of pillar and panel,
+/// it shows the panel.
 #[test]
 fn a_layer_farther_behind_than_the_scene_reaches_is_empty() {
     let far = with_layers(EXTENT, 2).with(|p: &mut LayerParams| p.layer_separation = 1e6);
     let drawn = draw("dda", &far);
     assert!(!drawn.reflection.texels().any(is_green));
-    // Just nearer than the panel is to the pillar, it is there.
+    // The panel is 3.9 m behind the pillar, and the separation 5 cm less.
     let near = with_layers(EXTENT, 2).with(|p: &mut LayerParams| p.layer_separation = PANEL_Z - 2.0 - 0.05);
     assert!(draw("dda", &near).reflection.texels().any(is_green));
 }
 
+/// At half resolution, two methods still show the panel in over 80 % of the pixels whose ray meets it.
 #[test]
 fn rays_at_a_lower_resolution_meet_both_layers() {
     let half = with_layers(EXTENT, 2).with(|p: &mut EffectParams| p.resolution_scale = 0.5);
@@ -162,6 +176,7 @@ fn rays_at_a_lower_resolution_meet_both_layers() {
     }
 }
 
+/// A G-buffer file, and a method without layers, refuse two layers with a sentence.
 #[test]
 fn what_has_no_second_layer_says_so() {
     let folder = Folder::new();

@@ -1,26 +1,27 @@
-//! `ssct index`: the page of a library, made from runs whose figures are known, from the repository's own, and shown by
-//! a headless Chromium where there is one.
+//! `ssct index`: the page of a library of runs. The runs are made of known figures, or are those of the repository. A
+//! headless Chromium shows the page where there is one.
 
 use crate::common::folder::Folder;
 use crate::common::html::{attributes, dom, probe};
 use crate::common::repository;
 use serde_json::{Value, json};
 
-/// What a run of the library under test measured: the times of `ssct` and of `unified`, and the latter's error.
+/// The figures of a run: the device, the times of `ssct` and of `unified`, and the error of `unified`.
 struct Measured<'a> {
     device: &'a str,
     ssct_ms: f64,
     unified_ms: f64,
     rmse: f64,
-    /// How far frames stray from each other, as a share of the time.
+    /// The spread of the times of frames, as a share of the time.
     noise: f64,
 }
 
+/// A device as records name it.
 fn device(name: &str) -> Value {
     json!({ "name": name, "driver": "1", "api": "1.3", "type": "other" })
 }
 
-/// Writes records and raw samples as the studies do.
+/// Writes the records and raw samples of a run, as the studies do.
 fn write(folder: &Folder, name: &str, m: &Measured) {
     std::fs::create_dir_all(folder.path(&format!("{name}/error"))).unwrap();
     let record = |kind: &str, method: &str, more: Value| {
@@ -52,7 +53,8 @@ fn write(folder: &Folder, name: &str, m: &Measured) {
     folder.write(&format!("{name}/time-samples.csv"), rows);
 }
 
-/// Three runs: two of one device, between which `unified` became slower and `ssct` stayed the same, and one of another.
+/// Three runs: two on one device, between which `unified` became slower and `ssct` stayed the same, and one on another
+/// device.
 fn library() -> Folder {
     let folder = Folder::new();
     let (ssct_ms, noise) = (10.0, 0.01);
@@ -67,19 +69,22 @@ fn library() -> Folder {
     folder
 }
 
+/// The page has a row for each run, trends of quotients and errors, and verdicts between runs of one device alone.
+/// Equal runs make an equal page.
 #[test]
 fn the_page_has_runs_changes_and_trends_within_a_device() {
     let folder = library();
     let said = folder.succeed(&["index", "all"]);
     assert!(said.contains("3 runs, 2 figures over runs, 0 folders left out"), "{said}");
     let page = folder.text("all/index.html");
-    // The errors of a study's folder are of the same run as its times.
+    // A study's errors, in a folder of their own, belong to the run of its times: there are three rows.
     assert_eq!(page.matches("<tr id=\"run-").count(), 3);
     for link in ["2026-11-20-a/time.json", "2026-11-20-a/error/error.json"] {
         assert!(attributes(&page, "href").contains(&link) && folder.path("all").join(link).exists(), "{link}");
     }
     assert!(page.contains("0.1.0, commit commit of all/2026-11-20-a"));
-    // Times of the two runs of the first device: half of ssct's, then three quarters. The second device has one run.
+    // On the first device, `unified` took half of the time of `ssct`, and then three quarters. The second device has
+    // one run.
     for cells in [["unified", "0.5000", "0.7500"], ["unified", "0.02000", "0.03000"]] {
         let row = format!("<th scope=\"row\">{}</th><td>{}</td><td>{}</td>", cells[0], cells[1], cells[2]);
         assert!(page.contains(&row), "{row}");
@@ -91,19 +96,21 @@ fn the_page_has_runs_changes_and_trends_within_a_device() {
     for word in ["http:", "https:", "url(", "@import", "<iframe", "<object", " src="] {
         assert!(!page.contains(word), "{word}");
     }
-    // Equal runs make an equal page, over which the command may write, and no other page.
+    // Equal runs make an equal page. The command may write over its own page.
     folder.succeed(&["index", "all"]);
     assert_eq!(folder.text("all/index.html"), page);
-    // Elsewhere, nothing links to what is not beside the page.
+    // A page in another folder does not link to records that do not lie beside it.
     folder.succeed(&["index", "all", "-o", "site"]);
     assert!(!folder.text("site/index.html").contains("href=\"2026"));
     folder.succeed(&["index", "all", "-o", "."]);
     assert!(attributes(&folder.text("index.html"), "href").contains(&"all/2026-11-20-a/time.json"));
-    // Another base.
+    // With another base method, quotients are of its time.
     folder.succeed(&["index", "all", "--base", "unified"]);
     assert!(folder.text("all/index.html").contains("<th scope=\"row\">ssct</th><td>2.000</td><td>1.333</td>"));
 }
 
+/// Folders with broken, foreign or unfinished records, incomplete records and broken samples are named on the page with
+/// their reason.
 #[test]
 fn what_cannot_be_read_is_named_with_its_reason() {
     let folder = library();
@@ -115,7 +122,7 @@ fn what_cannot_be_read_is_named_with_its_reason() {
     folder.write("all/unfinished/journal.jsonl", "{\"key\":\"a\",\"value\":1}\n");
     folder.write("all/notes/notes.txt", "nothing");
     folder.write("all/other/package.json", "{}");
-    // A record without a view, among whole ones; and samples that are none.
+    // One incomplete record among whole ones, and samples that are no numbers.
     let mut records: Vec<Value> = serde_json::from_str(&folder.text("all/2026-11-20-a/time.json")).unwrap();
     records.push(json!({ "kind": "time", "device": device("One"), "total": { "median_ms": 1.0 }, "scene": "s" }));
     folder.write("all/2026-11-20-a/time.json", json!(records).to_string());
@@ -136,6 +143,7 @@ fn what_cannot_be_read_is_named_with_its_reason() {
     assert!(!page.contains("after 1. 2026-11-20-a"), "without samples nothing is judged");
 }
 
+/// Folders without runs, a page of another kind and wrong options are refused, and no file is written or lost.
 #[test]
 fn wrong_folders_get_a_sentence_and_lose_nothing() {
     let folder = library();
@@ -157,6 +165,7 @@ fn wrong_folders_get_a_sentence_and_lose_nothing() {
     assert!(!folder.path("all/index.html").exists() && folder.list("empty").is_empty());
 }
 
+/// All folders under `benches/runs` are read, with a row for each, and no record is left out.
 #[test]
 fn every_run_of_the_repository_is_read() {
     let folder = Folder::new();
@@ -164,10 +173,10 @@ fn every_run_of_the_repository_is_read() {
     let said = folder.succeed(&["index", runs.to_str().unwrap(), "-o", "site"]);
     assert!(said.contains(" 0 folders left out"), "{said}");
     let page = folder.text("site/index.html");
-    // Each folder with records of whatever version has a row with its date.
+    // Each row has the date of its run.
     let rows: Vec<_> = page.split("<tr id=\"run-").skip(1).map(|row| row.split("</tr>").next().unwrap()).collect();
     assert!(rows.iter().all(|row| row.contains("<td class=\"whole\">2026-11-2")));
-    // So has, by its name, each folder of an error study.
+    // Each folder of an error study has a row with its name.
     let (mut folders, mut studies) = (vec![runs.clone()], 0);
     while let Some(folder) = folders.pop() {
         folders.extend(std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).filter(|path| path.is_dir()));
@@ -182,7 +191,7 @@ fn every_run_of_the_repository_is_read() {
     assert!(page.contains("RMSE against the world reference") && page.contains("time in the error study over ssct"));
 }
 
-/// The rows of a table that the page's script made, cell by cell.
+/// The cells of each row of a table that the page's script made.
 fn made_rows(dom: &str, id: &str) -> Vec<Vec<String>> {
     let part = dom.split(&format!("id=\"{id}\"")).nth(1).and_then(|s| s.split("</tbody>").next()).unwrap_or_default();
     let body = part.split("<tbody>").nth(1).unwrap_or_default();
@@ -193,6 +202,7 @@ fn made_rows(dom: &str, id: &str) -> Vec<Vec<String>> {
     body.split("<tr>").skip(1).map(cells).collect()
 }
 
+/// In a browser, the page's comparison of two runs has the figures of `ssct compare`.
 #[test]
 fn the_page_says_of_two_runs_what_compare_says() {
     let folder = library();
@@ -219,7 +229,7 @@ fn the_page_says_of_two_runs_what_compare_says() {
     assert_eq!(error[1..], ["unified", "RMSE against the world reference", "0.020000", "0.030000", "1.5000"]);
 }
 
-/// Chooses two runs of different devices in frames of two widths, and shows the page without its script.
+/// A script that chooses two runs of different devices in frames of two widths, and shows the page without its script.
 const PROBE: &str = r##"
   for (const width of [390, 1280]) {
     const d = (await show("all/index.html", width, false)).contentDocument, root = d.documentElement;
@@ -236,6 +246,7 @@ const PROBE: &str = r##"
   lines.push(`no-script ${shown} ${d.querySelectorAll(".plot svg").length}`);
 "##;
 
+/// In a browser, times of two devices are not compared, errors are, and nothing is wider than the frame.
 #[test]
 fn times_of_two_devices_are_not_compared_and_the_page_fits_a_phone() {
     let folder = library();

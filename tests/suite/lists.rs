@@ -10,6 +10,7 @@ fn records(folder: &Folder, arguments: &[&str]) -> Vec<Value> {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+/// Sizes, methods, roughnesses and variants that are named twice are measured once.
 #[test]
 fn a_value_that_a_list_names_twice_counts_once() {
     let folder = Folder::new();
@@ -24,6 +25,7 @@ fn a_value_that_a_list_names_twice_counts_once() {
     assert_eq!(records(&folder, &[&time[..], &two].concat()).len(), 2, "different values are all measured");
 }
 
+/// The tables of errors in `error.md` say in their titles whether they show a mean or a median.
 #[test]
 fn each_table_of_an_error_names_its_average() {
     let folder = Folder::new();

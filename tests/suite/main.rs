@@ -1,8 +1,9 @@
 //! The integration tests, in one program: they are linked once, and run beside each other on as many threads as
 //! there are processors. One file is chosen by its name: `cargo test --test suite gloss::`.
 //!
-//! None of them changes what the process has once (environment variables, the working folder): who needs others starts
-//! the command, or this program again. Tests that measure the process itself, or break devices, are in `tests/alone`.
+//! No test changes environment variables or the working folder, which all tests share: a test that needs other ones
+//! starts the command, or this program again. Tests that measure the process itself, or break devices, are in
+//! `tests/alone`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 

@@ -1,4 +1,4 @@
-//! Scenes with more of something than anybody made yet: they are drawn, or refused in a sentence that names them.
+//! Scenes with more of a thing than anybody made yet: they are drawn, or refused in a sentence that names them.
 
 use crate::common::{Builder, camera, gpu, show};
 use glam::Vec3;
@@ -10,13 +10,13 @@ use ssct_scenes::obj::{Handedness, ObjFile, ObjOptions};
 use ssct_scenes::{Light, obj};
 use std::fmt::Write;
 
-/// The albedo of one material of many; neighbours differ.
+/// The albedo of the material of a number; materials of neighbouring numbers differ.
 fn albedo(n: u32) -> Vec3 {
     Vec3::new((n % 16) as f32 / 15.0, (n / 16 % 16) as f32 / 15.0, (n / 256) as f32 / 15.0)
 }
 
-/// Quads in columns and rows that fill the picture of a camera at the origin, which looks along z, each of a material
-/// of its own: as OBJ and MTL.
+/// The texts of an OBJ and an MTL file: quads in columns and rows at a depth z, each with a material of its own. They
+/// fill the picture of a camera at the origin that looks along z.
 fn mosaic([columns, rows]: [u32; 2], [half_width, half_height]: [f32; 2], z: f32) -> [String; 2] {
     let (mut mesh, mut materials) = ("mtllib a.mtl\n".to_owned(), String::new());
     for n in 0..columns * rows {
@@ -31,9 +31,11 @@ fn mosaic([columns, rows]: [u32; 2], [half_width, half_height]: [f32; 2], z: f32
     [mesh, materials]
 }
 
+/// A wall of 3000 quads of 3000 materials is drawn, each quad with the albedo of its own material.
 #[test]
 fn three_thousand_materials_are_drawn() {
-    // One uniform block of the camera for each makes more than a chunk of the frame's uniform memory.
+    // Each material has a uniform block of its own; together they need more than one chunk of the frame's uniform
+    // memory.
     let (grid, extent, z) = ([60, 50], [240, 200], 10.0);
     let seen = camera(Vec3::ZERO, Vec3::Z, extent);
     let half_height = 0.5 * seen.lens.height_at_m(z);
@@ -50,7 +52,7 @@ fn three_thousand_materials_are_drawn() {
     let shown = show(&gpu(), &scene, seen, "ssct", &Setup::new(extent), &globals);
     assert_eq!(shown.image.drawn.meshes, 3000);
     for n in 0..3000 {
-        // A texel in the middle of the quad's four by four; rows of the picture run down.
+        // The pixel is in the middle of the quad's 4 × 4 pixels; rows of the picture run from the top.
         let [x, y] = [4 * (n % grid[0]) + 2, 4 * (grid[1] - 1 - n / grid[0]) + 2];
         let color = Vec3::from_slice(&shown.image.composite.texel(x, y)[..3]);
         let expected = albedo(n);
@@ -58,6 +60,7 @@ fn three_thousand_materials_are_drawn() {
     }
 }
 
+/// `planar` mirrors a scene of 300 materials at eight planes, in eight passes.
 #[test]
 fn three_hundred_materials_are_mirrored_at_eight_planes() {
     let mut b = Builder::new("eight mirrors");
@@ -82,6 +85,7 @@ fn three_hundred_materials_are_mirrored_at_eight_planes() {
     assert_eq!(mirrored, 8, "{:?}", shown.image.report.recorded);
 }
 
+/// A scene of 16 lights is taken, and one of 17 is refused with both numbers.
 #[test]
 fn more_lights_than_are_drawn_are_refused() {
     let mut b = Builder::new("disco");
@@ -95,6 +99,7 @@ fn more_lights_than_are_drawn_are_refused() {
     assert_eq!(said, "scene disco has 17 lights; at most 16 can be drawn");
 }
 
+/// An image that is wider than the device allows is refused with its name and size.
 #[test]
 fn an_image_that_is_too_large_is_refused_by_its_name() {
     let gpu = gpu();

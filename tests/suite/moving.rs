@@ -1,5 +1,5 @@
-//! Meshes that move among the scene's triangles: rays meet them where they stand, in a small tree of their own, and nothing is
-//! built or recorded where nothing moves.
+//! Meshes that move among the scene's triangles: rays meet them where they stand, in a small tree of their own. Nothing
+//! is built or recorded while nothing moves.
 
 use crate::common::{check_validation, gpu};
 use crate::triangles::{EXTENT, beyond, mirrors, traced};
@@ -15,30 +15,36 @@ use ssct_scenes::{Placement, Scene};
 use std::cell::Cell;
 use std::rc::Rc;
 
+/// The view of the rooms that is drawn.
 const VIEW: &str = "corridor";
+/// The mesh that moves.
 const MOVING: &str = "ball";
 
+/// A shot of mirrors in the rooms.
 fn shot(stage: &mut Stage, scene: &Scene, (method, setup): (&MethodInfo, &Setup)) -> Shot {
     let camera = scene.view(VIEW).unwrap().camera(scene, EXTENT);
     Shot::new(stage, method, setup, Wants::REFLECTION, camera, mirrors(scene, VIEW)).unwrap()
 }
 
+/// The report and the reflection of one frame.
 fn draw(stage: &mut Stage, shot: &Shot) -> (FrameReport, Pixels) {
     let (report, _, output) = stage.output_in(Mode::Timed, shot).unwrap();
     (report, gbuffer::reflection(&mut stage.context, &output).unwrap())
 }
 
+/// The number of pixels that differ by more than 0.01.
 fn differing(a: &Pixels, b: &Pixels) -> usize {
     a.texels().zip(b.texels()).filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 0.01)).count()
 }
 
-/// The rooms as a file would have them in which the ball stands elsewhere.
+/// The rooms with the ball in another place, as a scene file would have them.
 fn rooms_with(placement: &Placement) -> Scene {
     let mut scene = crate::common::built_in("rooms");
     scene.meshes.iter_mut().filter(|m| m.name == MOVING).for_each(|m| m.place(placement));
     scene
 }
 
+/// The reflection in rooms that were loaded with the ball in its new place.
 fn made_anew(gpu: &Gpu, placement: &Placement, method: (&MethodInfo, &Setup)) -> Pixels {
     let scene = rooms_with(placement);
     let mut stage = Stage::new(gpu, &scene).unwrap();
@@ -46,13 +52,15 @@ fn made_anew(gpu: &Gpu, placement: &Placement, method: (&MethodInfo, &Setup)) ->
     draw(&mut stage, &shot).1
 }
 
+/// A ball that is moved and turned after loading is reflected as in a scene that was loaded with the ball there, but
+/// for 12 pixels at edges.
 #[test]
 fn what_moves_is_reflected_as_in_a_scene_that_is_made_so() {
     let gpu = gpu();
     let scene = crate::common::built_in("rooms");
     let ball = scene.meshes.iter().find(|m| m.name == MOVING).unwrap().bounds;
     let middle = 0.5 * (ball.min + ball.max);
-    // About its own middle, and aside.
+    // The ball turned about its own middle and scaled, and then moved by `aside`.
     let turned = |angle: f32, size: f32, aside: Vec3| {
         let turn = Quat::from_rotation_x(angle);
         Placement { turn, size, offset: middle + aside - size * (turn * middle) }
@@ -70,7 +78,7 @@ fn what_moves_is_reflected_as_in_a_scene_that_is_made_so() {
             let truth = made_anew(&gpu, placement, (method, setup));
             let (off, changed) = (differing(&moved, &truth), differing(&still, &truth));
             println!("{} at place {n}: {off} pixels off of {changed} that changed", method.name);
-            // Edges of the ball are rounded in other places where the device places it.
+            // Where the device places the ball, its edges are rounded otherwise.
             assert!(off <= 12, "{} at place {n}: {off} pixels are off", method.name);
             assert!(changed > 60 || *placement == Placement::HERE, "{changed} pixels change");
         }
@@ -78,6 +86,8 @@ fn what_moves_is_reflected_as_in_a_scene_that_is_made_so() {
     check_validation(&gpu).unwrap();
 }
 
+/// For every mesh of four scenes that moves alone, and for all meshes that move together, the tree has at most as many
+/// levels as the walk has room for.
 #[test]
 fn walks_have_room_for_whatever_moves() {
     for name in ["rooms", "museum", "street", "cathedral"] {
@@ -94,7 +104,7 @@ fn walks_have_room_for_whatever_moves() {
     }
 }
 
-/// Counts what is built: trees of what stands, and of what moves.
+/// Counts how often trees are built: of the meshes that stand, and of the meshes that move.
 struct Counting(Trees, Rc<[Cell<usize>; 2]>);
 
 impl BuildTrees for Counting {
@@ -109,6 +119,8 @@ impl BuildTrees for Counting {
     }
 }
 
+/// The tree of standing meshes is rebuilt once, when the ball leaves it. The ball's own tree is rebuilt in each frame
+/// in which the ball moves, and never else.
 #[test]
 fn only_what_moves_is_built_anew_and_only_when_it_moves() {
     let gpu = gpu();
@@ -128,9 +140,9 @@ fn only_what_moves_is_built_anew_and_only_when_it_moves() {
         ([built[0].get(), built[1].get()], of_moving)
     };
     let nothing = ([0, 0], Vec::new());
-    // Made with the shot.
+    // The trees were built with the shot.
     assert_eq!(frame(0.0), nothing);
-    // It leaves the tree of what stands the first time, and never again.
+    // With its first move, the ball leaves the tree of the standing meshes.
     assert_eq!(frame(-0.1), ([1, 1], Vec::new()));
     assert_eq!(frame(-0.1), nothing);
     for n in 2..5 {

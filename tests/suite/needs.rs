@@ -1,4 +1,5 @@
-//! What methods need of a scene: with it their reflection shows something, without it nothing, and studies leave them out.
+//! What methods need of a scene: with it, their reflection shows something; without it, the reflection is black, and
+//! studies leave the method out.
 
 use crate::common;
 use crate::common::folder::Folder;
@@ -8,6 +9,7 @@ use ssct::methods::{METHODS, MethodInfo, Setup, Wants, find};
 use ssct_lab::stage::{Globals, Shot, Stage, image};
 use ssct_scenes::{Scene, library};
 
+/// Size of the images in pixels.
 const SIZE: [u32; 2] = [64, 36];
 
 /// Whether a method's reflection is black in every view of a scene.
@@ -22,7 +24,7 @@ fn is_black(stage: &mut Stage, scene: &Scene, method: &MethodInfo) -> bool {
     })
 }
 
-/// The reflection of a method in the corridor of a scene.
+/// The reflection that a method makes of the corridor of a scene.
 fn corridor(stage: &mut Stage, scene: &Scene, (method, setup): (&str, &Setup), roughness: f32) -> Pixels {
     let view = scene.view("corridor").unwrap();
     let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(scene, view);
@@ -31,6 +33,8 @@ fn corridor(stage: &mut Stage, scene: &Scene, (method, setup): (&str, &Setup), r
     image::render(stage, &shot, false).unwrap().reflection
 }
 
+/// Every method with a need, in every built-in scene: its reflection is black in all views if the scene lacks what it
+/// needs, and in no other case.
 #[test]
 fn a_method_is_black_where_it_lacks_what_it_needs_and_only_there() {
     let gpu = common::gpu();
@@ -47,6 +51,8 @@ fn a_method_is_black_where_it_lacks_what_it_needs_and_only_there() {
     assert!(seen > 10 && black > 3, "{seen} are seen, {black} are black");
 }
 
+/// `ssct error` leaves out methods that would show nothing, says so, and refuses a list of such methods alone; `render`
+/// warns.
 #[test]
 fn what_a_study_compares_shows_something() {
     let folder = Folder::new();
@@ -76,7 +82,8 @@ fn what_a_study_compares_shows_something() {
     assert!(said.contains("warning: billboard reflects impostors alone, and scene rooms has none"), "{said}");
 }
 
-/// The fade of Eq. 4.7 with its ends from options: a start at the end is a hard edge and no division by zero.
+/// The fade of Eq. 4.7 with other ends, for seven methods. A start at the end is a hard edge and no division by zero, a
+/// wide fade has many values between 0 and 1, and a far one fades nothing.
 #[test]
 fn a_fade_whose_ends_meet_is_a_hard_edge() {
     let gpu = common::gpu();
@@ -97,7 +104,8 @@ fn a_fade_whose_ends_meet_is_a_hard_edge() {
     }
 }
 
-/// ξ of Eq. 4.5 and the exponent of mirrors change the cones, and their published values change nothing.
+/// Other values of ξ of Eq. 4.5 and of the exponent of mirrors change the image of `ssct`, and the published value
+/// gives the image of the default.
 #[test]
 fn the_numbers_of_the_cone_are_options() {
     let gpu = common::gpu();

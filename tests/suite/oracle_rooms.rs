@@ -1,6 +1,6 @@
-//! The references on the thesis author's rooms: the hierarchy agrees with the oracle in every pixel,
-//! and the published methods are as far from both as docs/numerics.md ("Hits", "Gloss") says, which was
-//! measured with other programs.
+//! The references on the rooms of the thesis's author: the hierarchy agrees with the oracle in every pixel. The
+//! published methods are as far from both as docs/numerics.md ("Hits", "Gloss") says, which was measured with other
+//! programs.
 
 use crate::common::{gpu, shared_scenes};
 use glam::Vec3;
@@ -22,17 +22,20 @@ use ssct_truth::reference::world_hits::world_hits;
 use ssct_truth::reference::{Hierarchy, Oracle, Outcome, ScreenReference, Trace};
 use std::time::Instant;
 
+/// The rooms of the author, if the large scenes are there.
 fn rooms() -> Option<Scene> {
     Some(scene_file::load(&shared_scenes()?.join("ssct-rooms/rooms.scene.toml"), &LoadOptions::default()).unwrap())
 }
 
-/// What a method makes of a view, with the author's constants and geometric normals.
+/// The result of a method on a view, with the author's constants and geometric normals: the G-buffer, the places of
+/// hits in pixels, and the reflection.
 struct Rendered {
     gbuffer: GBufferData,
     hits: Vec<Option<[f64; 2]>>,
     reflection: Pixels,
 }
 
+/// Renders a view of a scene with a method at one roughness.
 fn render(gpu: &Gpu, scene: &Scene, view: &str, size: [u32; 2], method: &str, roughness: f32) -> Rendered {
     let view = scene.view(view).unwrap();
     let setup = Setup::new(size).of_preset(Preset::Author);
@@ -48,11 +51,13 @@ fn render(gpu: &Gpu, scene: &Scene, view: &str, size: [u32; 2], method: &str, ro
     }
 }
 
-/// A trace for each pixel.
+/// A trace for each pixel, by column and row.
 fn trace_all(g: &GBufferData, trace: impl Fn(u32, u32) -> Trace + Sync) -> Vec<Trace> {
     (0..g.width * g.height).into_par_iter().map(|i| trace(i % g.width, i / g.width)).collect()
 }
 
+/// In two views, the fast hierarchy finds the oracle's hit, miss or pixel in every reflecting pixel, and places within
+/// 1e-9.
 #[test]
 fn hierarchy_and_oracle_agree_in_every_reflecting_pixel() {
     let Some(scene) = rooms() else { return };
@@ -77,7 +82,7 @@ fn hierarchy_and_oracle_agree_in_every_reflecting_pixel() {
     gpu.check_validation().unwrap();
 }
 
-/// Prints a row of the table and returns it.
+/// The agreement of a method with the oracle on a view; prints a row of the table, too.
 fn agreement(gpu: &Gpu, scene: &Scene, view: &str, method: &str) -> HitAgreement {
     let Rendered { gbuffer: g, hits, .. } = render(gpu, scene, view, [960, 540], method, 0.0);
     let hierarchy = Hierarchy::new(&g);
@@ -87,6 +92,7 @@ fn agreement(gpu: &Gpu, scene: &Scene, view: &str, method: &str) -> HitAgreement
     a
 }
 
+/// In the corridor, `ssct` agrees with the oracle in 78.7 % of the pixels, within 1 %, as docs/numerics.md says.
 #[test]
 fn ssct_agrees_with_the_oracle_as_far_as_was_found_before() {
     let Some(scene) = rooms() else { return };
@@ -95,6 +101,7 @@ fn ssct_agrees_with_the_oracle_as_far_as_was_found_before() {
     assert!((percent - 78.7).abs() < 1.0, "corridor: {percent} %, docs/numerics.md 78.7 %");
 }
 
+/// Prints the agreement with the oracle for each view and both methods, and checks nothing.
 #[test]
 #[ignore = "all views of both methods, for the table"]
 fn every_view_with_mirrors() {
@@ -107,6 +114,7 @@ fn every_view_with_mirrors() {
     }
 }
 
+/// Prints the error of `ssct` against the screen reference for each view at four roughnesses, and checks nothing.
 #[test]
 #[ignore = "Monte Carlo over all views, for the table"]
 fn every_view_with_gloss() {
@@ -130,7 +138,7 @@ fn every_view_with_gloss() {
             let rgb: Vec<[f32; 3]> = reflection.texels().map(|t| [t[0], t[1], t[2]]).collect();
             let rmse = masked_rmse(&truth_rgb, &rgb, &mask);
             let relative = masked_relative_mse(&truth_rgb, &rgb, &mask).unwrap();
-            // The reference's own noise adds to the error in squares.
+            // The squares of the error and of the reference's noise add up, so that the noise is subtracted.
             let noise = truth.overall_standard_error;
             let without = (rmse * rmse - noise * noise).sqrt();
             sum += without;
@@ -143,7 +151,7 @@ fn every_view_with_gloss() {
     }
 }
 
-/// The scene with the normals of its triangles instead of smooth ones: what docs/numerics.md, "Hits", calls geometric.
+/// The scene with the normals of its triangles instead of smooth ones: docs/numerics.md, "Hits", calls them geometric.
 /// With the smooth normals of the head on the table, two views lie 0.4 and 0.5 lower.
 fn with_face_normals(mut scene: Scene) -> Scene {
     for mesh in &mut scene.meshes {
@@ -161,7 +169,8 @@ fn with_face_normals(mut scene: Scene) -> Scene {
     scene
 }
 
-/// docs/numerics.md, "Hits": world agreement of the oracle with geometric normals, 960×540, in per cent.
+/// Views with the world agreement of the oracle in per cent, with geometric normals at 960×540 (docs/numerics.md,
+/// "Hits").
 const WORLD_AGREEMENT: [(&str, f64); 6] = [
     ("cylinder", 97.4),
     ("window-floor", 99.8),
@@ -171,10 +180,12 @@ const WORLD_AGREEMENT: [(&str, f64); 6] = [
     ("ceiling", 98.4),
 ];
 
+/// In six views, the oracle agrees with the triangles in as many per cent of the pixels as another program found,
+/// within 0.1.
 #[test]
 fn the_oracle_agrees_with_the_world_as_much_as_was_measured_elsewhere() {
     let Some(mut scene) = rooms().map(with_face_normals) else { return };
-    // The figures are of the views as they were then: the eye of this one stood inside a block.
+    // The figures belong to older views; in this one, the eye stood inside a block.
     for view in scene.views.iter_mut().filter(|v| v.name == "ceiling") {
         view.eye.y = -0.6;
     }

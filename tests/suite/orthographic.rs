@@ -1,6 +1,6 @@
-//! Orthographic cameras, off-axis ones, and two views of one frame (docs/definitions.md, "Spaces"): `unified` hits what the
-//! oracle says, is its twin to the bit, and among triangles hits what the world says; other renderers' cameras are taken
-//! through the door; methods that need a perspective say so.
+//! Orthographic cameras, off-axis ones, and two views of one frame (docs/definitions.md, "Spaces"). `unified` hits what
+//! the oracle says, is its twin to the bit, and among triangles hits what the world says. Other renderers' cameras are
+//! taken through the door, and methods that need a perspective say so.
 
 use crate::common::engine::{Convention, Engine, NATIVE, Theirs, bits, info, rmse};
 use crate::common::folder::Folder;
@@ -17,13 +17,13 @@ use ssct_ground::math::OracleVersion;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{Camera, Capture, GBufferData, Lens, Projection, Scene, View};
 
-/// A view of a built-in scene along parallel lines.
+/// A view of a built-in scene along parallel lines, `height_m` metres high.
 fn parallel(scene: &Scene, eye: Vec3, look_at: Vec3, height_m: f32) -> View {
     let lens = Some(Lens::orthographic(height_m, 0.0, 60.0));
     View { name: format!("{} from {eye}", scene.name), eye, look_at, lens, ..View::default() }
 }
 
-/// Scenes with views: down at an angle, along an axis, straight down, and as a town is drawn.
+/// Scenes with orthographic views: down at an angle, along an axis, down at the car of the street, and straight down.
 fn views() -> Vec<(Scene, View)> {
     let parallel_view = |name: &str, eye: [f32; 3], look_at: [f32; 3], height_m| {
         let scene = crate::common::built_in(name);
@@ -53,7 +53,7 @@ fn views() -> Vec<(Scene, View)> {
     ]
 }
 
-/// A camera's window moved aside, with pixels that are not square.
+/// The camera with its window moved aside and with pixels that are not square.
 fn off_axis(camera: Camera) -> Camera {
     let clip = camera.view_to_clip_reversed();
     let kind = camera.kind();
@@ -66,7 +66,7 @@ fn off_axis(camera: Camera) -> Camera {
     Camera::of_projection(camera.world_to_view, projection)
 }
 
-/// What a camera sees of a scene of mirrors, as a G-buffer.
+/// The G-buffer that a camera sees of a scene.
 fn seen(gpu: &Gpu, scene: &Scene, camera: Camera, globals: &Globals, extent: [u32; 2]) -> GBufferData {
     let mut stage = Stage::new(gpu, scene).unwrap();
     let materials = globals.materials(scene, &View::default());
@@ -75,6 +75,8 @@ fn seen(gpu: &Gpu, scene: &Scene, camera: Camera, globals: &Globals, extent: [u3
     gbuffer::read(&mut stage.context, &shot).unwrap()
 }
 
+/// In each view, plain and off-axis, by both versions of the oracle: `unified` agrees with the oracle in at least 99.99
+/// % of the reflecting pixels, and path codes are right in 99.9 %.
 #[test]
 fn unified_hits_what_the_oracle_says() {
     let gpu = gpu();
@@ -103,6 +105,7 @@ fn unified_hits_what_the_oracle_says() {
     check_validation(&gpu).unwrap();
 }
 
+/// A perspective camera with a moved window agrees with the oracle in at least 99.99 % of the reflecting pixels.
 #[test]
 fn an_off_axis_perspective_hits_what_the_oracle_says() {
     let gpu = gpu();
@@ -116,6 +119,8 @@ fn an_off_axis_perspective_hits_what_the_oracle_says() {
     check_validation(&gpu).unwrap();
 }
 
+/// For orthographic and off-axis cameras over random G-buffers and one view, at five sizes and by both versions of the
+/// oracle: pyramid and hits are the twin's, to the bit.
 #[test]
 fn pyramid_and_hits_equal_their_twin_to_the_bit() {
     let gpu = gpu();
@@ -144,6 +149,8 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
     check_validation(&gpu).unwrap();
 }
 
+/// The glossy passes equal their twins with an orthographic camera, at three roughnesses and with mixed ones; one of
+/// the cameras is off-axis.
 #[test]
 fn every_glossy_pass_is_its_twin() {
     use OracleVersion::{V1, V2};
@@ -170,6 +177,8 @@ fn every_glossy_pass_is_its_twin() {
     check_validation(&gpu).unwrap();
 }
 
+/// In each view, at most one ray in 200 of `traced` ends elsewhere than the triangles say, and at most one in 50 if the
+/// screen is asked first.
 #[test]
 fn traced_rays_end_where_the_world_says() {
     let gpu = gpu();
@@ -191,14 +200,14 @@ fn traced_rays_end_where_the_world_says() {
     check_validation(&gpu).unwrap();
 }
 
-/// The clutter of mirrors and pictures from above, along parallel lines.
+/// The cluttered scene from above, along parallel lines.
 fn clutter_from_above() -> (Scene, View) {
     let scene = clutter();
     let view = parallel(&scene, Vec3::new(0.0, 6.0, -2.0), Vec3::new(0.0, 0.0, 8.0), 9.0);
     (scene, view)
 }
 
-/// A reflection that a method makes of a view, in one roughness, of a camera at rest.
+/// The reflection that a method makes of a view at one roughness, with a camera at rest.
 fn reflection(
     gpu: &Gpu,
     (scene, view): &(Scene, View),
@@ -215,17 +224,21 @@ fn reflection(
     gbuffer::reflection(&mut stage.context, &output).unwrap()
 }
 
-/// What is added to the lit colour, before reflectivity: all numbers are sound.
+/// The colour that is added to the lit colour, before reflectivity, in each pixel. No value may be negative, infinite
+/// or NaN.
 fn added(image: &Pixels) -> Vec<Vec3> {
     assert!(image.values.iter().all(|v| v.is_finite() && *v >= 0.0));
     image.texels().map(|t| t[3] * Vec3::from_slice(t)).collect()
 }
 
+/// The mean of the added colours, as a sum of three channels.
 fn brightness(image: &Pixels) -> f32 {
     let all = added(image);
     all.iter().map(|c| c.element_sum()).sum::<f32>() / all.len() as f32
 }
 
+/// With an orthographic camera, a history keeps the mean brightness within 5 % and half resolution within 35 %; a
+/// history at rest leaves mirrors unchanged.
 #[test]
 fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
     let gpu = gpu();
@@ -241,7 +254,8 @@ fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
         println!("roughness {roughness}: plain, history, half: {bright:?}; {apart} apart");
         assert!(bright[0] > 0.02, "it shows something: {bright:?}");
         assert!((bright[1] / bright[0] - 1.0).abs() < 0.05, "{bright:?}");
-        // Blocks of larger pixels are thicker, and hit more: mirrors at this place in perspective are a third brighter.
+        // Blocks of larger pixels are thicker, so that more rays hit. In perspective, mirrors at this place are a third
+        // brighter.
         assert!((bright[2] / bright[0] - 1.0).abs() < 0.35, "{bright:?}");
         // A camera at rest finds each point where it was; the one ray of a mirror is the same in all frames.
         assert!(roughness > 0.0 || apart < 2e-3, "{apart}");
@@ -249,6 +263,8 @@ fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
     check_validation(&gpu).unwrap();
 }
 
+/// With an orthographic camera, captures alone, behind and beyond the screen have the brightness of traced rays within
+/// 15 %, and over 1.5 times that of the screen alone. `pccm` shows something.
 #[test]
 fn captures_and_cube_maps_take_parallel_lines_of_sight() {
     let gpu = gpu();
@@ -271,6 +287,8 @@ fn captures_and_cube_maps_take_parallel_lines_of_sight() {
     check_validation(&gpu).unwrap();
 }
 
+/// Six methods take an orthographic camera, and all others refuse with a sentence that names a method which does. An
+/// effect that was made for a perspective refuses an orthographic camera.
 #[test]
 fn methods_that_need_a_perspective_say_so() {
     let gpu = gpu();
@@ -295,7 +313,7 @@ fn methods_that_need_a_perspective_say_so() {
     }
     assert_eq!(taken, ["local-map", "pccm", "environment", "captures", "traced", "unified"]);
     assert_eq!(refused + taken.len(), METHODS.len());
-    // Passes that were made for one kind are not given the other.
+    // An effect that was made for a perspective refuses an orthographic camera.
     let mut context = ssct::gpu::FrameContext::new(&gpu).unwrap();
     let made = Effect::new(&mut context, &unified::INFO, &Setup::on_screen([32, 32]), Wants::IMAGE, None).unwrap();
     let data = seen(&gpu, &scene, view.camera(&scene, [32, 32]), &Globals::default(), [32, 32]);
@@ -305,6 +323,8 @@ fn methods_that_need_a_perspective_say_so() {
     assert!(said.to_string().contains("the camera is orthographic"), "{said}");
 }
 
+/// Six commands with an orthographic camera and no named method measure the methods that take such a camera, and name
+/// the others in one line.
 #[test]
 fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
     let folder = Folder::new();
@@ -335,6 +355,8 @@ fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
     assert!(plain.status.success() && !String::from_utf8_lossy(&plain.stderr).contains("need a perspective"));
 }
 
+/// Through the door, an orthographic G-buffer in eight conventions of handedness, clip space and depth gives one image.
+/// Standard depth has a wider bound, since rounding moves rays at edges.
 #[test]
 fn every_convention_of_an_orthographic_renderer_shows_the_same() {
     let gpu = gpu();
@@ -358,7 +380,7 @@ fn every_convention_of_an_orthographic_renderer_shows_the_same() {
             assert!(error < limit, "{convention:?}: {error}");
         }
     }
-    // A perspective is no projection that these reflections were made for, nor the other way round.
+    // Reflections that were made for one kind of projection refuse the other.
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let wrong = Reflections::new(
         &context,
@@ -371,7 +393,7 @@ fn every_convention_of_an_orthographic_renderer_shows_the_same() {
     gpu.check_validation().unwrap();
 }
 
-/// The two views of a stereo frame: eyes that stand beside each other, each with its window moved towards the other's.
+/// The two cameras of a stereo frame: eyes 6.4 cm apart, each with its window moved towards the other's.
 fn stereo(camera: Camera) -> [Camera; 2] {
     [-1.0, 1.0].map(|side| {
         let moved = Mat4::from_translation(Vec3::X * (-0.032 * side)) * camera.world_to_view;
@@ -386,6 +408,7 @@ fn stereo(camera: Camera) -> [Camera; 2] {
     })
 }
 
+/// Both eyes in one command buffer, and both in turn by one object, give the images of each eye alone, to the bit.
 #[test]
 fn both_views_of_a_stereo_frame_are_as_each_alone() {
     let gpu = gpu();
@@ -403,7 +426,7 @@ fn both_views_of_a_stereo_frame_are_as_each_alone() {
         engine.read(&recorded.composite.unwrap())
     });
     assert!(rmse(&alone[0], &alone[1]) > 0.01, "the eyes see different things");
-    // One context, two objects, one command buffer.
+    // Two objects of one context record both eyes into one command buffer.
     let context = engine.context();
     let mut both = [0, 1].map(|k| Reflections::new(&context, &info(&data[k], "unified")).unwrap());
     for slot in [0, 1, 0] {
@@ -418,7 +441,7 @@ fn both_views_of_a_stereo_frame_are_as_each_alone() {
             assert!(bits(&engine.read(&recorded[k])) == bits(&alone[k]), "eye {k}");
         }
     }
-    // One object shows both eyes in turn, too.
+    // One object can also show both eyes in turn.
     let mut one = Reflections::new(&context, &info(&data[0], "unified")).unwrap();
     for k in [0, 1, 0] {
         let recorded = engine.frame(&mut one, &theirs[k].input()).unwrap();

@@ -1,4 +1,4 @@
-//! Surfaces in one place: the G-buffer shows the first of them.
+//! Surfaces in one place: the G-buffer shows the one that is drawn first.
 
 use crate::common::{check_validation, gpu};
 use glam::Vec3;
@@ -6,6 +6,7 @@ use ssct::gpu::Gpu;
 use ssct_lab::stage::{Shot, Stage, gbuffer};
 use ssct_scenes::{Material, Mesh, Scene, Vertex};
 
+/// Size of the images in pixels.
 const EXTENT: [u32; 2] = [96, 54];
 
 /// Depth, normals and reflectivity of a G-buffer.
@@ -18,7 +19,7 @@ fn drawn(gpu: &Gpu, scene: &Scene) -> (Vec<f32>, Vec<Vec3>, Vec<f32>) {
     (images.depth, images.normal, images.reflectivity)
 }
 
-/// Gives a mesh every triangle again, in the same place and with normals that point the other way.
+/// Gives a mesh every triangle a second time, in one place with the first and with the opposite normals.
 fn double(mesh: &mut Mesh) {
     let first = mesh.vertices.len() as u32;
     let turned = |v: &Vertex| Vertex { normal: v.normal.map(|n| -n), ..*v };
@@ -26,12 +27,13 @@ fn double(mesh: &mut Mesh) {
     mesh.indices.extend(mesh.indices.iter().map(|index| index + first).collect::<Vec<_>>());
 }
 
+/// Every surface is repeated in its place, by later meshes and by later triangles: the G-buffer does not change.
 #[test]
 fn what_stands_where_something_came_before_is_not_seen() {
     let gpu = gpu();
     let scene = crate::common::built_in("rooms");
     let alone = drawn(&gpu, &scene);
-    // Every surface again, of a material that reflects nothing, by meshes that come after all others.
+    // Later meshes repeat every surface, in a material that reflects nothing.
     let mut covered = scene.clone();
     let material = covered.materials.len();
     covered.materials.push(Material { reflectivity: 0.0, ..Material::default() });

@@ -1,5 +1,6 @@
-//! Rays of a pixel's own (`--own-rays`): they lower the error against the world among the triangles, and against the screen reference on
-//! the screen alone. They are followed only where they are asked for, and both stages of the passes that gather list the same pixels.
+//! Rays of a pixel's own (`--own-rays`): they lower the error against the world reference, and on the screen alone
+//! against the screen reference. They are followed only where they are asked for. Both kinds of shader that gather list
+//! the same pixels.
 
 use crate::common::{check_validation, gpu};
 use crate::triangles::{EXTENT, beyond};
@@ -12,20 +13,22 @@ use ssct::methods::{EffectParams, Setup, Wants};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use std::process::Command;
 
-/// Roughness, and the most that the error with such rays may be of that without them. At this size it was 0.76 and 0.79 for narrow
-/// lobes, and 0.86 and 0.92 for wide ones.
+/// Roughness, and the greatest allowed quotient of the error with own rays and the error without. At this size, it was
+/// 0.76 and 0.79 for narrow lobes, and 0.86 and 0.92 for wide ones.
 const MOST: [(f64, f64); 2] = [(0.1, 0.85), (0.3, 0.95)];
 
-/// On the screen alone, where it was 0.68 and 0.77 for narrow lobes, and 0.52 and 0.64 for wide ones.
+/// Roughness and greatest quotient on the screen alone, where it was 0.68 and 0.77 for narrow lobes, and 0.52 and 0.64
+/// for wide ones.
 const MOST_ON_SCREEN: [(f64, f64); 2] = [(0.1, 0.85), (0.3, 0.75)];
 
-/// The mean squared error of a record against a reference, without what the reference's own noise adds.
+/// The mean squared error of a record against its reference, less the square of the reference's noise.
 fn squared_error(record: &Value) -> f64 {
     let value = |key: &str| record[key].as_f64().unwrap();
     value("rmse").powi(2) - value("standard_error").powi(2)
 }
 
-/// The error against a reference with 8 rays of a pixel's own over that without any is at most that, by roughness.
+/// Holds in two scenes that the error of a method with 8 own rays, over that without, is below the bound of each
+/// roughness.
 fn check_gain(method: &str, against: &str, bounds: [(f64, f64); 2]) {
     let variants = ["none", "8"].map(|own| format!("{method} --own-rays {own}"));
     let how = ["--size", "160x90", "--samples", "1", "--rays", "16", "--json"];
@@ -52,12 +55,15 @@ fn check_gain(method: &str, against: &str, bounds: [(f64, f64); 2]) {
     }
 }
 
+/// Eight own rays lower the error of `traced` against the triangles, and that of `unified` on the screen against the
+/// screen reference.
 #[test]
 fn own_rays_lower_the_error() {
     check_gain("traced", "world", MOST);
     check_gain("unified --beyond none", "screen", MOST_ON_SCREEN);
 }
 
+/// The reflection of a view of the atrium, and the names of the recorded passes.
 fn draw(view: &str, roughness: f32, setup: &Setup) -> (Pixels, Vec<String>) {
     let gpu = gpu();
     let scene = crate::common::built_in("atrium");
@@ -72,10 +78,13 @@ fn draw(view: &str, roughness: f32, setup: &Setup) -> (Pixels, Vec<String>) {
     (reflection, report.recorded)
 }
 
+/// A setup with rays beyond the screen and a number of own rays.
 fn own(first: FirstTraced, own: OwnRays) -> Setup {
     beyond(first).with(|p: &mut EffectParams| p.own_rays = own)
 }
 
+/// Passes of own rays are recorded with four own rays and not without, change the image, and are never recorded for
+/// mirrors. All colours are finite and no fade is above 1.
 #[test]
 fn only_asked_for() {
     let has = |recorded: &[String], pass: &str| recorded.iter().any(|p| p == pass);
@@ -97,6 +106,8 @@ fn only_asked_for() {
     assert!(!mirrors.iter().any(|p| p.starts_with("own/")), "{mirrors:?}");
 }
 
+/// Passes in fragment shaders and in compute shaders make one image with own rays, to the bit, in three setups at two
+/// roughnesses.
 #[test]
 fn both_stages_list_the_same_pixels() {
     let on_screen = Setup::on_screen(EXTENT).with(|p: &mut EffectParams| p.own_rays = OwnRays::Four);

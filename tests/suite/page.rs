@@ -1,5 +1,5 @@
-//! The study's page: made from small records and pictures in a temporary folder, read as text, and
-//! shown by a headless Chromium where there is one.
+//! The page of a study: made from small records and pictures in a temporary folder, read as text, and shown by a
+//! headless Chromium where there is one.
 
 use crate::common::folder::Folder;
 use crate::common::html::{attributes, chromium, probe};
@@ -21,14 +21,16 @@ use ssct_scenes::Lens;
 use ssct_truth::metrics::HitAgreement;
 use std::path::Path;
 
-/// Phone and desktop, in CSS pixels.
+/// Widths of a phone and a desktop, in CSS pixels.
 const WIDTHS: [u32; 2] = [390, 1280];
 
+/// A device whose name has characters that HTML must escape.
 fn device() -> DeviceInfo {
     let [name, driver, api, kind] = ["A <GPU> & more", "driver 1", "1.3.0", "CPU"].map(str::to_owned);
     DeviceInfo { name, driver, api, kind }
 }
 
+/// The fields that all records begin with.
 fn head(kind: &str, method: &str, roughness: f32) -> Head {
     let globals = Globals { roughness: Some(roughness), reflectivity: 1.0, normal_deviation: Some(roughness) };
     Head {
@@ -45,6 +47,7 @@ fn head(kind: &str, method: &str, roughness: f32) -> Head {
     }
 }
 
+/// A record of times whose seven passes share the time evenly.
 fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
     let passes = ["depth", "hi-z/1", "hi-z/2", "visibility/1", "color/1", "trace+cone", "composite"];
     let pass = |name: &&str| PassRecord {
@@ -67,6 +70,7 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
     }
 }
 
+/// A record of an error against a reference, with the time of the method.
 fn error_record(method: &str, against: ErrorReference, ms: f64, error: f64) -> ErrorRecord {
     ErrorRecord {
         head: head("error", method, 0.0),
@@ -82,6 +86,8 @@ fn error_record(method: &str, against: ErrorReference, ms: f64, error: f64) -> E
     }
 }
 
+/// A star marks a method that no other beats in time and error. Differences of time within the noise do not count, so
+/// that two copies of a method have both a star or none.
 #[test]
 fn two_copies_of_a_method_have_two_stars_or_none() {
     let stars = |records: &[ErrorRecord]| {
@@ -90,11 +96,11 @@ fn two_copies_of_a_method_have_two_stars_or_none() {
         rows.filter(|(_, star)| star == "*").map(|(name, _)| name).collect::<Vec<_>>()
     };
     let record = |method: &str, ms, error| error_record(method, ErrorReference::Screen, ms, error);
-    // The times of copies differ by less than the noise of a tenth.
+    // The times of copies differ by less than the noise, which is a tenth.
     let copies = [record("ssct", 10.0, 0.5), record("copy", 10.5, 0.5)];
     assert_eq!(stars(&copies), ["ssct", "copy"]);
     assert_eq!(stars(&[&copies[..], &[record("hzct", 5.0, 0.5)]].concat()), ["hzct"]);
-    // A better time by noise alone does not outweigh an error that is greater.
+    // A time that is better by noise alone does not outweigh a greater error.
     assert_eq!(stars(&[record("ssct", 10.0, 0.5), record("worse", 9.5, 0.6)]), ["ssct"]);
     assert_eq!(stars(&[record("ssct", 10.0, 0.5), record("faster", 5.0, 0.6)]), ["faster", "ssct"]);
     // Records of few frames do not say their noise.
@@ -102,6 +108,8 @@ fn two_copies_of_a_method_have_two_stars_or_none() {
     assert_eq!(stars(&[silent(&record("ssct", 10.0, 0.5)), silent(&record("copy", 10.2, 0.5))]), ["ssct", "copy"]);
 }
 
+/// The column `drift` says by how much the scene passes of a row took longer or shorter than those of the first row.
+/// Rows that were timed in turn have no such column.
 #[test]
 fn rows_of_table_5_8_carry_the_drift_between_them() {
     let of_scene = |method: &str, roughness, ms: f64, scene_ms: f64| {
@@ -128,6 +136,8 @@ fn rows_of_table_5_8_carry_the_drift_between_them() {
     assert_eq!(drifts(&records[..2]), None, "what was timed in turn has none");
 }
 
+/// The quotient of two methods is the median of the quotients of each turn, so that a slower machine does not change
+/// it; with few turns there is no interval.
 #[test]
 fn quotients_of_table_5_8_are_medians_over_turns_with_their_interval() {
     let timed = |method: &str, turns: &[f64]| {
@@ -139,11 +149,12 @@ fn quotients_of_table_5_8_are_medians_over_turns_with_their_interval() {
         let column = cells[0].iter().position(|cell| cell == "HZCT/SSCT here").unwrap();
         cells[1][column].clone()
     };
-    // The machine became slower by half; each turn says a half all the same.
+    // The machine became slower by half on the way, and the quotient of each turn is a half all the same.
     assert_eq!(shown([&[10.0, 10.0, 15.0, 15.0, 15.0], &[5.0, 5.0, 7.5, 7.5, 7.5]]), "0.50 [0.50, 0.50]");
     assert_eq!(shown([&[10.0, 10.0, 10.0], &[9.0, 8.0, 7.0]]), "0.80", "too few turns for an interval");
 }
 
+/// The median time of a group of passes is the median of the sums of each frame, and not the sum of the medians.
 #[test]
 fn the_median_of_a_group_is_that_of_its_sums() {
     let mut record = time_record("ssct", 0.1, 7.0);
@@ -154,6 +165,7 @@ fn the_median_of_a_group_is_that_of_its_sums() {
     assert_eq!(record.totals(), [15.0, 15.0, 9.0]);
 }
 
+/// Memory that methods prepare has a plot if two of them prepare different amounts, and a column if any prepares some.
 #[test]
 fn what_is_prepared_is_plotted_where_it_differs() {
     let prepared =
@@ -184,7 +196,7 @@ fn picture(folder: &Path, name: &str, color: [u8; 3]) -> Picture {
     Picture { file, name: name.into(), caption: format!("{name}, \"quoted\" <caption>") }
 }
 
-/// The page in a folder, with all that it links to.
+/// The page in a folder, with all files that it links to.
 struct Made {
     folder: Folder,
     html: String,
@@ -211,7 +223,7 @@ impl Made {
             strips: vec![strip],
             compared: compared.map(str::to_owned),
         };
-        // Two pairs beside a reference.
+        // A strip with two pairs of pictures beside a reference.
         let [ssct_map, lit_map] = [new_picture("ssct map", [90, 0, 0]), new_picture("lit map", [0, 90, 0])];
         let pairs = vec![[ssct.clone(), ssct_map], [lit.clone(), lit_map]];
         let beside = Strip::Beside { title: "held against".into(), reference, pairs };
@@ -245,6 +257,7 @@ impl Made {
     }
 }
 
+/// The page loads nothing from other places: pictures are embedded as JPEG, and the script stands in the page.
 #[test]
 fn the_page_needs_nothing_from_elsewhere() {
     let page = Made::new();
@@ -252,12 +265,14 @@ fn the_page_needs_nothing_from_elsewhere() {
         assert!(!page.html.contains(word), "{word}");
     }
     let sources = attributes(&page.html, "src");
-    // Two of the view, five of the cell, one figure.
+    // Two pictures of the view, five of the cell, and one figure.
     assert_eq!(sources.len(), 8);
     assert!(sources.iter().all(|s| s.starts_with("data:image/jpeg;base64,/9j/")), "JPEG begins with ff d8 ff");
     assert!(!page.html.contains("<script src") && page.html.contains("<script>"));
 }
 
+/// The page's ids are unique, each picture has a text, each link leads to a file or an id, names are escaped, and tags
+/// are closed.
 #[test]
 fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
     let page = Made::new();
@@ -283,6 +298,7 @@ fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
     }
 }
 
+/// A page without records says so, and a page with a picture that does not exist is refused with its name.
 #[test]
 fn a_missing_picture_is_named() {
     let page = Made::new();
@@ -313,7 +329,8 @@ fn a_missing_picture_is_named() {
     assert!(wrong.render(&folder).unwrap_err().to_string().contains("none.png"));
 }
 
-/// Shows the page in frames of some widths, with and without its script, and writes down what is there.
+/// A script that shows the page in frames of some widths, with and without the page's script, and writes down what it
+/// finds there.
 const PROBE: &str = r#"
 const visible = (e) => e.getClientRects().length > 0;
 function probe(frame, what) {
@@ -344,6 +361,8 @@ for (const width of [390, 1280]) probe(await show("index.html", width, false), `
 probe(await show("index.html", 390, true), "no-script");
 "#;
 
+/// In a browser, nothing is wider than the frame at two widths, strips have one or three columns, and the divider of
+/// two pictures moves. Without its script, the page has no dividers.
 #[test]
 fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
     let page = Made::new();
@@ -364,6 +383,7 @@ fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
     assert_eq!(found, expected);
 }
 
+/// Screenshots at both widths have enough pixels in the colours of words, bars and pictures.
 #[test]
 fn a_screenshot_shows_words_plots_and_pictures() {
     let page = Made::new();
@@ -381,7 +401,7 @@ fn a_screenshot_shows_words_plots_and_pictures() {
         assert_eq!(image.width(), width);
         let near = |a: [u8; 3], b: [u8; 3]| (0..3).all(|c| a[c].abs_diff(b[c]) < 24);
         let count = |color| image.pixels().filter(|p| near(p.0, color)).count();
-        // Words are dark, a bar of the first plot has its colour, and the three pictures theirs.
+        // Words are dark, and the bars of the first plot and the three pictures have colours of their own.
         for (what, color, least) in [
             ("words", [0, 0, 0], 2000),
             ("bars", [0x4c, 0x78, 0xa8], 200),
@@ -394,6 +414,7 @@ fn a_screenshot_shows_words_plots_and_pictures() {
     }
 }
 
+/// The table of medians by roughness takes the record of a method's first setup and leaves out its other variants.
 #[test]
 fn medians_by_roughness_are_of_a_method_s_first_variant() {
     let base = error_record("unified", ErrorReference::Screen, 4.0, 0.02);

@@ -1,4 +1,5 @@
-//! `ssct render --pixel` and `--dump`: what is said of a pixel agrees with the images, and a dump holds what was recorded.
+//! `ssct render --pixel` and `--dump`: the report on a pixel agrees with the images, and a dump holds the recorded
+//! images and no others.
 
 use crate::common::folder::Folder;
 use crate::common::repository;
@@ -9,31 +10,35 @@ use ssct::passes::PathCode;
 const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
                     o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n\
                     o plate\nv -4 1.1 -3\nv 4 1.1 -3\nv 4 1.6 -3\nv -4 1.6 -3\nf 9 10 11 12\n";
+/// Size of the images in pixels.
 const SIZE: [u32; 2] = [64, 48];
 
+/// A folder with the room.
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("room.obj", ROOM);
     folder
 }
 
+/// The arguments of `render` on the room.
 fn args<'a>(more: &[&'a str]) -> Vec<&'a str> {
     let place = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "64x48"];
     [&["render"], &place[..], more].concat()
 }
 
-/// What is said of a pixel, as JSON.
+/// The report on a pixel, as JSON.
 fn said(folder: &Folder, pixel: &str, more: &[&str]) -> Value {
     let output = folder.succeed(&args(&[&["--pixel", pixel, "--json"], more].concat()));
     let records: Value = serde_json::from_str(&output).unwrap();
     records[0]["pixel"].clone()
 }
 
+/// The numbers of a JSON list.
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
-/// The first channel of an OpenEXR image with a name, rows from the top.
+/// The channel of a name in an OpenEXR image, rows from the top.
 fn channel(folder: &Folder, file: &str, name: &str) -> Vec<f32> {
     let image = exr::prelude::read_first_flat_layer_from_file(folder.path(file)).unwrap();
     let list = &image.layer_data.channel_data.list;
@@ -41,6 +46,8 @@ fn channel(folder: &Folder, file: &str, name: &str) -> Vec<f32> {
     found.sample_data.values_as_f32().collect()
 }
 
+/// For four methods, the report on a floor pixel has the walk of its ray and three ends: by the method, the oracle and
+/// the triangles. Its colours add up to the image within the rounding of 16-bit floats.
 #[test]
 fn a_pixel_of_every_method_with_a_twin_is_explained_from_its_walk_to_its_colour() {
     let folder = folder();
@@ -52,7 +59,7 @@ fn a_pixel_of_every_method_with_a_twin_is_explained_from_its_walk_to_its_colour(
         let [lit, reflection, image] = ["lit", "reflection", "image"].map(|name| numbers(&colors[name]));
         let added = colors["reflectivity"].as_f64().unwrap() * colors["fade"].as_f64().unwrap();
         for c in 0..3 {
-            // The image is stored as floats of 16 bits.
+            // The image is stored in 16-bit floats.
             assert!((lit[c] + added * reflection[c] - image[c]).abs() < 2e-3, "{method}: {colors}");
         }
         let walk = &report["walk"];
@@ -63,10 +70,13 @@ fn a_pixel_of_every_method_with_a_twin_is_explained_from_its_walk_to_its_colour(
     }
 }
 
+/// Where a plate hides the true end of the ray, the report names the plate and the verdict. The text has at most 24
+/// lines of 100 characters.
 #[test]
 fn the_report_fits_a_screen_and_names_what_hides_the_place() {
     let folder = folder();
-    // Rays of far places of the floor end on the wall below the plate, and those of near places above it. Between, they end behind it.
+    // Rays from far places of the floor end on the wall below the plate, and rays from near places above it; between
+    // them, they end behind the plate.
     let columns = (28..40)
         .map(|y| said(&folder, &format!("32,{y}"), &["--method", "unified", "--beyond", "none", "--roughness", "0"]));
     let hidden: Vec<Value> = columns.filter(|report| report["world_end"]["hidden_by"] == "plate").collect();
@@ -86,6 +96,8 @@ fn the_report_fits_a_screen_and_names_what_hides_the_place() {
     assert!(both.contains("recorded  trace+cone") && both.contains(&format!("pixel {}, {}", pixel[0], pixel[1])));
 }
 
+/// A pixel outside the image is refused with its range. For sky and for a surface without reflectivity, the report says
+/// why nothing is reflected.
 #[test]
 fn pixels_outside_and_pixels_without_reflection_get_a_sentence() {
     let folder = folder();
@@ -95,7 +107,7 @@ fn pixels_outside_and_pixels_without_reflection_get_a_sentence() {
     assert!(sentence.contains("64,3") && sentence.contains("64x48") && sentence.contains("63,47"), "{sentence}");
     assert_eq!(sentence.lines().count(), 1, "{sentence}");
     let up = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,9,1", "--size", "64x48"];
-    // A view of the sky alone gets a warning as well.
+    // A view that shows sky alone also gets a warning on standard error.
     let output = folder.run(&[&["render", "--pixel", "32,0", "--json"], &up[..]].concat());
     assert!(output.status.success(), "{output:?}");
     let sky = serde_json::from_slice::<Value>(&output.stdout).unwrap()[0]["pixel"].clone();
@@ -108,6 +120,8 @@ fn pixels_outside_and_pixels_without_reflection_get_a_sentence() {
     assert!(String::from_utf8_lossy(&typed.stderr).contains("write it as 480,270"));
 }
 
+/// For mirrors, a dump of `unified` has the pyramid and no colour chain; with gloss it has the chain. Fronts of blocks
+/// are depths, and the top of the pyramid is the nearest depth.
 #[test]
 fn a_dump_has_what_was_recorded_and_no_more() {
     let folder = folder();
@@ -118,7 +132,7 @@ fn a_dump_has_what_was_recorded_and_no_more() {
     assert!(record[0]["prepared"].is_object() && record[0]["skipped"].is_array(), "--explain with --json: {record}");
     let names = folder.list("d");
     let count = |stem: &str| names.iter().filter(|name| name.starts_with(stem) && name.ends_with(".exr")).count();
-    // 64 pixels halve six times.
+    // 64 pixels are halved six times down to one, so that the pyramid has seven levels.
     assert_eq!((count("color-"), count("pyramid-")), (1, 7), "{names:?}");
     let [front, back] = ["front", "back"].map(|name| channel(&folder, "d/pyramid-0.exr", name));
     let depth = channel(&folder, "d/depth.exr", "depth");
@@ -126,11 +140,12 @@ fn a_dump_has_what_was_recorded_and_no_more() {
     assert!(covered.clone().count() > 1000 && covered.clone().all(|((d, f), b)| d == f && b <= f), "fronts are depths");
     let top = channel(&folder, "d/pyramid-6.exr", "front");
     assert_eq!(top, [depth.iter().copied().fold(0.0, f32::max)], "the top is the nearest of all");
-    // Gloss looks colours up in the chain, which is then there.
+    // With gloss, colours are read from the chain, so that the dump has the chain.
     folder.succeed(&args(&["--method", "unified", "--beyond", "none", "--roughness", "0.3", "--dump", "g"]));
     assert!(folder.list("g").contains(&"color-6.png".to_owned()));
 }
 
+/// The example method's own chain of depth is dumped, and its top level is the nearest depth of the image.
 #[test]
 fn a_method_from_a_folder_dumps_the_chains_that_it_reads() {
     let folder = folder();
@@ -146,6 +161,8 @@ fn a_method_from_a_folder_dumps_the_chains_that_it_reads() {
     assert_eq!(top, [depth.iter().copied().fold(0.0, f32::max)]);
 }
 
+/// At four pixels, the fade of a dump is that of the report, and both agree on whether the pixel reflects. The page
+/// docs/dump.md explains each path code and each file.
 #[test]
 fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
     let folder = folder();
@@ -183,11 +200,14 @@ fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
     }
 }
 
+/// The pixel that the README takes as an example, and another one, are wrong by the screen, with the cause that the
+/// texts name.
 #[test]
 fn the_pixel_that_the_readme_explains_is_wrong() {
     let readme = std::fs::read_to_string(repository().join("README.md")).unwrap();
     let of_the_readme = readme.split("--pixel ").nth(1).unwrap().split(' ').next().unwrap();
-    // The other one ends right in a window, where the references show the environment along the ray.
+    // The ray of the second pixel ends at the right place in a window, where the references show the environment along
+    // the ray.
     for (pixel, why) in [(of_the_readme, "The method's ray hits"), ("480,204", "The ray ends right, and its colour")] {
         let report = Folder::new().succeed(&["render", "--view", "corridor", "--pixel", pixel]);
         let flowing = report.replace('\n', " ");
@@ -195,6 +215,8 @@ fn the_pixel_that_the_readme_explains_is_wrong() {
     }
 }
 
+/// A reflection that is wrong by its fade alone has this cause first in the report; with the fade off, the reflection
+/// is right.
 #[test]
 fn a_fade_that_is_the_only_cause_is_named_first() {
     let why = |more: &[&str]| {
@@ -210,6 +232,7 @@ fn a_fade_that_is_the_only_cause_is_named_first() {
     assert!(whole[0].as_str().unwrap().starts_with("The reflection is right"), "{whole}");
 }
 
+/// A view in which one wall fills everything gets a warning, and another view from the same place gets none.
 #[test]
 fn a_view_that_options_place_before_a_wall_gets_a_warning() {
     let folder = folder();

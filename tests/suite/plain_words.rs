@@ -1,6 +1,6 @@
-//! Comments and names that a stranger understands. A comment begins with its subject or with what its item does: beginnings that
-//! point at something else ("The same", "Those", "Of") are kept out of code, shaders and tests. Variables and functions have nouns
-//! or verbs for names.
+//! Comments and names that a stranger understands. A comment begins with its subject or with the action of its item:
+//! beginnings that point at something else ("The same", "Those", "Of") are kept out of code, shaders and tests.
+//! Variables and functions have nouns or verbs for names.
 
 use crate::common::sources::{GLSL, texts};
 use proc_macro2::{TokenStream, TokenTree};
@@ -15,14 +15,14 @@ const EXTENSIONS: &[&str] = &["rs", "c", "h", "glsl", "frag", "vert", "comp"];
 /// Beginnings that leave open what a comment is about.
 const UNCLEAR: &[&str] = &["What of ", "Of ", "Those ", "That of ", "As ", "The same", "What there ", "Whether there "];
 
-/// Words that no variable and no function is called: they do not say what it is.
+/// Words that may not name a variable or a function, since they say nothing about it.
 const NO_NAMES: [&str; 2] = ["of", "at"];
 
 /// Words of Rust behind which a name is that of a variable or a function.
 const BEFORE_A_NAME: [&str; 13] =
     ["else", "fn", "for", "if", "in", "let", "match", "move", "mut", "ref", "return", "unsafe", "while"];
 
-/// The text of the comment on a line, and whether code stands before it.
+/// The text of the comment on a line, and whether code stands before the comment.
 fn comment(line: &str) -> Option<(&str, bool)> {
     let offset = line.find("//")?;
     let (before, marked) = line.split_at(offset);
@@ -83,7 +83,7 @@ fn names_in_shader(text: &str) -> Vec<usize> {
     text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && has_name(line)).map(|(n, _)| n + 1).collect()
 }
 
-/// Fails with the places that a check finds in files of some kinds, if it finds any.
+/// Fails with the places that `lines` finds in files of some kinds, if it finds any.
 fn check(what: &str, extensions: &[&str], lines: impl Fn(&str) -> Vec<usize>) {
     let files = texts(PLACES, extensions);
     assert!(files.len() > 100, "only {} files", files.len());
@@ -93,11 +93,13 @@ fn check(what: &str, extensions: &[&str], lines: impl Fn(&str) -> Vec<usize>) {
     assert!(wrong.is_empty(), "{what}:\n{}", wrong.join("\n"));
 }
 
+/// No comment in the repository begins with one of the words in `UNCLEAR`.
 #[test]
 fn comments_begin_with_their_subject() {
     check(&format!("comments begin with {UNCLEAR:?}"), EXTENSIONS, unclear);
 }
 
+/// No variable and no function of Rust or GLSL is called by a word of `NO_NAMES`.
 #[test]
 fn variables_and_functions_have_names_that_say_something() {
     let what = format!("variables or functions are called {NO_NAMES:?}");
@@ -109,6 +111,8 @@ fn variables_and_functions_have_names_that_say_something() {
     check(&what, &GLSL, names_in_shader);
 }
 
+/// Examples of Rust with the lines on which a name is found: declarations and captured arguments count; paths, strings,
+/// comments and words of macros do not.
 #[test]
 fn names_are_told_from_words_of_macros() {
     for (text, lines) in [

@@ -1,5 +1,5 @@
-//! The precision ladder: it begins at the truth, falls as formats get coarser, and its rung of this project's
-//! own formats is what the G-buffer's images hold.
+//! The precision ladder: it begins at the truth and falls as formats get coarser. Its rung of this project's own
+//! formats is the content of the G-buffer's images.
 
 use crate::common::gpu;
 use glam::Vec3;
@@ -13,8 +13,11 @@ use ssct_lab::study::precision::{
 use ssct_truth::metrics::image::masked_rmse;
 use ssct_truth::reference::surface::World;
 
+/// Size of the image in pixels.
 const SIZE: [u32; 2] = [161, 91];
 
+/// Over the formats of depth, normals and colours in the corridor: the finest has no error, coarser normals and 16-bit
+/// depth have more wrong hits, and colours move no ray.
 #[test]
 fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
     let gpu = gpu();
@@ -49,13 +52,14 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
         if method == ORACLE {
             assert!(wrong(finest) < 1e-3 && rmse(finest) < 1e-3, "{method}: {} {}", wrong(finest), rmse(finest));
         } else {
-            // Its normals are 16-bit floats at best. What they cost is what they cost the oracle.
+            // `unified` has normals of 16-bit floats at best, and loses as many hits by them as the oracle does.
             assert_eq!((wrong(finest), rmse(finest)), (wrong(halves), rmse(halves)), "{method}");
             let oracle = ssct_lab::study::precision::rungs(&records, ORACLE);
             let cost = oracle.iter().find(|r| r.storage == halves).unwrap();
             let lost = cost.wrong_hits.unwrap();
             assert!((wrong(halves) - lost).abs() < 1e-3, "{method}: {} {lost}", wrong(halves));
-            // The reference filters over the pixel and the method does not, so that its own image is what others cost it.
+            // The reference filters over the pixel and the method does not: the method's own image with the finest
+            // format tells what coarser formats cost it.
             let own = |storage: Storage| {
                 let stored = storage.store(&exact);
                 let made = gbuffer::reflect(&gpu, &stored, None, methods[0], &Setup::new(SIZE)).unwrap().reflection;
@@ -63,7 +67,8 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
             };
             let (finest_image, mask) = (own(finest), exact.data.reflecting());
             assert!(own(halves) == finest_image, "{method}");
-            // Coarser colours cost both alike; coarser normals cost the method more, since the reference averages over a pixel.
+            // Coarser colours cost both alike. Coarser normals cost the method more, since the reference averages over
+            // a pixel.
             let cost_of = |coarser: Storage| masked_rmse(&finest_image, &own(coarser), &mask);
             let of_oracle = |coarser: Storage| oracle.iter().find(|r| r.storage == coarser).unwrap().rmse[0];
             let color = Storage { color: ColorFormat::Rgba8Srgb, ..finest };
@@ -77,7 +82,8 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
         assert!(wrong(normal(NormalFormat::Rgb10a2)) < wrong(normal(NormalFormat::Rgba8)), "{method}");
         let depth = Storage { depth: DepthFormat::D16, ..finest };
         assert!(wrong(depth) > wrong(finest) && rmse(depth) > rmse(finest), "{method}");
-        // Colours move no ray. What the reference filters over the pixel is more than what they cost `unified`.
+        // Colours move no ray. For `unified`, the difference by the reference's filter is larger than the cost of
+        // coarse colours.
         let color = Storage { color: ColorFormat::Rgba8Srgb, ..finest };
         assert!(wrong(color) == wrong(finest) && (method != ORACLE || rmse(color) > rmse(finest)), "{method}");
     }

@@ -1,5 +1,5 @@
-//! Rays that ray queries of the device follow (`--tracer query`): they end where a walk through the tree ends them, and a
-//! device without ray queries says so.
+//! Rays that ray queries of the device follow (`--tracer query`): they end where a walk through the tree ends them. A
+//! device without ray queries refuses with a sentence.
 
 use crate::common::folder::Folder;
 use crate::common::{check_validation, gpu};
@@ -13,20 +13,22 @@ use ssct::methods::{EffectParams, MethodInfo, Setup, Wants};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{Encoding, Material, Scene, Texture};
 
-/// The number of rays of which one may end elsewhere: on another of two triangles that are equally near within rounding.
+/// One ray in so many may end on another triangle, which is equally near within rounding.
 const RAYS_TO_A_TIE: usize = 1000;
 
+/// A setup with a tracer.
 fn by(setup: &Setup, tracer: Tracer) -> Setup {
     setup.with(|p: &mut EffectParams| p.tracer = tracer)
 }
 
-/// What a device drew of a shot: where each ray ended, the reflection, and the passes.
+/// The ends of the rays of a shot, if it stores them, its reflection, and its passes.
 struct Drawn {
     hits: Option<Pixels>,
     reflection: Pixels,
     recorded: Vec<String>,
 }
 
+/// Draws a shot on its stage.
 fn draw(stage: &mut Stage, shot: &Shot) -> Drawn {
     let (report, _, output) = stage.output_in(Mode::Plain, shot).unwrap();
     let hits = output.traced.hits.map(|hits| stage.context.read(hits.0.all()).unwrap());
@@ -34,7 +36,7 @@ fn draw(stage: &mut Stage, shot: &Shot) -> Drawn {
     Drawn { hits, reflection, recorded: report.recorded }
 }
 
-/// Both tracers on one stage, the tree first.
+/// Shots of one view with both tracers, first the tree and then the query.
 fn both(
     stage: &mut Stage,
     (scene, view): (&Scene, &str),
@@ -46,7 +48,7 @@ fn both(
         .map(|tracer| Shot::new(stage, method, &by(setup, tracer), Wants::HITS, camera, materials.to_vec()).unwrap())
 }
 
-/// How many texels there are in which rays end, and in how many of them two images differ.
+/// The number of texels with an end of a ray, and the number of texels in which the two images differ.
 fn differing(tree: &Pixels, query: &Pixels) -> (usize, usize) {
     let far = |a: &[f32], b: &[f32]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-3 * (1.0 + a.abs()));
     let there = |a: &[f32]| a[3] > 0.0;
@@ -54,6 +56,8 @@ fn differing(tree: &Pixels, query: &Pixels) -> (usize, usize) {
     (rays, tree.texels().zip(query.texels()).filter(|(a, b)| far(a, b)).count())
 }
 
+/// In three scenes with two methods, fewer than one ray in 1000 ends elsewhere by queries than by the tree, and as few
+/// colours differ.
 #[test]
 fn queries_end_rays_where_the_tree_does() {
     let gpu = gpu();
@@ -78,6 +82,7 @@ fn queries_end_rays_where_the_tree_does() {
     check_validation(&gpu).unwrap();
 }
 
+/// At two roughnesses with two methods, the reflections of both tracers differ in less than 1 % of the pixels.
 #[test]
 fn lobes_of_both_tracers_are_alike() {
     let gpu = gpu();
@@ -86,7 +91,8 @@ fn lobes_of_both_tracers_are_alike() {
     }
     let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
-    // A narrow lobe has a ray a pixel, a wide one a ray for four of them, and each program walks or asks by itself.
+    // A narrow lobe has a ray for each pixel, and a wide one a ray for each four pixels. Programs of their own trace
+    // the two.
     for roughness in [0.1, 0.6] {
         let view = scene.view("cylinder").unwrap();
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
@@ -101,6 +107,7 @@ fn lobes_of_both_tracers_are_alike() {
     check_validation(&gpu).unwrap();
 }
 
+/// Rays pass through holes of masks and through the backs of surfaces with one side, equally for both tracers.
 #[test]
 fn holes_and_backs_let_queries_through() {
     let gpu = gpu();
@@ -132,6 +139,7 @@ fn holes_and_backs_let_queries_through() {
     check_validation(&gpu).unwrap();
 }
 
+/// After a mesh has moved, queries find it in its new place, as the tree does.
 #[test]
 fn queries_see_a_mesh_where_it_stands_now() {
     let gpu = gpu();
@@ -152,7 +160,7 @@ fn queries_see_a_mesh_where_it_stands_now() {
     check_validation(&gpu).unwrap();
 }
 
-/// What a device without ray queries says to whoever asks them.
+/// Holds that a device without ray queries refuses them, with a sentence that says what it lacks.
 fn refuses(gpu: &Gpu) {
     let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(gpu, &scene).unwrap();
@@ -165,6 +173,8 @@ fn refuses(gpu: &Gpu) {
     check_validation(gpu).unwrap();
 }
 
+/// `render --tracer query` draws the image of the tree and explains its structure, or ends with status 2 and the
+/// reason.
 #[test]
 fn the_command_draws_with_queries_or_says_why_not() {
     let folder = Folder::new();

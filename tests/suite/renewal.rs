@@ -1,5 +1,5 @@
-//! Captures that frames renew, and their error over age: what is renewed equals what is made anew, to the bit; the
-//! passes are counted; and what moves is seen in captures as late as they are old.
+//! Captures that frames renew, and their error over age. Renewed faces equal faces made anew, to the bit, and the
+//! passes are counted. A mesh that moves is seen in captures as late as they are old.
 
 use crate::common::{Builder, check_validation, gpu};
 use glam::Vec3;
@@ -17,7 +17,7 @@ use ssct_lab::study::journal::Journal;
 use ssct_scenes::{Capture, Light, Scene, View};
 use std::sync::Arc;
 
-/// A mirror floor, a lit wall, and a red screen behind the eye that reflections of the floor and the mirror wall show.
+/// A mirror floor, a mirror wall, a lit wall, and a red screen behind the eye, which both mirrors show.
 fn scene() -> Scene {
     let mut b = Builder::new("moving");
     b.light(Vec3::new(0.2, -0.5, 1.0));
@@ -35,6 +35,7 @@ fn scene() -> Scene {
     b.0
 }
 
+/// The mesh that moves.
 const MOVING: &str = "red";
 
 /// Replaces the lights, and puts the moving mesh in its new place.
@@ -44,7 +45,7 @@ fn changed(data: &mut SceneData) {
     data.place_meshes(MOVING, Vec3::new(2.25, 0.5, -0.25)).unwrap();
 }
 
-/// Every bit of some captures: the cells of all levels of the pyramids, normals, and each level of the colour.
+/// The bits of captures: normals, each level of the colour, and the cells of all levels of the pyramids.
 fn bits(context: &mut FrameContext, images: &CaptureImages) -> Vec<Vec<u32>> {
     let captures = images.captures();
     let levels = (0..captures.color.levels()).map(|level| captures.color.level(level));
@@ -55,8 +56,8 @@ fn bits(context: &mut FrameContext, images: &CaptureImages) -> Vec<Vec<u32>> {
     all
 }
 
-/// The bits of the cells of faces of a size, as they lie in their strips (`pyramid.glsl`); what lies between levels is
-/// never written.
+/// The bits of the pyramids' cells, face by face and level by level, as they lie in strips (`pyramid.glsl`). Texels
+/// between levels are left out, since no pass writes them.
 fn cells(pyramids: &Pixels, extent: [u32; 2], faces: u32) -> Vec<u32> {
     let ([width, height], strip) = (pyramid::padded(extent), pyramid::strip(extent));
     let rows = pyramid::size(extent, strip)[1];
@@ -72,6 +73,8 @@ fn cells(pyramids: &Pixels, extent: [u32; 2], faces: u32) -> Vec<u32> {
     bits
 }
 
+/// Two captures of 12 faces are renewed by 1, 5, 6, 12 or 48 faces a frame. Once all faces had their turn, and not
+/// before, they equal captures that were made after the change, to the bit.
 #[test]
 fn captures_that_were_renewed_in_turn_equal_captures_made_anew() {
     let gpu = gpu();
@@ -103,6 +106,7 @@ fn captures_that_were_renewed_in_turn_equal_captures_made_anew() {
     check_validation(&gpu).unwrap();
 }
 
+/// A shot of the scene with captures of which `per_frame` faces are renewed in each frame.
 fn shot(stage: &mut Stage, scene: &Scene, method: &MethodInfo, per_frame: u32) -> Shot {
     let setup = Setup::new([80, 45]).with(|p: &mut EffectParams| {
         (p.captures, p.captures_per_frame) = (CaptureCount::Auto, per_frame);
@@ -114,7 +118,7 @@ fn shot(stage: &mut Stage, scene: &Scene, method: &MethodInfo, per_frame: u32) -
     Shot::new(stage, method, &setup, Wants::REFLECTION, camera, scene.materials.clone()).unwrap()
 }
 
-/// The bits of what a frame of a shot reflects, and the labels of its passes with whether they count.
+/// The bits of the reflection of one frame, and the names of its passes with whether each counts.
 fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<u32>, Vec<(String, bool)>) {
     let (report, _, output) = stage.output_in(Mode::Timed, shot).unwrap();
     let pixels = gbuffer::reflection(&mut stage.context, &output).unwrap();
@@ -122,6 +126,8 @@ fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<u32>, Vec<(String, bool)>) {
     (bits, report.passes.into_iter().map(|p| (p.name, p.counted)).collect())
 }
 
+/// With 5 of 12 faces a frame, each frame has the passes of five faces, all of which count. After three frames, and not
+/// before, the image shows the change, to the bit.
 #[test]
 fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
     let gpu = gpu();
@@ -140,7 +146,7 @@ fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
         let truth = frame(&mut stage, &fresh).0;
         for n in 0..3 {
             let (made, all) = frame(&mut stage, &renewed);
-            // Levels of a chain from 33 texels down to 1.
+            // Passes for each face; the colour has five more levels, from 33 texels down to 1.
             let per_face = [
                 ("capture/g-buffer/depth", 1),
                 ("capture/g-buffer", 1),
@@ -167,6 +173,7 @@ fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
     check_validation(&gpu).unwrap();
 }
 
+/// After the first frame, four frames that renew captures allocate no Vulkan object.
 #[test]
 fn renewal_makes_no_object_in_the_steady_state() {
     let watch = Arc::<Watch>::default();
@@ -174,7 +181,7 @@ fn renewal_makes_no_object_in_the_steady_state() {
     let scene = scene();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let renewed = shot(&mut stage, &scene, &unified::INFO, 12);
-    // Queries and uniform memory grow to what a frame needs.
+    // In the first frame, queries and uniform memory grow to their final size.
     frame(&mut stage, &renewed);
     watch.arm(None);
     for n in 0..4 {
@@ -184,6 +191,7 @@ fn renewal_makes_no_object_in_the_steady_state() {
     assert_eq!(watch.calls()[0], 0, "allocations");
 }
 
+/// An unknown mesh, a place of NaN and too many lights are refused with a sentence.
 #[test]
 fn what_moves_or_lights_a_scene_is_checked() {
     let gpu = gpu();
@@ -198,8 +206,8 @@ fn what_moves_or_lights_a_scene_is_checked() {
     assert!(said.contains("1000 lights"), "{said}");
 }
 
-/// A mesh that the device draws at an offset is what the references see there: the G-buffers are the same but for
-/// rounding at edges.
+/// A mesh that the device draws at an offset has the depth of a scene in which its vertices were moved, but for 8
+/// pixels at edges.
 #[test]
 fn a_mesh_that_is_placed_is_drawn_where_the_moved_scene_has_it() {
     let gpu = gpu();
@@ -225,6 +233,8 @@ fn a_mesh_that_is_placed_is_drawn_where_the_moved_scene_has_it() {
     assert!(differ(&placed, &truth) <= 8, "{}", differ(&placed, &truth));
 }
 
+/// The study of age on a moving screen with 0, 1, 4 and 12 renewed faces a frame: the error grows with the age of the
+/// captures, and less the more faces are renewed.
 #[test]
 fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     let gpu = gpu();
@@ -260,10 +270,10 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
             assert!(f.capture_ms < f.effect_ms);
         }
     }
-    // At the beginning all captures are of the scene as it stands.
+    // In the first frame, all captures show the scene as it stands, so that all rows have one error.
     assert!((1..4).all(|row| rmse(row, 0) == rmse(0, 0)), "{:?}", (0..4).map(|row| rmse(row, 0)).collect::<Vec<_>>());
     let last = |row: usize| rmse(row, 8);
-    // What nobody can see move does not age, and the first frame has nothing that moved.
+    // Only pixels that show a moved thing are touched; in the first frame, nothing has moved.
     for (n, f) in records[0].frames.iter().enumerate() {
         assert_eq!((f.touched > 0.0, f.touched_rmse.is_some()), (n > 0, n > 0), "{f:?}");
         assert!(f.touched < 0.5, "{f:?}");
@@ -279,6 +289,7 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     check_validation(&gpu).unwrap();
 }
 
+/// In the rooms, where nothing moves, frames that renew two faces each show the same image, to the bit.
 #[test]
 fn captures_are_renewed_in_a_scene_of_many_meshes() {
     let gpu = gpu();
@@ -287,7 +298,6 @@ fn captures_are_renewed_in_a_scene_of_many_meshes() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let (still, renewed) = (shot(&mut stage, &scene, &unified::INFO, 0), shot(&mut stage, &scene, &unified::INFO, 2));
     let truth = frame(&mut stage, &still).0;
-    // Nothing moves, so that what is renewed shows what it showed.
     for _ in 0..4 {
         assert_eq!(frame(&mut stage, &renewed).0, truth);
     }

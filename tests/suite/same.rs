@@ -1,6 +1,5 @@
-//! Equal images everywhere: a G-buffer gives the same image, to the bit, in every run, on any number of
-//! threads and in subgroups of any size. On lavapipe both are set for a process, so each configuration is
-//! a process of its own.
+//! Equal images everywhere: a G-buffer gives the same image, to the bit, in every run, on any number of threads and in
+//! subgroups of any size. On lavapipe both are set for a process, so that each configuration is a process of its own.
 
 use crate::common::{clutter, clutter_camera, expected_failures, gpu, repository, with_small_captures};
 use sha2::{Digest, Sha256};
@@ -14,19 +13,21 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// Odd sides, several tiles of the rasteriser and workgroups.
+/// Size of the image in pixels: odd sides, several tiles of the rasteriser and workgroups.
 const EXTENT: [u32; 2] = [161, 97];
 
-/// Where a child finds its G-buffer.
+/// The environment variable by which [`child`] learns the file of its G-buffer.
 const GBUFFER: &str = "SSCT_TEST_GBUFFER";
 
+/// A hash of the values of some images.
 fn hash(images: &[&Pixels]) -> String {
     let mut hash = Sha256::new();
     images.iter().for_each(|p| hash.update(bytemuck::cast_slice::<_, u8>(&p.values)));
     hash.finalize().iter().take(8).map(|b| format!("{b:02x}")).collect()
 }
 
-/// What every method makes: of the G-buffer of a file, or, if it must see the scene, of one that is drawn.
+/// A hash of the images of every method: made from the G-buffer of a file, or from a drawn scene if the method needs
+/// one.
 fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
     let data = gbuffer_file::load(file).unwrap();
     let scene = clutter();
@@ -49,6 +50,7 @@ fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
     all
 }
 
+/// Prints the subgroup size and the hashes of all methods, in a process of its own.
 #[test]
 #[ignore = "a process that the test beside it starts"]
 fn child() {
@@ -60,7 +62,7 @@ fn child() {
     }
 }
 
-/// The images of a process with some variables set, and its subgroup size; `None` if it crashed.
+/// The hashes of a process with some environment variables, and its subgroup size; none if the process crashed.
 fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<String, String>, u32)> {
     let output = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "same::child", "--ignored", "--nocapture"])
@@ -69,7 +71,7 @@ fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<Str
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    // A panic of ours has a status; what the driver does to itself ends in a signal.
+    // A panic of this program has a status; a crash of the driver ends in a signal.
     output.status.code()?;
     assert!(output.status.success(), "{variables:?}: {said}{}", String::from_utf8_lossy(&output.stderr));
     let image = |line: &str| {
@@ -82,6 +84,8 @@ fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<Str
     Some((images, subgroup))
 }
 
+/// The images of all methods have equal hashes in two runs of one process, with three numbers of threads, and with
+/// smaller subgroups.
 #[test]
 fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
     let folder = tempfile::tempdir().unwrap();
@@ -99,8 +103,8 @@ fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
 
     let here = images(&gpu, &file);
     assert_eq!(images(&gpu, &file), here, "twice in a process");
-    // Mesa's variables, which other drivers don't read: threads of the rasteriser (0: the caller's own), and
-    // bits of its vectors, which make the subgroup.
+    // Mesa reads these variables and other drivers do not: the threads of the rasteriser (0: the caller's thread), and
+    // the bits of its vectors, which decide the size of subgroups.
     for threads in ["0", "1", "5"] {
         let (there, _) = in_a_process(&file, &[("LP_NUM_THREADS", threads)]).expect("no crash");
         assert_eq!(there, here, "{threads} threads");
@@ -118,9 +122,9 @@ fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
     }
 }
 
+/// No shader names an extension of subgroup operations, without which a shader cannot depend on the size of subgroups.
 #[test]
 fn no_shader_asks_for_subgroups() {
-    // What cannot ask cannot depend on them: operations of subgroups need an extension in GLSL.
     let mut folders = vec![repository().join("shaders-glsl")];
     let mut read = 0;
     while let Some(folder) = folders.pop() {

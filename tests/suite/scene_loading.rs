@@ -1,5 +1,5 @@
-//! Loading scenes: every quirk of OBJ, MTL, glTF and scene files that is promised to be handled, every
-//! error with its sentence, the shared scenes where they are there, and mutated files.
+//! Loading scenes: every quirk of OBJ, MTL, glTF and scene files that is promised to be handled, every error with its
+//! sentence, the large shared scenes if they are there, and mutated files.
 
 mod allowed;
 mod compressed;
@@ -25,7 +25,7 @@ use ssct_scenes::{LoadOptions, Material, Mesh, Scene, Vertex, obj};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// A folder with files.
+/// A temporary folder with files.
 struct Folder(TempDir);
 
 impl Folder {
@@ -47,39 +47,43 @@ impl Folder {
         std::fs::write(path, bytes).unwrap();
     }
 
-    /// Writes a picture; the name says the format.
+    /// Writes a picture in the format that the ending of its name says.
     fn image(&self, name: &str, width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) {
         let path = self.path(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         image::RgbaImage::from_fn(width, height, |x, y| image::Rgba(texel(x, y))).save(path).unwrap();
     }
 
-    /// Loads `a.obj` as it stands (left-handed).
+    /// Loads `a.obj` with its coordinates unchanged: as a left-handed file.
     fn scene(&self) -> Scene {
         self.load("a.obj", &LEFT).unwrap()
     }
 
+    /// Loads an OBJ file of the folder.
     fn load(&self, name: &str, options: &ObjOptions) -> ssct_ground::Result<Scene> {
         obj::load(&[ObjFile::from(self.path(name))], options)
     }
 
-    /// The error of loading `a.obj`, without the folder's name.
+    /// The error of loading `a.obj`, without the path of the folder.
     fn error(&self) -> String {
         self.without_folder(&self.load("a.obj", &LEFT).unwrap_err().to_string())
     }
 
+    /// A text without the path of the folder.
     fn without_folder(&self, text: &str) -> String {
         text.replace(&format!("{}/", self.0.path().display()), "")
     }
 
+    /// The warnings about a scene, without the path of the folder.
     fn warnings(&self, scene: &Scene) -> Vec<String> {
         scene.warnings.iter().map(|w| self.without_folder(w)).collect()
     }
 }
 
+/// Options for left-handed coordinates that are not scaled.
 const LEFT: ObjOptions = ObjOptions { handedness: Handedness::Left, load: scaled(1.0) };
 
-/// Coordinates that are multiplied by a factor, and nothing else.
+/// Options that multiply coordinates by a factor and change nothing else.
 const fn scaled(scale: f32) -> LoadOptions {
     LoadOptions { scale, texture_side: MAX_EXTENT }
 }
@@ -87,7 +91,7 @@ const fn scaled(scale: f32) -> LoadOptions {
 /// A unit square in the xy plane, its normal along +z by winding, textured upright.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 
-/// The square as `a.obj`, with a face and what else.
+/// A folder with `a.obj`: the square's vertices, and then other lines such as faces.
 fn square(rest: &str) -> Folder {
     Folder::new(&[("a.obj", &format!("{SQUARE}{rest}"))])
 }
@@ -100,16 +104,19 @@ fn normal(vertex: &Vertex) -> Vec3 {
     vertex.normal.into()
 }
 
+/// The three vertices of each triangle.
 fn triangles(mesh: &Mesh) -> impl Iterator<Item = [Vertex; 3]> + '_ {
     mesh.indices.chunks_exact(3).map(|t| [0, 1, 2].map(|i| mesh.vertices[t[i] as usize]))
 }
 
+/// The sum of the areas of all triangles.
 fn area(scene: &Scene) -> f32 {
     let cross = |[a, b, c]: [Vertex; 3]| (position(&b) - position(&a)).cross(position(&c) - position(&a));
     scene.meshes.iter().flat_map(triangles).map(|t| 0.5 * cross(t).length()).sum()
 }
 
-/// What every loaded scene keeps to, whatever its files are like.
+/// Holds the properties of every loaded scene, whatever its files are like: finite vertices, unit normals, tangents at
+/// right angles, indices within their lists, and a winding that fits the normals.
 fn assert_sound(scene: &Scene) {
     assert!(!scene.views.is_empty() && !scene.lights.is_empty());
     for mesh in &scene.meshes {

@@ -1,5 +1,5 @@
-//! `ssr` and `ssr-fast` against the closed form of a mirror before a wall, and against what their
-//! listings say of every hit.
+//! `ssr` and `ssr-fast` against the closed form of a mirror before a wall, and against what their listings say of every
+//! hit.
 
 use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, unfaded};
 use glam::{DVec2, DVec3, Vec3};
@@ -10,20 +10,23 @@ use ssct_ground::math::projection::{project, unproject};
 use ssct_lab::stage::Globals;
 use ssct_scenes::{Camera, Lens};
 
-/// Eq. 28 as printed, fed with standard depth: 2 d / (d + far).
+/// Eq. 28 as printed, of a standard depth z: 2 · near / (far + near − z · (far − near)).
 fn linear_depth(z: f64) -> f64 {
     let (near, far) = (f64::from(Lens::default().near_m), f64::from(Lens::default().far_m));
     2.0 * near / (far + near - z * (far - near))
 }
 
+/// The path code of a texel of the hits.
 fn path(hit: &[f32]) -> PathCode {
     PathCode::from_channel(hit[3]).expect("a path code")
 }
 
+/// The place of the camera, in metres.
 const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
+/// The wall stands at this z, in metres.
 const WALL_Z: f64 = 6.0;
 
-/// A mirror floor that ends at a wall.
+/// Shows a mirror floor that ends at a wall.
 fn wall(camera: Camera, extent: [u32; 2], method: &str, fade: bool) -> Shown {
     let mut b = Builder::new("wall");
     b.light(Vec3::Z);
@@ -35,6 +38,8 @@ fn wall(camera: Camera, extent: [u32; 2], method: &str, fade: bool) -> Shown {
     show(&gpu(), &b.0, camera, method, &setup, &Globals::default())
 }
 
+/// Rays of `ssr` that can reach the wall end at most 1.1 steps behind it, with the printed fade. Rays that leave the
+/// screen, start too near or are too steep are left out.
 #[test]
 fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
     for extent in [[512, 256], [239, 321]] {
@@ -58,7 +63,7 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
             let advance = (end - from).normalize() * step;
             let length = from.distance(end);
             let is_on_screen = end.truncate().cmpge(DVec2::ZERO).all() && end.truncate().cmple(DVec2::ONE).all();
-            // Two steps are skipped, the last may overshoot, and there are only so many.
+            // The march skips two steps, its last step may overshoot, and the number of steps is limited.
             if !is_on_screen || length > 1.0 - 2.0 * step || length < 3.0 * step {
                 far += 1;
                 continue;
@@ -72,15 +77,17 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
             assert_eq!(path(hit), PathCode::Linear, "({x}, {y})");
             let hit_point = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2]));
             let beyond = (hit_point - end).dot(advance.normalize()) / step;
-            // The floor's own depth, a pixel's slope away from the ray, may stop it before.
+            // The depth of the floor itself, a pixel's slope away from the ray, may stop the ray before the wall.
             if beyond < -0.1 {
                 self_hits += 1;
                 continue;
             }
-            // f16 normals, and the ray's direction from two projected points.
+            // The bound of 1.1 steps has the rounding of 16-bit normals, and of a direction that is computed from two
+            // projected points.
             assert!(beyond < 1.1, "({x}, {y}): {beyond} steps beyond the wall");
             let fade = 16.0 * hit_point.x * (1.0 - hit_point.x) * hit_point.y * (1.0 - hit_point.y);
-            // At the sample before, as printed: a step away, where the slope is at most 4 a side.
+            // The printed listing takes the fade of the sample before the hit: a step away, where its slope is at most
+            // 4 in each axis.
             let difference = (f64::from(reflection.texel(x, y)[3]) - fade).abs();
             assert!(difference <= 4.0 * 2.0 * step + 1.0 / 1024.0, "({x}, {y}): {difference}");
             found += 1;
@@ -91,6 +98,8 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
     }
 }
 
+/// In the cluttered scene, each hit lies as far behind its surface as the listing's threshold allows and has the
+/// bilinear colour there; misses are black.
 #[test]
 fn a_hit_is_as_near_to_its_surface_as_its_listing_says_and_has_its_colour() {
     let extent = [320, 240];
@@ -111,7 +120,7 @@ fn a_hit_is_as_near_to_its_surface_as_its_listing_says_and_has_its_colour() {
             let texel = |v: f32, side: u32| ((v * side as f32) as u32).min(side - 1);
             let surface = 1.0 - f64::from(depth.texel(texel(hit[0], extent[0]), texel(hit[1], extent[1]))[0]);
             let behind = linear_depth(f64::from(hit[2])) - linear_depth(surface);
-            // Nearest depth: a hit on the border of two texels may be the other's.
+            // The depth is read from the nearest texel: a hit on the border of two texels may read the other one.
             let on_border = [hit[0] * extent[0] as f32, hit[1] * extent[1] as f32].iter().any(|v| v.fract() < 1e-3);
             let range = if method == "ssr" { 0.0..=0.001_001 } else { -0.002_001..=0.002_001 };
             assert!(on_border || range.contains(&behind), "{method}: {behind}");
@@ -125,6 +134,8 @@ fn a_hit_is_as_near_to_its_surface_as_its_listing_says_and_has_its_colour() {
     }
 }
 
+/// A step of one pixel is the published one and a step of four changes hits. The blur of `ssr-fast` changes colours and
+/// no hit, and makes the image about twice as bright, as its printed listing does.
 #[test]
 fn steps_and_blur_do_what_they_say() {
     let extent = [320, 240];
@@ -141,13 +152,13 @@ fn steps_and_blur_do_what_they_say() {
         assert_eq!(published(method).get("hits"), image(method, 1, false).get("hits"), "printed is 1");
         assert_ne!(published(method).get("hits"), image(method, 4, false).get("hits"));
     }
-    // The blur changes colours and no hit; listing 4 has none.
+    // The blur changes colours and no hit; listing 4 has no blur.
     let (plain, blurred) = (image("ssr-fast", 1, false), image("ssr-fast", 1, true));
     assert_eq!(plain.get("hits"), blurred.get("hits"));
     assert_ne!(plain.get("reflection"), blurred.get("reflection"));
     assert!(find("ssr").unwrap().reads().iter().all(|p| p.name != "distance_blur"));
-    // The printed listing adds level 7 and does not count it: near the viewer that is one sample and the mean of
-    // the surroundings, over one.
+    // The printed listing adds a sample of level 7 and does not count it. Near the viewer, the sum of one sample and
+    // the mean of the surroundings is thus divided by one, and about twice as bright.
     let mean = |s: &Shown| s.get("reflection").texels().map(|t| f64::from(t[0] + t[1] + t[2])).sum::<f64>();
     let ratio = mean(&blurred) / mean(&plain);
     println!("blurred over plain: {ratio:.3}");

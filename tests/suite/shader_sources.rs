@@ -1,4 +1,4 @@
-//! What sources of shaders name by their pragmas, and what `build.rs` declares of it in Rust.
+//! The names in the pragmas of shader sources, and the declarations that `build.rs` makes of them in Rust.
 
 // `build.rs` uses all of it.
 #[allow(dead_code)]
@@ -11,7 +11,7 @@ use ssct::gpu::interface::{self, Interface, StageBinding};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A permutation whose bindings and outputs have names.
+/// A permutation of the program `Made`, with bindings of some names and kinds and a number of outputs.
 fn made(source: &str, bindings: &[(&str, &'static str)], outputs: usize) -> Permutation {
     let path = Path::new(source);
     let named = glsl::programs("#pragma program(Made: Tree)\n", path).unwrap().remove(0);
@@ -36,6 +36,7 @@ fn made(source: &str, bindings: &[(&str, &'static str)], outputs: usize) -> Perm
     Permutation { named, stage, file: source.into(), module: String::new(), interface, stored: Vec::new() }
 }
 
+/// The Rust text that is declared for some permutations and groups, or the error.
 fn declared(permutations: &mut [Permutation], groups: &[(&str, &[&str])]) -> Result<String, String> {
     let named = groups.iter().map(|(name, members)| Group {
         name: (*name).to_owned(),
@@ -47,10 +48,15 @@ fn declared(permutations: &mut [Permutation], groups: &[(&str, &[&str])]) -> Res
     Ok(text + &groups.text()?)
 }
 
+/// A binding for a sampled image.
 const READ: (&str, &str) = ("depth", "SampledImage");
+/// A binding that only one permutation has.
 const ONLY: (&str, &str) = ("tree", "StorageBuffer");
+/// A binding for a storage image, into which a compute shader stores.
 const STORED: (&str, &str) = ("color_image", "StorageImage");
 
+/// A binding that one of two permutations lacks is an `Option`. The storage image that stands for an output is listed
+/// as stored and is no field.
 #[test]
 fn a_binding_of_some_permutations_is_an_option_and_an_output_is_no_field() {
     let text = declared(&mut [made("a.frag", &[READ], 1), made("a.comp", &[READ, ONLY, STORED], 0)], &[]).unwrap();
@@ -58,6 +64,7 @@ fn a_binding_of_some_permutations_is_an_option_and_an_output_is_no_field() {
     assert!(text.contains("stored: &[(2, vk::Format::R32_SFLOAT), ]") && !text.contains("pub color_image"), "{text}");
 }
 
+/// Bindings of a group become one field of the struct; a group without all of its bindings is refused.
 #[test]
 fn bindings_of_a_group_are_one_field() {
     let group: (&str, &[&str]) = ("TreeParts", &["depth", "tree"]);
@@ -67,6 +74,7 @@ fn bindings_of_a_group_are_one_field() {
     assert!(unused.contains("TreeParts"), "{unused}");
 }
 
+/// Permutations of one program with other outputs, other kinds of a binding or one stage are refused.
 #[test]
 fn permutations_that_do_not_fit_each_other_are_refused() {
     let refused = |mut permutations: Vec<Permutation>| declared(&mut permutations, &[]).unwrap_err();
@@ -77,6 +85,8 @@ fn permutations_that_do_not_fit_each_other_are_refused() {
     assert!(refused(vec![made("a.frag", &[READ], 1), made("b.frag", &[READ], 2)]).contains("outputs"));
 }
 
+/// The pragma `in_either_stage` adds compute programs to a fragment program, with the macro COMPUTE and its own macros;
+/// wrong pragmas are refused with their line.
 #[test]
 fn compute_programs_of_fragment_programs_are_read_off_their_pragmas() {
     let path = Path::new("a.frag");
@@ -91,6 +101,7 @@ fn compute_programs_of_fragment_programs_are_read_off_their_pragmas() {
     }
 }
 
+/// The pragma `program` gives a name, an optional source of rays and macros; wrong pragmas are refused with their line.
 #[test]
 fn programs_are_read_off_their_pragmas() {
     let named = |source| programs(source, Path::new("a.frag"));

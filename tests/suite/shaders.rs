@@ -1,5 +1,5 @@
-//! `ssct shaders`: what it says of a device that tells nothing and of one that is not there, and how two of its runs are
-//! compared. `tests/alone/compiled.rs` has the numbers themselves.
+//! `ssct shaders`: its sentences about a device that tells nothing and about an absent GPU, and the comparison of two
+//! of its runs. `tests/alone/compiled.rs` has the numbers themselves.
 
 use crate::common::folder::Folder;
 use crate::common::repository;
@@ -11,7 +11,8 @@ use std::process::{Command, Output};
 /// Mesa's driver for AMD's GPUs, as Debian installs it beside lavapipe.
 const RADV: &str = "/usr/share/vulkan/icd.d/radeon_icd.x86_64.json";
 
-/// Runs the command on a GPU that is not there; `None` where the system has no such driver.
+/// Runs the program for a GPU of a family that is not in the machine, by Mesa's driver for AMD; none where the system
+/// has no such driver.
 fn on_absent_gpu(folder: &Folder, family: &str, arguments: &[&str]) -> Option<Output> {
     if !Path::new(RADV).is_file() {
         println!("skipped: {RADV} is absent");
@@ -24,10 +25,12 @@ fn on_absent_gpu(folder: &Folder, family: &str, arguments: &[&str]) -> Option<Ou
     Some(command.output().unwrap())
 }
 
+/// The text on standard error.
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// A device without the extension for statistics of compiled shaders is refused with the name of the extension.
 #[test]
 fn a_device_that_tells_nothing_of_its_compiler_is_refused_in_a_sentence() {
     let folder = Folder::new();
@@ -39,6 +42,8 @@ fn a_device_that_tells_nothing_of_its_compiler_is_refused_in_a_sentence() {
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
 }
 
+/// For an absent GPU, each program has registers, code size and no spilled register in its record, and two equal runs
+/// compare as 1.000.
 #[test]
 fn programs_compile_for_a_gpu_that_is_not_there() {
     let folder = Folder::new();
@@ -70,6 +75,7 @@ fn programs_compile_for_a_gpu_that_is_not_there() {
     assert!(compared.contains("VGPRs") && compared.contains("1.000"), "{compared}");
 }
 
+/// Drawing on an absent GPU and an unknown family are refused with a sentence.
 #[test]
 fn a_gpu_that_is_not_there_draws_nothing_and_an_unknown_one_is_named() {
     let folder = Folder::new();
@@ -82,7 +88,7 @@ fn a_gpu_that_is_not_there_draws_nothing_and_an_unknown_one_is_named() {
     assert!(output.status.code() == Some(1) && text.contains("RADV_FORCE_FAMILY=NAVI99"), "{text}");
 }
 
-/// A record of a run, with a number of registers.
+/// A record of a program with a number of registers and of subgroups.
 fn record(program: &str, roughness: f64, registers: u32, subgroups: u32) -> Value {
     json!({
         "kind": "shaders", "definitions": 2, "version": "0.1.0", "commit": "unknown",
@@ -98,6 +104,8 @@ fn record(program: &str, roughness: f64, registers: u32, subgroups: u32) -> Valu
     })
 }
 
+/// Two runs with known registers: a frame has the greatest registers and the least subgroups of its programs. Equal
+/// programs and hashes are not listed.
 #[test]
 fn two_runs_are_compared_by_frames_and_by_programs() {
     let folder = Folder::new();
@@ -139,6 +147,8 @@ fn changed_shaders(folder: &Folder, file: &str, from: &str, to: &str) {
     }
 }
 
+/// With a history, the records have the program of moving frames with the constant SEARCH on, and that of frames at
+/// rest with it off.
 #[test]
 fn a_history_runs_one_program_at_rest_and_another_while_the_camera_moves() {
     let folder = Folder::new();
@@ -156,6 +166,8 @@ fn a_history_runs_one_program_at_rest_and_another_while_the_camera_moves() {
     assert!(constants("frame").contains(" 3=1") && constants("frame at rest").contains(" 3=0"), "{found:?}");
 }
 
+/// With `SSCT_SHADERS`, a changed shader changes the image, and records say so. Mistakes, changed bindings and an empty
+/// folder are refused.
 #[test]
 fn shaders_of_a_named_folder_stand_for_those_that_were_built_in() {
     let folder = Folder::new();

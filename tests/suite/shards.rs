@@ -1,5 +1,5 @@
-//! Studies divided among machines: each shard is a run of its own, and the merged shards are what one machine would
-//! have measured.
+//! Studies divided among machines: each shard is a run of its own, and the merged shards are the study that one machine
+//! would have measured.
 
 use crate::common::hang::wait_until;
 use serde_json::Value;
@@ -9,7 +9,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+/// The program under test.
 const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
+/// A small run of `ssct error`.
 const ERROR: [&str; 11] =
     ["error", "--quick", "--method", "ssct,hzct", "--rays", "4", "--samples", "20", "--size", "96x54", "--scene=rooms"];
 
@@ -47,6 +49,7 @@ impl Folders {
         self.0.path().join(name)
     }
 
+    /// The path of a folder as a text.
     fn name(&self, name: &str) -> String {
         self.path(name).to_str().unwrap().to_owned()
     }
@@ -57,6 +60,7 @@ impl Folders {
         done(&[command, &["--shard", &shard, "-o", &folder]].concat());
     }
 
+    /// The content of a JSON file.
     fn json(&self, file: &str) -> Value {
         serde_json::from_slice(&std::fs::read(self.path(file)).unwrap()).unwrap()
     }
@@ -114,7 +118,7 @@ fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
     (names(&|c| c["own"] == true), names(&|_| true))
 }
 
-/// Kills a run once its journal has some number of lines.
+/// Starts a run and kills it once its journal has some number of lines.
 fn killed(arguments: &[&str], folder: &Path, lines: usize) {
     let mut child = Command::new(SSCT).args(arguments).stdout(Stdio::null()).spawn().unwrap();
     let journal = || std::fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
@@ -124,6 +128,8 @@ fn killed(arguments: &[&str], folder: &Path, lines: usize) {
     assert!(!journal().contains("finished"), "it was killed before its end");
 }
 
+/// A study in three shards, one of which was killed and resumed: the merged run has the figures and images of the whole
+/// study, to the bit. An incomplete merge names the missing cells.
 #[test]
 fn merged_shards_of_an_error_study_are_the_study() {
     let folders = Folders::new();
@@ -181,6 +187,8 @@ fn merged_shards_of_an_error_study_are_the_study() {
     assert_eq!(folders.json("again/error.json"), folders.json("all/error.json"));
 }
 
+/// Shards with other setups, cells, commits or figures, and folders that are no shards, are refused with the
+/// difference.
 #[test]
 fn what_does_not_belong_together_is_not_merged() {
     let folders = Folders::new();
@@ -208,7 +216,7 @@ fn what_does_not_belong_together_is_not_merged() {
     let (status, _, said) = run(&["merge", &a, &b, "-o", &a]);
     assert!(status == Some(2) && said.contains("must lie beside"), "{said}");
 
-    // Another commit, and an error that is not the same.
+    // A shard of another commit, and a shard with another value of an error.
     let changed = |file: &str, from: &str, to: &str| {
         let path = folders.path(file);
         let text = std::fs::read_to_string(&path).unwrap();
@@ -255,13 +263,15 @@ fn divided(command: &[&str], records: &str) -> Folders {
     folders
 }
 
+/// A study of times in two shards has all figures of the undivided one. Each shard measures both methods, so that they
+/// are compared on one machine.
 #[test]
 fn times_are_divided_by_size_and_roughness() {
     let what = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--roughness", "0,0.1", "--samples", "3"];
     let folders = divided(&[&what[..], &["--method", "ssct,unified"]].concat(), "time.json");
     let samples = std::fs::read_to_string(folders.path("all/time-samples.csv")).unwrap();
     assert!(samples.lines().count() > 4 * 2 * 3 && folders.json("all/time.json").as_array().unwrap().len() == 8);
-    // Methods are compared with each other, so that each shard has both.
+    // Each shard has both methods, since the methods are compared with each other.
     for n in ["1", "2"] {
         let records = folders.json(&format!("{n}/time.json"));
         let methods: BTreeSet<&str> = records.as_array().unwrap().iter().filter_map(|r| r["method"].as_str()).collect();
@@ -281,6 +291,8 @@ fn of_another_device(folder: &Path) {
     }
 }
 
+/// Shards of two devices merge into one run with a folder of times for each device and one table of errors. Times of
+/// two devices are not compared.
 #[test]
 fn times_of_two_devices_stay_apart() {
     let what = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--samples", "3", "--method", "ssct,unified"];
@@ -323,6 +335,7 @@ fn times_of_two_devices_stay_apart() {
     assert!(folders.path("all/devices/2/error-world.svg").exists());
 }
 
+/// Seven other studies in two shards equal the undivided studies in figures and files.
 #[test]
 fn other_studies_are_divided_too() {
     divided(&["stress", "--quick", "--method", "ssct", "--case", "straight"], "stress.json");
@@ -353,6 +366,8 @@ fn other_studies_are_divided_too() {
     assert!(out.contains("3 figures, 0 left out"), "{out}");
 }
 
+/// A reference in three shards of rays merges into the samples of one run, to the bit. Missing samples are named, and
+/// other methods refuse shards.
 #[test]
 fn a_reference_is_divided_by_its_rays() {
     let folders = Folders::new();
@@ -391,8 +406,8 @@ fn a_reference_is_divided_by_its_rays() {
     assert!(status == Some(2) && said.contains("--method reference"), "{said}");
 }
 
-/// The shard of a cell follows from digests, into which every bit of its scene goes. Here they are as Debian 12 and 13
-/// have them; whoever changes a built-in scene writes down what it became.
+/// The digest of each built-in scene, from which the shard of a cell follows, is the known one. Every bit of a scene
+/// goes into its digest: a change of a scene needs a new digest here.
 #[test]
 fn the_shards_of_built_in_scenes_are_the_same_on_every_machine() {
     let known = [

@@ -1,5 +1,6 @@
-//! Every method makes the same images to the bit with its passes in fragment and in compute shaders (`--stage`), by passes of the
-//! same names, and in compute shaders nothing over the whole image is drawn. `unified` with stages of its own is in `unified_stages`.
+//! Every method makes the same images with its passes in fragment and in compute shaders (`--stage`), to the bit and by
+//! passes of the same names. In compute shaders, no pass over the whole image is drawn. `unified` with stages of its
+//! own is in `unified_stages`.
 
 use crate::common::engine::bits;
 use crate::common::{built_in, check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, with_small_captures};
@@ -30,13 +31,14 @@ struct Made {
     work: Vec<(String, PassWork)>,
 }
 
-/// Where frames are made.
+/// The stage of the laboratory, the camera and the materials with which frames are made.
 struct Place<'s> {
     stage: &'s mut Stage,
     camera: Camera,
     materials: &'s [Material],
 }
 
+/// Makes a frame with every intermediate, and another frame that counts the work of each pass.
 fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> Made {
     let Place { stage, camera, materials } = place;
     let shot = Shot::new(stage, method, setup, wants, *camera, materials.to_vec()).unwrap();
@@ -57,7 +59,8 @@ fn is_drawn_anyway(pass: &str) -> bool {
     copies || scene || pass == "lighting" || pass.ends_with("/encode")
 }
 
-/// Holds the images of a method in compute shaders against those in fragment shaders.
+/// Holds the images of a method in compute shaders against those in fragment shaders. Returns 1 if the reflection shows
+/// something, else 0.
 fn check_same(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> usize {
     let [drawn, stored] = [ShaderStage::Fragment, ShaderStage::Compute]
         .map(|stage| make(place, method, &setup.with(|p: &mut EffectParams| p.stage = stage), wants));
@@ -81,7 +84,7 @@ fn check_same(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Want
     usize::from(!is_empty("reflection"))
 }
 
-/// Setups of a method that between them have all of its programs.
+/// Setups of a method that together run all of its programs.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
     let usual = with_small_captures(&usual);
@@ -110,7 +113,8 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     all
 }
 
-/// What stands around any screen-space method.
+/// Setups of the effect around a screen-space method: fallbacks, half resolution, bounces, other normals, and a
+/// history.
 fn around(extent: [u32; 2]) -> Vec<Setup> {
     let changes: [fn(&mut EffectParams); 7] = [
         |p| p.fallback = Fallback::Environment,
@@ -124,11 +128,13 @@ fn around(extent: [u32; 2]) -> Vec<Setup> {
     changes.map(|change| Setup::on_screen(extent).with(change)).to_vec()
 }
 
-/// Whether a method has passes of its own in either stage.
+/// Whether a method other than `unified` has passes in either kind of shader.
 fn is_published(method: &&MethodInfo) -> bool {
     method.name != "unified" && method.reads().iter().any(|p| p.name == "stage")
 }
 
+/// Every method with each of its settings, at four sizes, makes equal images in both kinds of shader, without a message
+/// of the layers.
 #[test]
 fn every_method_makes_the_same_images_in_either_stage() {
     let gpu = gpu();
@@ -155,6 +161,8 @@ fn every_method_makes_the_same_images_in_either_stage() {
     assert!(shown.iter().all(|(name, lit)| *lit > 0 || dark(name)), "{shown:?} images show something");
 }
 
+/// Fallbacks, half resolution, bounces, bumps and a history around three methods, and methods that see the scene, make
+/// equal images in both kinds of shader.
 #[test]
 fn what_stands_around_a_method_makes_the_same_images_in_either_stage() {
     let gpu = gpu();

@@ -1,9 +1,11 @@
-//! The quick stress study as a gate: every method survives every case without a validation message, and
-//! the judged one without a fault.
+//! The quick stress study as a gate: every method survives every case without a validation message, and the judged
+//! method has no fault.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
 
+/// One quick run with validation: each method has its cases, faults of `ssct` are counted, captures in hard places and
+/// hard triangles have no fault.
 #[test]
 fn every_method_survives_and_the_judged_one_passes() {
     let folder = Folder::new();
@@ -16,14 +18,15 @@ fn every_method_survives_and_the_judged_one_passes() {
     for method in ssct::methods::METHODS {
         assert!(records_of(method.name).len() > if method.is_screen_space() { 100 } else { 10 }, "{}", method.name);
     }
-    // The counts count: the thesis's cone divides 0 by 0, and its march takes exhaustion for a hit.
+    // Faults are found where they exist: the thesis's cone divides 0 by 0, and its march takes exhaustion for a hit.
     let sum = |method: &str, what: &str| records_of(method).iter().filter_map(|r| r[what].as_u64()).sum::<u64>();
     for what in ["nan", "negative", "exhausted"] {
         assert!(sum("ssct", what) > 0, "no {what} in ssct");
     }
-    // What would be beyond 16-bit floats is clamped to the greatest of them.
+    // Values beyond 16-bit floats are clamped to the greatest of them.
     assert_eq!(sum("ssct", "inf"), 0);
-    // Captures inside a wall, on a surface, of one texel a face, moved each frame: no pixel is wrong, no ray exhausted.
+    // Captures stand inside a wall, on a surface, have one texel a face, or move in each frame: no pixel is wrong, and
+    // no ray is exhausted.
     let is_case = |r: &Value, words: &str| r["case"].as_str().is_some_and(|case| case.contains(words));
     let captured = records.iter().filter(|r| is_case(r, ": captures ")).collect::<Vec<_>>();
     for words in ["inside a wall", "on a surface", "1x1", "moved each frame"] {
@@ -38,7 +41,8 @@ fn every_method_survives_and_the_judged_one_passes() {
         assert_eq!(r["exhausted"], 0, "{r}");
         assert_ne!(r["setup"]["captures"], "none", "{r}");
     }
-    // Slivers, one plane, a closed box, holes: mirror rays end where the world ends them.
+    // Hard triangles, such as slivers, one plane, a closed box and holes: mirror rays end where the world reference
+    // ends them.
     for words in ["one alone", "slivers", "all in one plane", "closed box", "holes", "a millimetre apart"] {
         for method in ["unified", "traced"] {
             let here: Vec<_> = records

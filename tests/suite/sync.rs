@@ -1,8 +1,11 @@
-//! The table of barriers: what each use of an image or buffer waits for, and what then sees it.
+//! The table of barriers: for each use of an image or buffer, the accesses that it waits for and the accesses that see
+//! it.
 
 use ash::vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
 use ssct::gpu::sync::{Access, State};
 
+/// Each use of the table says whether it writes, and each of its access flags has a stage that may make this access
+/// (Vulkan 1.3, table 4).
 #[test]
 fn the_table_is_what_the_specification_asks_for() {
     for access in Access::ALL {
@@ -43,6 +46,7 @@ fn the_table_is_what_the_specification_asks_for() {
     assert_eq!(Access::FragmentSampled.info().layout, L::SHADER_READ_ONLY_OPTIMAL);
 }
 
+/// A read after a write has a barrier, and a second read of that kind has none.
 #[test]
 fn a_read_after_a_write_waits_for_it_once() {
     let mut s = State::default();
@@ -53,6 +57,7 @@ fn a_read_after_a_write_waits_for_it_once() {
     assert_eq!(s.transition(Access::FragmentSampled), None, "the same read again");
 }
 
+/// A read in another stage has a barrier of its own, without a change of layout.
 #[test]
 fn a_second_reader_stage_is_made_to_see_the_write() {
     let mut s = State::default();
@@ -63,6 +68,7 @@ fn a_second_reader_stage_is_made_to_see_the_write() {
     assert_eq!(t.old_layout, t.new_layout);
 }
 
+/// A write after reads in two stages waits for both stages, and a write after a write waits for that write.
 #[test]
 fn a_write_waits_for_every_reader_and_for_the_write_before_it() {
     let mut s = State::default();
@@ -75,6 +81,7 @@ fn a_write_waits_for_every_reader_and_for_the_write_before_it() {
     assert!(t.src_access.contains(A::COLOR_ATTACHMENT_WRITE));
 }
 
+/// The first use of a swapchain image waits for its acquisition, and the presentation waits for the last write.
 #[test]
 fn an_acquired_image_is_touched_after_the_acquisition_and_presented_after_the_write() {
     let mut s = State::acquired(S::ALL_TRANSFER);
@@ -86,6 +93,7 @@ fn an_acquired_image_is_touched_after_the_acquisition_and_presented_after_the_wr
     assert_eq!(t.new_layout, L::PRESENT_SRC_KHR);
 }
 
+/// Buffers of an indirect draw, from clear to count to draw and to the next clear, have the right barriers.
 #[test]
 fn arguments_and_lists_that_a_dispatch_wrote_are_seen_by_the_draw() {
     let (mut arguments, mut lists) = (State::default(), State::default());

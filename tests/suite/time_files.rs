@@ -1,5 +1,5 @@
-//! The files that scripts read: their columns are those that docs/definitions.md explains, and its lines of Python plot them. And
-//! what `ssct time --table 5.8` says of its rows.
+//! The files of times that scripts read: their columns are those that docs/definitions.md explains, and its lines of
+//! Python plot them. Also the rows of `ssct time --table 5.8`.
 
 use crate::common::folder::Folder;
 use crate::common::repository;
@@ -16,7 +16,7 @@ fn section() -> String {
     section.split("\n## ").next().unwrap().to_owned()
 }
 
-/// A run of two methods and its samples.
+/// A folder with a run of two methods, its samples, and the printed text in `said.txt`.
 fn run() -> Folder {
     let folder = Folder::new();
     let time = ["time", "--view", "corridor", "--method", "ssct,environment", "--size", "64x36", "--samples", "5"];
@@ -24,6 +24,7 @@ fn run() -> Folder {
     folder
 }
 
+/// The rows of a CSV file, each with its values by column.
 fn rows(folder: &Folder, name: &str) -> Vec<BTreeMap<String, String>> {
     let text = folder.text(name);
     let mut reader = csv::Reader::from_reader(text.as_bytes());
@@ -32,6 +33,7 @@ fn rows(folder: &Folder, name: &str) -> Vec<BTreeMap<String, String>> {
     reader.records().map(|r| row(r.unwrap())).collect()
 }
 
+/// The section on files of times names every column, and the file of samples has exactly these columns and the setup's.
 #[test]
 fn the_columns_are_those_that_the_definitions_explain() {
     let (folder, section) = (run(), section());
@@ -49,6 +51,7 @@ fn the_columns_are_those_that_the_definitions_explain() {
     assert!(samples.iter().all(|row| ["true", "false"].contains(&&*row["counted"]) && row["noise_floor"].is_empty()));
 }
 
+/// The medians in the file of medians, by groups of passes, are the numbers in the printed table.
 #[test]
 fn medians_are_those_of_the_printed_table_in_its_groups() {
     let folder = run();
@@ -76,6 +79,7 @@ fn medians_are_those_of_the_printed_table_in_its_groups() {
     assert!(medians.iter().all(|row| !row["pass"].contains('/')));
 }
 
+/// The ten lines of Python in the definitions draw a line for each method with a point for each frame.
 #[test]
 fn ten_lines_of_python_plot_the_samples() {
     if Command::new("python3").arg("--version").output().is_err() {

@@ -1,5 +1,5 @@
 //! Rays that are followed among the triangles of a scene (docs/definitions.md, "Triangles"): the device against the
-//! hierarchy in 64-bit floats, however buffers are read, and nothing that a scene does not need.
+//! hierarchy in 64-bit floats, both ways of reading buffers, and no passes without need.
 
 use crate::common::{Builder, camera, check_validation, gpu, show};
 use glam::Vec3;
@@ -17,14 +17,16 @@ use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::ray::RaySetup;
 use ssct_truth::reference::surface::World;
 
+/// Size of the images in pixels.
 pub(crate) const EXTENT: [u32; 2] = [160, 90];
 
-/// Mirrors everywhere, with flat normals.
+/// The materials of a view as mirrors with flat normals.
 pub(crate) fn mirrors(scene: &Scene, view: &str) -> Vec<Material> {
     let view = scene.view(view).unwrap();
     Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() }.materials(scene, view)
 }
 
+/// The results of a method: the G-buffer, the hits, the reflection and the names of the passes.
 pub(crate) struct Drawn {
     pub(crate) data: GBufferData,
     hits: Pixels,
@@ -32,6 +34,8 @@ pub(crate) struct Drawn {
     recorded: Vec<String>,
 }
 
+/// Draws a view with a method. The buffers of triangles are read as blocks of storage if `by_blocks` is true, and else
+/// as texels.
 pub(crate) fn draw(
     gpu: &Gpu,
     (scene, view): (&Scene, &str),
@@ -49,17 +53,20 @@ pub(crate) fn draw(
     Drawn { data: gbuffer::read(&mut stage.context, &shot).unwrap(), hits, reflection, recorded: report.recorded }
 }
 
+/// The method `traced`.
 pub(crate) fn traced() -> &'static MethodInfo {
     methods::find("traced").unwrap()
 }
 
+/// A setup whose rays go on among triangles, and that is traced first on the screen or among triangles.
 pub(crate) fn beyond(first: FirstTraced) -> Setup {
     Setup::new(EXTENT)
         .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
         .with(|p: &mut UnifiedParams| p.first = first)
 }
 
-/// How many rays end, and how many of them elsewhere than in the world.
+/// The number of rays that end at a triangle or in the sky, and the number of those that end elsewhere than the world
+/// says. A place may be off by 2 cm and 0.5 % of the distance.
 pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]) -> (usize, usize) {
     let world = World::new(scene, materials);
     let rays = RaySetup::new(&drawn.data);
@@ -92,6 +99,7 @@ pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]
     (rays_seen, wrong)
 }
 
+/// In four views, at most one mirror ray of `traced` in 200 ends elsewhere than the 64-bit hierarchy says.
 #[test]
 fn traced_rays_end_where_the_world_says() {
     let gpu = gpu();
@@ -108,6 +116,8 @@ fn traced_rays_end_where_the_world_says() {
     check_validation(&gpu).unwrap();
 }
 
+/// With the screen first, at most one ray in 50 ends elsewhere than the world says. With triangles first, the passes of
+/// the screen are left out, and `unified` equals `traced`.
 #[test]
 fn the_screen_and_the_triangles_agree() {
     let gpu = gpu();
@@ -127,6 +137,7 @@ fn the_screen_and_the_triangles_agree() {
     check_validation(&gpu).unwrap();
 }
 
+/// Buffers of triangles that are read as blocks or as texels give one image, to the bit, at three roughnesses.
 #[test]
 fn blocks_and_texels_give_the_same_image() {
     let gpu = gpu();
@@ -145,6 +156,7 @@ fn blocks_and_texels_give_the_same_image() {
     check_validation(&gpu).unwrap();
 }
 
+/// At reflectivity 0, a frame of `traced` has the scene passes alone.
 #[test]
 fn without_reflectors_no_triangle_is_asked() {
     let gpu = gpu();
@@ -159,6 +171,7 @@ fn without_reflectors_no_triangle_is_asked() {
     assert!(report.recorded.iter().all(|p| scene_passes.contains(&p.as_str())), "{:?}", report.recorded);
 }
 
+/// Without the scene, `traced` and `unified` among triangles are refused with a sentence.
 #[test]
 fn a_g_buffer_alone_has_no_triangles() {
     let gpu = gpu();
@@ -171,12 +184,14 @@ fn a_g_buffer_alone_has_no_triangles() {
     }
 }
 
+/// The tree of each built-in scene has more levels than one that divides its triangles by halves: it was built by their
+/// neighbourhood.
 #[test]
 fn no_built_in_scene_has_a_tree_by_halves() {
     for name in ssct_scenes::library::every_name() {
         let scene = crate::common::built_in(name);
         let tree = Tree::build(&scene).unwrap();
-        // A tree by halves is nearly full, and one by neighbours has more levels.
+        // A tree that divides by halves is nearly full, and a tree that joins neighbours has more levels.
         let full = scene.triangle_count().next_power_of_two().ilog2().div_ceil(3);
         println!("{name}: {} levels, {full} in a full tree", tree.levels);
         assert!(
@@ -187,13 +202,14 @@ fn no_built_in_scene_has_a_tree_by_halves() {
     }
 }
 
+/// Two walls stand in one place, of which the first is all hole: 99 % of the rays show the second, and none the first.
 #[test]
 fn behind_a_surface_that_lets_a_ray_pass_the_one_in_the_same_place_stops_it() {
     let gpu = gpu();
     let mut b = Builder::new("two walls in one place");
     b.light(Vec3::Z);
     let [passed, stops] = [Vec3::X, Vec3::Y].map(|albedo| b.matt(albedo));
-    // Both ask their material at each hit: the first has a hole everywhere, and the second none.
+    // Both walls have masks, which are read at each hit: the first is a hole everywhere, and the second has none.
     for (material, mask) in [(passed, 0), (stops, 255)] {
         b.picture(1, 1, |_, _| [mask; 3]);
         b.0.materials[material].alpha_mask = Some(b.0.textures.len() - 1);
@@ -211,10 +227,12 @@ fn behind_a_surface_that_lets_a_ray_pass_the_one_in_the_same_place_stops_it() {
     assert!(count(&found) * 100 > 99 * found.len(), "{} of {} rays are stopped", count(&found), found.len());
 }
 
+/// A G-buffer that was read back does not know its triangles: fewer than one pixel in 100 shows another step of stairs
+/// over a mirror than the traced rays.
 #[test]
 fn a_hit_on_a_pixel_of_unknown_triangle_is_not_confirmed_by_another_triangle() {
     let gpu = gpu();
-    // The other way round, another triangle is the first of the tree.
+    // The stairs are tried in two directions, so that either time another triangle is the first of the tree.
     for (along, turned) in [(Vec3::Z, 1.0), (-Vec3::Z, -1.0)] {
         let mut b = Builder::new("stairs over a mirror");
         b.light(along);
@@ -231,7 +249,7 @@ fn a_hit_on_a_pixel_of_unknown_triangle_is_not_confirmed_by_another_triangle() {
         let setup = Setup::new(EXTENT);
         let shot = Shot::new(&mut stage, traced(), &setup, Wants::IMAGE, seen_from, b.0.materials.clone()).unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
-        // Read back, it has no numbers of triangles.
+        // The G-buffer that is read back has no numbers of triangles.
         let data = gbuffer::read(&mut stage.context, &shot).unwrap();
         let made = |method, setup| gbuffer::reflect_in(&gpu, &b.0, &data, method, setup).unwrap().reflection;
         let (screen, world) = (made(&methods::unified::INFO, &beyond(FirstTraced::Screen)), made(traced(), &setup));

@@ -50,11 +50,13 @@ fn shot(stage: &mut Stage, wants: Wants, (camera, extent): (Camera, [u32; 2]), m
     Shot::new(stage, &unified::INFO, &Setup::on_screen(extent), wants, camera, materials).unwrap()
 }
 
+/// A setup on the screen alone by a version of the oracle.
 fn setup(extent: [u32; 2], oracle: OracleVersion) -> Setup {
     Setup::on_screen(extent).with(|p: &mut EffectParams| p.oracle = oracle)
 }
 
-/// A G-buffer of one kind with mirrors that reflect in any direction, or in depth only.
+/// A random G-buffer of mirrors. Its kinds of depth are: 0 random, 1 a chequered pattern of two depths, 2 a slope, 3
+/// sky with some surfaces. Normals are random; in kind 2, their x is 0.
 pub(crate) fn random_gbuffer(kind: u64, extent: [u32; 2]) -> GBufferData {
     let stream = Stream::new(kind, u64::from(extent[0] * 1000 + extent[1]));
     let pixels = u64::from(extent[0]) * u64::from(extent[1]);
@@ -102,8 +104,8 @@ fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels)
     (pyramid, context.read(output.hits.unwrap().0.all()).unwrap())
 }
 
-/// Holds pyramid and hits against the twin, bit by bit; how many pixels, how many hit, and how many met a block
-/// from behind.
+/// Holds pyramid and hits against the twin, bit by bit. Returns the numbers of pixels, of hits, and of rays that met a
+/// block from behind.
 pub(crate) fn check_twin(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> [usize; 3] {
     let (pyramid, hits) = run(gpu, data, oracle);
     let twin = Traversal::new(data).of_version(oracle);
@@ -150,6 +152,8 @@ pub(crate) fn check_twin(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -
     [hits.values.len() / 4, count, behind]
 }
 
+/// At every size, over random G-buffers and the cluttered scene, by both versions of the oracle: every cell of the
+/// pyramid and every hit is the twin's, to the bit.
 #[test]
 fn pyramid_and_hits_equal_their_twin_to_the_bit() {
     let gpu = gpu();
@@ -169,7 +173,7 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
         stage.run(&shot, Mode::Plain).unwrap();
         add(&gbuffer::read(&mut stage.context, &shot).unwrap());
     }
-    // So tall that the pyramid's image has narrower strips.
+    // These images are so tall that the image of the pyramid has narrower strips.
     let fits = |extent: &[u32; 2]| extent[1] <= gpu.max_image_size();
     [[5, 2100], [3, 4200]].into_iter().filter(fits).for_each(|extent| add(&random_gbuffer(0, extent)));
     check_validation(&gpu).unwrap();
@@ -178,6 +182,7 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
     assert!(totals[0][2] == 0 && totals[1][2] > totals[1][1] / 100, "{totals:?}");
 }
 
+/// The block of parameters that the device gets has the twin's numbers, at every size.
 #[test]
 fn the_parameters_are_the_twins() {
     for extent in SIZES {
@@ -198,7 +203,8 @@ pub(crate) fn flat_mirrors(scene: &Scene, view: &View) -> Vec<Material> {
     globals.materials(scene, view)
 }
 
-/// How the hits of a view compare with the oracle's in a version, and how many misses say why as the oracle does.
+/// The hits of a view against the oracle's: their agreement, the share of misses whose path code is the oracle's
+/// reason, and the number of unfinished rays.
 pub(crate) fn agreement(
     stage: &mut Stage,
     (camera, materials): (Camera, Vec<Material>),
@@ -235,6 +241,8 @@ pub(crate) fn agreement(
     (agreement, f64::from(same as u32) / f64::from(misses.max(1)), unfinished)
 }
 
+/// Holds that `unified` agrees with the oracle in at least 99.99 % of the reflecting pixels of each view, by both
+/// versions, and that 99.9 % of the misses have the right reason.
 fn check_views(gpu: &Gpu, scene: &Scene, sizes: &[[u32; 2]]) {
     let mut stage = Stage::new(gpu, scene).unwrap();
     for view in scene.views.iter().take(if is_gpu_assisted() { 1 } else { usize::MAX }) {
@@ -286,6 +294,8 @@ fn hits_on_every_view_are_the_oracles() {
     check_validation(&gpu).unwrap();
 }
 
+/// Frames of no reflectors, mirrors, narrow and wide lobes record the passes of their kind alone, and name the passes
+/// that are left out.
 #[test]
 fn a_frame_records_what_its_materials_need() {
     let gpu = gpu();
@@ -340,6 +350,7 @@ impl Corridor {
         Self { scene, view, extent, camera }
     }
 
+    /// The materials of the view at one roughness.
     fn materials(&self, roughness: f32) -> Vec<Material> {
         Globals { roughness: Some(roughness), ..Globals::default() }.materials(&self.scene, &self.view)
     }
@@ -366,6 +377,7 @@ impl Corridor {
     }
 }
 
+/// Over a fallback, rays that miss lower the fade instead of darkening the colour: colour · fade stays the same.
 #[test]
 fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
     let gpu = gpu();
@@ -387,7 +399,7 @@ fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
         let (mut pixels, mut partly) = (0, 0);
         for (a, o) in alone.texels().zip(over.texels()).filter(|(a, _)| a[3] > 0.999) {
             assert!((0.0..=1.0005).contains(&o[3]), "{roughness}: {a:?} {o:?}");
-            // Together they bring the same light: 16-bit floats, rounded twice.
+            // Colour times fade is the colour without a fallback, within the rounding of 16-bit floats, twice.
             assert!((0..3).all(|c| (a[c] - o[c] * o[3]).abs() <= 3e-3 * a[c] + 1e-4), "{roughness}: {a:?} {o:?}");
             pixels += 1;
             partly += usize::from(o[3] < 0.9);
@@ -398,7 +410,8 @@ fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
     check_validation(&gpu).unwrap();
 }
 
-/// Images keep what the frame before left where no tile is drawn.
+/// Where no tile is drawn, images keep the pixels of the frame before; a frame that draws some tiles shows none of
+/// them.
 #[test]
 fn over_tiles_nothing_of_an_earlier_frame_shows() {
     let gpu = gpu();
@@ -411,14 +424,14 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
         let shot = shot(&mut stage, Wants::REFLECTION, (camera, extent), materials);
         stage.run(&shot, Mode::Plain).unwrap();
         let all = gbuffer::read(&mut stage.context, &shot).unwrap();
-        // Every other tile, so that drawn ones end at pixels that reflect, and a lone pixel.
+        // Every other tile reflects, so that drawn tiles border on tiles that are not drawn, and one lone pixel.
         let mut part = all.clone();
         for (i, reflectivity) in part.reflectivity.iter_mut().enumerate() {
             let (x, y) = (i % 127, i / 127);
             let inside = (x / 16 + y / 16) % 2 == 0 || (x, y) == (71, 40);
             *reflectivity *= f32::from(u8::from(inside));
         }
-        // Whatever an earlier frame saw is bright.
+        // The earlier frame is very bright, so that anything left of it would be seen.
         let bright = GBufferData { color: vec![Vec3::splat(1000.0); all.color.len()], ..all };
         let images = [bright, part].map(|data| GBufferImages::upload(&mut stage.context, &data).unwrap());
         let run = |context: &mut FrameContext, frames: &[usize]| {
@@ -432,9 +445,11 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
     check_validation(&gpu).unwrap();
 }
 
+/// Drawn whole, over lists of tiles, with hits, and without a reflection of its own, the image is the same, to the bit.
 #[test]
 fn every_way_to_draw_makes_the_same_image() {
-    // Whole, where all that reflects does so in one way; over lists, if nothing is known; with hits beside.
+    // The image is drawn whole if all reflectors are of one kind, over lists of tiles if nothing is known, and with
+    // hits beside.
     let gpu = gpu();
     let _compiled = compiled(&gpu);
     let corridor = Corridor::new();
@@ -448,7 +463,7 @@ fn every_way_to_draw_makes_the_same_image() {
             let (setup, wants) = (setup(), Wants { hits, ..Wants::REFLECTION });
             let shot = Shot::new(stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
-            // With hits, too, it is drawn whole: what is compared with the oracle is what is timed.
+            // With hits, too, the image is drawn whole, so that the compared passes are the timed ones.
             assert!(report.recorded.iter().all(|p| p != "composite"), "{:?}", report.recorded);
             let method = unified::INFO.alone(&gpu, &setup, wants).unwrap();
             assert!(drawn.reflectors.everywhere && drawn.reflectors.kinds() == 1);
@@ -465,7 +480,7 @@ fn every_way_to_draw_makes_the_same_image() {
         {
             assert!(images(&mut stage, hits, known) == whole, "{roughness} {how}");
         }
-        // Without a reflection of its own, the image is the same.
+        // If the reflection is not asked for, the finished image is the same.
         let mut composite = |reflection: bool| {
             let (setup, wants) = (setup(), Wants { reflection, ..Wants::IMAGE });
             let shot = Shot::new(&mut stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();

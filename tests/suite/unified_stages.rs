@@ -1,5 +1,5 @@
-//! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`, `--history-stage`) makes the same images to the bit, in
-//! passes of the same names.
+//! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`, `--history-stage`) makes the same
+//! images, to the bit and in passes of the same names.
 
 use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
 use crate::common::{check_validation, gpu, is_gpu_assisted};
@@ -19,12 +19,14 @@ use ssct_ground::math::OracleVersion::{self, V1, V2};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{Camera, Capture, GBufferData, Scene};
 
-/// The stages that trace rays and that gather what they saw. Each pair must make the images that the first pair makes.
+/// The kinds of shader of the passes that trace and of the passes that gather. Each pair must make the images of the
+/// first pair.
 const STAGES: [[StageChoice; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fragment], [Fragment, Compute]];
 
-/// What a frame made: the bits of its images by their names, and the passes that it recorded.
+/// The images of a frame, as bits by their names, and the passes that the frame recorded.
 type Made = (Vec<(&'static str, Vec<u32>)>, Vec<String>);
 
+/// The setup with the kinds of shader for tracing and for gathering; a history has that of gathering.
 fn in_stages(setup: &Setup, stages: [StageChoice; 2]) -> Setup {
     let setup = setup.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
     setup.with(|p: &mut EffectParams| p.history_stage = stages[1])
@@ -54,7 +56,7 @@ fn check_same(what: &str, mut make: impl FnMut([StageChoice; 2]) -> Made) {
     }
 }
 
-/// What a frame of the method alone makes of a G-buffer.
+/// The images that a frame of the method alone makes of a G-buffer.
 fn alone(
     gpu: &Gpu,
     images: &GBufferImages,
@@ -84,13 +86,14 @@ fn sizes() -> Vec<[u32; 2]> {
     all.into_iter().filter(|size| !is_gpu_assisted() || [[5, 3], [66, 65]].contains(size)).collect()
 }
 
-/// What is wanted of a frame, the version of the oracle, and the reflection behind the method's own.
+/// The wanted images, the version of the oracle, and the fallback of each way in which a G-buffer is drawn.
 const WAYS: [(Wants, OracleVersion, Fallback); 3] = [
     (Wants::HITS, V1, Fallback::None),
     (Wants::REFLECTION, V2, Fallback::Environment),
     (Wants::IMAGE, V1, Fallback::None),
 ];
 
+/// Noise and views at nine sizes, of one roughness and mixed: all pairs of kinds of shader make equal images.
 #[test]
 fn over_any_gbuffer_both_stages_make_the_same_images() {
     let gpu = gpu();
@@ -130,7 +133,7 @@ fn over_any_gbuffer_both_stages_make_the_same_images() {
     assert!(shown.iter().all(|n| *n > 20 || is_gpu_assisted()), "{shown:?} images show something");
 }
 
-/// What the last of some frames of the whole effect makes.
+/// The images of the last of some frames of the whole effect.
 fn effect(
     stage: &mut Stage,
     (scene, view): (&Scene, &str),
@@ -151,6 +154,8 @@ fn effect(
     (vec![("composite", composite), ("reflection", reflection), ("hits", hits)], report.recorded)
 }
 
+/// Captures, fallbacks, a history and two bounces in the street, at four roughnesses: all pairs of kinds of shader make
+/// equal images.
 #[test]
 fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     let gpu = gpu();
@@ -187,6 +192,8 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     }
 }
 
+/// With rays that go on among triangles, and with either source of hit colours, all pairs of kinds of shader make equal
+/// images.
 #[test]
 fn among_triangles_both_stages_see_the_same_on_the_screen() {
     let gpu = gpu();
@@ -207,6 +214,7 @@ fn among_triangles_both_stages_see_the_same_on_the_screen() {
     }
 }
 
+/// Through the door, parameters choose the kinds of shader, and both make one image; an unknown kind is refused.
 #[test]
 fn through_the_door_both_stages_make_the_same_image() {
     let gpu = gpu();

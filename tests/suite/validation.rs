@@ -1,6 +1,6 @@
-//! The validation layers (core, synchronization, best practices; with SSCT_GPU_AV=1 GPU-assisted too) have nothing to say of any method
-//! in any mode, but for the allow-list; and each entry of the list is one that they do say. That
-//! they listen at all is shown in `gpu::validation`, by a hazard that they must see.
+//! The validation layers (core, synchronization, best practices; with SSCT_GPU_AV=1 GPU-assisted, too) give no message
+//! about any method in any mode, except those on the allow-list. Each entry of the list is a message that they do give.
+//! A hazard in `gpu::validation` shows that the layers listen at all.
 
 use crate::common::{
     check_validation, clutter, clutter_camera, expected_failures, is_gpu_assisted, own_gpu, with_small_captures,
@@ -35,8 +35,8 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     use StageChoice::{Compute, Fragment};
     let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
     let usual = with_small_captures(&usual);
-    // What the modes change doesn't depend on the size. The widest image is as flat as a strip: its chains are as long as those of a
-    // whole one.
+    // The modes do not depend on the size, so that the largest size has one. That image is a flat strip, whose chains
+    // are as long as those of a whole image.
     if !method.is_screen_space() || extent[0] > 500 || (extent == [1, 1] && is_gpu_assisted()) {
         return vec![(usual, Wants::REFLECTION)];
     }
@@ -80,10 +80,13 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     setups
 }
 
+/// Every method in all its modes and settings, at three sizes, plain, timed and counted, draws and is read back without
+/// a message. Each allowed message is still given.
 #[test]
 fn every_method_in_every_mode_is_valid() {
     let gpu = own_gpu();
-    // With GPU-assisted validation this pass is compiled for half a minute; methods that are made while it is kept share its pipelines.
+    // With GPU-assisted validation, this pass compiles for half a minute. Methods that are made while it is kept share
+    // its pipelines.
     let compiled = PyramidPass::new(&gpu, [1, 1]).unwrap();
     let scene = clutter();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
@@ -97,7 +100,8 @@ fn every_method_in_every_mode_is_valid() {
                 let camera = clutter_camera(extent);
                 let shot = Shot::new(&mut stage, method, &setup, wants, camera, materials.clone()).unwrap();
                 let what = format!("{}, {setup:?}", method.name);
-                // Twice each: the second frame's barriers start from the first's states.
+                // Each mode runs twice, since the barriers of the second frame start from the states that the first
+                // frame left.
                 for mode in [Mode::Plain, Mode::Plain, Mode::Timed, Mode::Timed, Mode::Counted] {
                     let (report, drawn) = stage.run(&shot, mode).unwrap();
                     check_validation(&gpu).unwrap_or_else(|e| panic!("{what}, {mode:?}: {e}"));
@@ -111,7 +115,7 @@ fn every_method_in_every_mode_is_valid() {
             }
         }
     }
-    // And each of its settings: variants that are off by default.
+    // Each setting of each method, as settings that are off by default are not covered above.
     for method in METHODS {
         for setup in sweep::setups(method, &with_small_captures(&Setup::new([127, 61]))) {
             let camera = clutter_camera(setup.extent);
@@ -124,7 +128,7 @@ fn every_method_in_every_mode_is_valid() {
         }
     }
     println!("{frames} frames without a message");
-    // With all resources gone.
+    // The layers also give no message when all resources are destroyed.
     drop((stage, compiled));
     check_validation(&gpu).unwrap();
     let said = |id: &str| gpu.validation().iter().any(|m| m.id == id);
@@ -140,7 +144,8 @@ fn every_method_in_every_mode_is_valid() {
     }
 }
 
-/// That silence under GPU-assisted validation says something.
+/// Under GPU-assisted validation, a shader that writes beyond its buffer gives a message, so that silence elsewhere
+/// means something.
 #[test]
 fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
     if !is_gpu_assisted() {

@@ -1,24 +1,29 @@
-//! `ssct video`: films of variants beside the world's, held against what still images of the same frames say.
+//! `ssct video`: films of variants beside that of the world reference, held against still images of the same frames.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
 use std::fs::File;
 
+/// The options of a small view of the rooms.
 const STAGE: [&str; 11] =
     ["--scene", "rooms", "--view", "corridor", "--size", "96x54", "--roughness", "0.1", "--rays", "4", "--json"];
 
+/// The records of a command on the small view.
 fn records(folder: &Folder, command: &str, more: &[&str]) -> Vec<Value> {
     serde_json::from_str(&folder.succeed(&[&[command], &STAGE[..], more].concat())).unwrap()
 }
 
+/// The records of `ssct video` on the small view.
 fn films(folder: &Folder, more: &[&str]) -> Vec<Value> {
     records(folder, "video", more)
 }
 
+/// A number of a record.
 fn number(record: &Value, name: &str) -> f64 {
     record[name].as_f64().unwrap_or_else(|| panic!("no {name} in {record}"))
 }
 
+/// With the camera at rest, each frame of two variants has the error of the still image, and nothing flickers.
 #[test]
 fn at_rest_every_frame_is_the_still_image() {
     let folder = Folder::new();
@@ -45,6 +50,8 @@ fn at_rest_every_frame_is_the_still_image() {
     assert!(unified > ssct, "with what the screen lacks, {unified}, and without, {ssct}");
 }
 
+/// A walk of four frames: frames differ, a history lowers the flicker, clips have their frames, the page shows them,
+/// and `--resume` films nothing again.
 #[test]
 fn a_walk_is_kept_as_records_clips_and_a_page() {
     let folder = Folder::new();
@@ -72,11 +79,12 @@ fn a_walk_is_kept_as_records_clips_and_a_page() {
     let rows =
         csv::Reader::from_reader(File::open(folder.path("out/video-frames.csv")).unwrap()).into_records().count();
     assert_eq!(rows, 8, "a row a frame");
-    // What the folder has is not filmed again, and is reported the same.
+    // Films that the folder has are not made again, and their records are the same.
     let again = films(&folder, &[&how[..], &["-o", "out", "--resume"]].concat());
     assert_eq!(again, records);
 }
 
+/// With a ball that moves, each frame has another error, and the world reference flickers, too.
 #[test]
 fn what_moves_is_filmed_where_it_is() {
     let folder = Folder::new();

@@ -1,9 +1,11 @@
-//! `ssct view`, which hands everything on to the window's program. The window itself is tested in tests/window.
+//! `ssct view`, which hands all arguments on to the window's program. The window itself is tested in tests/window.
 
 use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::Command;
 
+/// Without the window's program, `ssct view` says how to build it. With one, all arguments are handed on and its status
+/// is returned.
 #[test]
 fn the_window_is_a_program_of_its_own_beside_the_command_or_on_the_path() {
     // Hard links must stay on one file system, and a program finds itself by the name of its link.
@@ -19,7 +21,7 @@ fn the_window_is_a_program_of_its_own_beside_the_command_or_on_the_path() {
     let (status, out, said) = view(&["--frames", "1"]);
     assert_eq!((status, out.as_str(), said.lines().count()), (Some(1), "", 1), "{said}");
     assert!(said.contains("no window") && said.contains("`make view` builds it"), "{said}");
-    // Everything is handed on, the help as well.
+    // All arguments are handed on, that of the help as well.
     let window = folder.path().join("ssct-view");
     symlink("/bin/echo", &window).unwrap();
     assert_eq!(view(&["-h", "--scene", "rooms"]), (Some(0), "-h --scene rooms\n".into(), String::new()));

@@ -1,11 +1,13 @@
-//! The world reference on Crytek Sponza, where `../shared/scenes` is there: a quarter of a million
-//! triangles and masked plants.
+//! The world reference on Crytek Sponza, if `../shared/scenes` is there: a quarter of a million triangles, and plants
+//! with masks.
 
 use crate::common::sponza;
 use ssct_scenes::Camera;
 use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::surface::World;
 
+/// Every ray straight down into the court meets the building. Without masks, no first hit is further away and some are
+/// nearer.
 #[test]
 fn sponza_is_ready_for_rays_and_has_no_cracks() {
     let Some(scene) = sponza() else { return };

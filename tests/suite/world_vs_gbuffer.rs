@@ -1,5 +1,5 @@
-//! The world reference's own first hits against the G-buffer and the lit colour of the GPU: two
-//! implementations of geometry, materials, normals and light that share no code.
+//! The world reference's own first hits against the G-buffer and the lit colour of the device: two implementations of
+//! geometry, materials, normals and light that share no code.
 
 use glam::{DVec3, Vec3};
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
@@ -10,9 +10,10 @@ use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::surface::World;
 use ssct_truth::reference::world_hits::{WorldHit, world_hits};
 
+/// Size of the images in pixels.
 const SIZE: [u32; 2] = [240, 135];
 
-/// The corridor of the rooms as both see it.
+/// The corridor of the rooms as the reference and the device see it.
 struct Both {
     first_hits: FirstHits,
     /// The points that the G-buffer shows.
@@ -22,6 +23,7 @@ struct Both {
     hits: Vec<WorldHit>,
 }
 
+/// The corridor of the rooms, with a strength of normal maps and with or without images.
 fn both(normal_deviation: f32, maps: bool) -> Both {
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").expect("a view of the rooms");
@@ -33,7 +35,7 @@ fn both(normal_deviation: f32, maps: bool) -> Both {
     both_of(&scene, materials)
 }
 
-/// A scene's corridor with some materials.
+/// The corridor of a scene, with some materials.
 fn both_of(scene: &Scene, materials: Vec<Material>) -> Both {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let camera = scene.view("corridor").expect("a view of the rooms").camera(scene, SIZE);
@@ -79,6 +81,8 @@ fn inside_a_surface(both: &Both, x: u32, y: u32) -> bool {
         && [(1, 0), (0, 1), (1, 1), (1, -1)].iter().all(|&(dx, dy)| second(dx, dy) < 1e-4 * inverse_z(0, 0))
 }
 
+/// Away from silhouettes, which are over half of the pixels, the device's depth differs from the reference's by less
+/// than 1e-4 of the depth.
 #[test]
 fn depth_agrees_within_one_in_ten_thousand_away_from_silhouettes() {
     let both = both(0.0, false);
@@ -106,13 +110,15 @@ fn differences(both: &Both) -> Vec<f32> {
     all
 }
 
+/// The share of differences within a tolerance.
 fn share_within(tolerance: f32, differences: &[f32]) -> f64 {
     differences.iter().filter(|d| **d <= tolerance).count() as f64 / differences.len() as f64
 }
 
+/// Without images, the lit colour differs by less than 0.001 in 99.5 % of the pixels.
 #[test]
 fn lit_colour_without_images_agrees_within_half_floats() {
-    // The colour is a half float, good for 0.0005 of what is nearly 1. Beyond that are silhouettes.
+    // The colour is a 16-bit float, which rounds by 0.0005 near 1. Larger differences lie at silhouettes.
     let differences = differences(&both(0.0, false));
     let (median, share) = (differences[differences.len() / 2], share_within(1e-3, &differences));
     eprintln!("median {median:.1e}, within 0.001: {share:.4}");
@@ -120,10 +126,13 @@ fn lit_colour_without_images_agrees_within_half_floats() {
     assert!(share > 0.995, "{share}");
 }
 
+/// With emission and a map of roughness, lit colour and roughness agree in 90 % of the pixels or more. Surfaces with
+/// one side, turned away, vanish for both.
 #[test]
 fn emission_roughness_maps_and_single_sides_agree() {
     let mut scene = crate::common::built_in("rooms");
-    // Half of the left half glows wholly, the rest of it by a half; rough on the right.
+    // The map has four texels in a row. It multiplies the emission by 1, ½, 0 and 0, and the roughness by 1, 1, 0.2 and
+    // 0.2.
     let texel = |x: u32| if x < 2 { [255, 255, 255, if x == 0 { 255 } else { 128 }] } else { [255, 51, 255, 0] };
     let rgba = (0..4).flat_map(texel).collect();
     let map = Some(scene.textures.len());
@@ -139,16 +148,16 @@ fn emission_roughness_maps_and_single_sides_agree() {
     };
     let mut plain = materials.clone();
     plain.iter_mut().for_each(|m| (m.albedo_map, m.roughness_map) = (None, None));
-    // The emission has 102 steps in the albedo buffer.
+    // The albedo buffer stores emission in 102 steps, so that it is rounded by up to 5e-3.
     assert!(share(5e-3, &plain).0 > 0.99);
-    // With the map, what filters it differs, as in the test below.
+    // With the map, the two differ by their filters, as in the test below.
     let (alike, whole) = share(0.08, &materials);
     assert!(alike > 0.9, "{alike}");
     let pairs = || whole.gbuffer.roughness.iter().zip(&whole.first_hits.receivers);
     let alike = pairs().filter(|(gpu, cpu)| cpu.is_some_and(|r| (r.roughness - f64::from(**gpu)).abs() < 0.05)).count();
     assert!(alike * 10 > 9 * whole.gbuffer.roughness.len(), "{alike}");
     assert!(pairs().any(|(gpu, _)| *gpu < 0.15) && pairs().any(|(gpu, _)| *gpu > 0.45), "the map has both");
-    // Turned round, and with one side, what fills the view is gone; with two sides it stays.
+    // All triangles are turned round: with two sides they are still seen, and with one side most are not.
     for mesh in &mut scene.meshes {
         mesh.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
         mesh.vertices.iter_mut().for_each(|v| v.normal = v.normal.map(|n| -n));
@@ -162,6 +171,7 @@ fn emission_roughness_maps_and_single_sides_agree() {
     assert!(gpu.abs_diff(cpu) * 100 <= SIZE[0] as usize * SIZE[1] as usize, "{gpu} {cpu}");
 }
 
+/// With images, the median difference is below 0.012, and 97 % of the pixels are within 0.08.
 #[test]
 fn lit_colour_with_images_agrees_but_for_their_filtering() {
     // The GPU reads mip levels over the pixel's footprint, the reference the finest level at its centre:
@@ -175,9 +185,11 @@ fn lit_colour_with_images_agrees_but_for_their_filtering() {
     }
 }
 
+/// Without normal maps, 99 % of the normals agree within a cosine of 0.999 99; with maps, three quarters agree within
+/// 0.98.
 #[test]
 fn normals_agree_and_face_the_camera() {
-    // With normal maps, again, mip levels against the finest one.
+    // With normal maps, the device reads mip levels and the reference the finest level.
     for (deviation, maps, percentile, least) in [(0.0, false, 1, 0.999_99), (1.0, true, 25, 0.98)] {
         let both = both(deviation, maps);
         let world_to_view = both.camera.world_to_view.as_dmat4();
@@ -194,6 +206,8 @@ fn normals_agree_and_face_the_camera() {
     }
 }
 
+/// Rays from the points of the G-buffer do not hit the flat surface on which they start: no end lies within 1e-5 m
+/// above it.
 #[test]
 fn mirror_rays_do_not_meet_the_surface_that_they_leave() {
     let both = both(0.0, true);

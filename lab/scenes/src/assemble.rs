@@ -24,8 +24,8 @@ pub(super) struct MeshPart {
     pub has_tangents: bool,
 }
 
-/// Whether the sum of a triangle's normals points behind the triangle, by more than 120 degrees from the normal of its face.
-/// Normals that lean only a little behind the face are common on rounded surfaces.
+/// Whether the sum of the normals at a triangle's corners is more than 120 degrees away from `face`, the unit normal of
+/// its winding. Normals that lean only a little behind the face are common on rounded surfaces.
 pub(super) fn point_behind(triangle: &Triangle, face: DVec3) -> bool {
     let stated: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
     stated.dot(face) < -0.5 * stated.length()
@@ -59,7 +59,7 @@ pub(super) fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -
     parts.into_par_iter().flat_map_iter(meshes_of).collect()
 }
 
-/// Merges the parts of each material into one.
+/// Merges into one the parts that have the same material and the same `has_tangents`.
 fn pool(parts: Vec<MeshPart>) -> Vec<MeshPart> {
     let mut pooled: Vec<MeshPart> = Vec::new();
     let mut place: HashMap<(usize, bool), usize> = HashMap::new();
@@ -75,8 +75,8 @@ fn pool(parts: Vec<MeshPart>) -> Vec<MeshPart> {
     pooled
 }
 
-/// Splits the triangles at the median of their centres along the longest axis, recursively, until each chunk is
-/// small enough.
+/// Splits the triangles at the median of their centres along the longest axis, recursively, until each chunk has at
+/// most [`MAX_TRIANGLES`]. The chunks are added to `chunks`.
 fn split<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
     if triangles.len() <= MAX_TRIANGLES {
         chunks.push(triangles);

@@ -21,7 +21,7 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
     let length = metadata.len();
     let mut bytes = Vec::new();
     if length <= most {
-        // A file may grow while it is read.
+        // One byte more than allowed is read, to notice a file that grows meanwhile.
         file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     }
     let length = length.max(bytes.len() as u64);
@@ -44,14 +44,14 @@ pub fn printable_name(name: &str) -> String {
 }
 
 /// Whether a file of `length` bytes may hold an image that unpacks to `unpacked` bytes. Any file, however
-/// short, may take `free` bytes.
+/// short, may unpack to `free` bytes.
 pub(super) fn may_unpack(length: usize, unpacked: u64, free: u64) -> bool {
     unpacked <= free.saturating_add(MOST_UNPACKED_PER_BYTE.saturating_mul(length as u64))
 }
 
 /// A progress bar over the images of a scene with many images; hidden if standard error is no terminal.
 pub(super) fn image_bar(images: usize) -> ProgressBar {
-    /// Fewer images are decoded before a user wonders what takes so long.
+    /// Fewer images than this are decoded so soon that no bar is needed.
     const FEW: usize = 16;
     if images < FEW {
         return ProgressBar::hidden();

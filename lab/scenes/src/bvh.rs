@@ -78,17 +78,20 @@ enum Boxes {
 const WIDE_LEVELS: u32 = 32;
 
 impl Boxes {
+    /// Builds a hierarchy of eight boxes a node, or of two if the wide one would be too deep. The indices of the
+    /// hierarchy are those of `padded`.
     fn new(padded: &[PaddedBox]) -> Self {
         let mut binary = by_neighbours(padded);
         let wide = bvh2_to_cwbvh(&binary, LEAF, true, false);
         if levels(&wide) < WIDE_LEVELS {
             return Self::Wide(wide);
         }
-        // The depth counts a level more than there are, as obvhs requires.
+        // `max_depth` counts one level more than there are, as obvhs requires.
         binary.max_depth = binary.max_depth.max(binary.depth(0) + 1);
         Self::Binary(binary)
     }
 
+    /// The indices of triangles, in the order of the leaves.
     fn primitive_indices_mut(&mut self) -> &mut [u32] {
         match self {
             Self::Wide(boxes) => &mut boxes.primitive_indices,
@@ -98,11 +101,12 @@ impl Boxes {
 }
 
 impl TriangleBvh {
-    /// Builds the hierarchy over triangles in metres. Hits refer to them by index.
+    /// Builds the hierarchy over triangles in metres. A hit names its triangle by its index in `triangles`.
     pub fn new(triangles: Vec<[Vec3; 3]>) -> Self {
         let PaddedTriangles { middle, with_area, boxes: padded } =
             PaddedTriangles::new(triangles.len(), |i| triangles[i].map(|v| v.as_dvec3()));
         let boxes = (!padded.is_empty()).then(|| {
+            // Only triangles with an area have boxes, so that indices of boxes become indices of all triangles.
             let mut boxes = Boxes::new(&padded);
             boxes.primitive_indices_mut().iter_mut().for_each(|i| *i = with_area[*i as usize]);
             boxes
@@ -130,6 +134,8 @@ impl Intersector for TriangleBvh {
         let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
         let mut closest: Option<TriangleHit> = None;
+        // The closure returns the distance of a hit, rounded up, beyond which boxes are skipped, or infinity for no
+        // hit.
         let mut test = |triangle: u32| {
             let beyond = closest.map_or(ray.t_max, |hit| hit.t);
             match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
@@ -163,6 +169,7 @@ impl Intersector for TriangleBvh {
         let sheared = ShearedRay::new(ray);
         let mut box_ray = box_ray(ray, self.middle);
         box_ray.tmax = (ray.t_max as f32).next_up();
+        // The traversal ends at the first result below `tmax`, so that minus infinity stands for a hit.
         let test = |triangle: u32| match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
             Some(hit) if (ray.t_min..=ray.t_max).contains(&hit.t) && accept(&hit) => f32::NEG_INFINITY,
             _ => f32::INFINITY,
@@ -178,7 +185,9 @@ impl Intersector for TriangleBvh {
 /// A ray in the space of Woop et al., in which it is the z axis and its direction has length 1 in z.
 pub struct ShearedRay {
     origin: DVec3,
+    /// The axes of world space (0 to 2) that become x, y and z.
     axes: [usize; 3],
+    /// The numbers S of the paper: by how much x and y shift with each metre of z, and the factor of z.
     shear: DVec3,
 }
 
@@ -195,7 +204,7 @@ impl ShearedRay {
     }
 
     /// The intersection at any distance, including negative ones, from either side. A triangle that has no area
-    /// or contains the ray is not hit.
+    /// or contains the ray is not hit. The edge functions u, v and w are those of the paper.
     pub fn intersect(&self, triangle: u32, corners: &[Vec3; 3]) -> Option<TriangleHit> {
         let [x, y, z] = self.axes;
         let [a, b, c] = corners.map(|v| {
@@ -223,7 +232,7 @@ mod tests {
     use super::*;
     use ssct_ground::math::random::Stream;
 
-    /// Tests every triangle.
+    /// Finds the closest hit by testing every triangle.
     struct BruteForce(Vec<[Vec3; 3]>);
 
     impl Intersector for BruteForce {
@@ -239,10 +248,12 @@ mod tests {
         2.0 * Stream::new(7, i).uniform(j) - 1.0
     }
 
+    /// A random vector whose components lie in −1…1; `i` and `j` choose it.
     fn vector(i: u64, j: u64) -> DVec3 {
         DVec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
     }
 
+    /// A ray whose hits count at any distance from 0 on.
     fn ray(origin: DVec3, direction: DVec3) -> WorldRay {
         WorldRay { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
     }

@@ -2,9 +2,9 @@
 //! ([`gbuffer_file`](super::gbuffer_file)).
 //!
 //! ```text
-//! captures.toml                 where they stand: the [[capture]] tables of a scene file, and perhaps bounds
+//! captures.toml                 the places of the captures: the [[capture]] tables of a scene file, and perhaps bounds
 //! 1/px.exr 1/nx.exr …           the six faces of the first capture
-//! 2/px.exr …                    of the second, and so on, at most eight
+//! 2/px.exr …                    the faces of the second capture, and so on, for at most eight captures
 //! sky/px.exr …                  what is seen at infinity; the folder may be absent
 //! ```
 //!
@@ -75,7 +75,7 @@ impl CaptureFolder {
         self.bounds
     }
 
-    /// The captures with their places; at least one, at most [`MAX_CAPTURES`](super::capture::MAX_CAPTURES).
+    /// The captures of the list: at least one, at most [`MAX_CAPTURES`](super::capture::MAX_CAPTURES).
     pub fn captures(&self) -> &[Capture] {
         &self.captures
     }
@@ -171,7 +171,7 @@ pub fn sky_path(folder: &Path, face: usize) -> PathBuf {
     folder.join(SKY).join(FACES[face]).with_extension("exr")
 }
 
-/// The text of [`LIST`].
+/// The text of the file [`LIST`] for these captures and bounds.
 pub fn encode_list(captures: &[Capture], bounds: Aabb) -> String {
     let [[a, b, c], [d, e, f]] = [bounds.min, bounds.max].map(|corner| corner.to_array());
     format!("bounds = [[{a:?}, {b:?}, {c:?}], [{d:?}, {e:?}, {f:?}]]\n\n{}", encode_tables(captures))
@@ -212,7 +212,7 @@ pub fn encode_sky(side: u32, colors: &[Vec3], path: &Path) -> Result<Vec<u8>> {
     exr_channels::encode([side; 2], LayerAttributes::default(), channels, path)
 }
 
-/// Reads the bytes of a file of a cube, which must have six files.
+/// Reads the bytes of one face of a cube. `whose` names the cube in the error about a missing file, as in "the sky".
 fn read(path: &Path, whose: &str) -> Result<Vec<u8>> {
     bounded::read(path, "a face of a cube", MAX_BYTES).map_err(|e| match e {
         Error::Io { source, .. } if source.kind() == ErrorKind::NotFound => {
@@ -232,7 +232,7 @@ fn square(file: &ExrChannels, path: &Path) -> Result<(u32, u32)> {
     Ok((width, height))
 }
 
-/// Takes three channels, whose values must be finite.
+/// Takes three channels, whose values must be finite, as one vector for each texel.
 fn finite(file: &mut ExrChannels, path: &Path, names: [&str; 3]) -> Result<Vec<Vec3>> {
     let vectors = file.vectors(names)?;
     for (component, name) in names.into_iter().enumerate() {
@@ -326,14 +326,14 @@ mod tests {
         assert_eq!(read.color, [Vec3::ONE, Vec3::ONE, Vec3::ZERO, Vec3::ZERO]);
     }
 
-    /// The error message for a folder after a change.
+    /// The error message of reading a folder after a change; DIR stands for the path of the folder.
     fn said(change: impl FnOnce(&Path, &[Capture])) -> String {
         let (folder, captures) = written();
         change(folder.path(), &captures);
         all(folder.path()).unwrap_err().to_string().replace(&folder.path().display().to_string(), "DIR")
     }
 
-    /// The error message for a folder after a change of a face.
+    /// The error message of reading a folder after a change of the last face of its second capture.
     fn said_of_face(change: impl FnOnce(&mut GBufferData)) -> String {
         said(|folder, captures| {
             let mut changed = face(&captures[1], 5);

@@ -8,7 +8,7 @@ pub(super) fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(MARK).unwrap_or(text)
 }
 
-/// The name of the encoding if a text has more than a byte for each character; `None` for any other text.
+/// The name of the encoding of a text in UTF-16 or UTF-32; `None` for any other text, such as UTF-8.
 ///
 /// A text with wide characters begins with a byte-order mark of its encoding, or has zeros between its first characters, which
 /// are ASCII in every format that is read here.

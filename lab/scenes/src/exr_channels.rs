@@ -66,8 +66,8 @@ pub fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> 
     Ok(unpacked < FREE_BYTES)
 }
 
-/// Why bytes cannot be read as an OpenEXR image. The crate does not know compressions that are newer than itself, and does not
-/// name them in its error.
+/// The error for bytes that the crate exr cannot read as an image. The crate does not know compressions that are newer
+/// than itself, so that this function names them.
 pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -> Error {
     let message = match compression_number(bytes) {
         Some(number @ (10 | 11)) => not_supported(if number == 10 { "HTJ2K256" } else { "HTJ2K32" }),
@@ -79,13 +79,15 @@ pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -
     Error::malformed(path, None, message)
 }
 
-/// The message about a compression that cannot be decoded. Blender lets its users choose one.
+/// The message about a compression that cannot be decoded. Blender lets its users choose such a compression.
 fn not_supported(compression: &str) -> String {
     format!("its compression {compression} is not supported; save it with {EXACT} (in Blender, Output, Codec: ZIP)")
 }
 
-/// The number of a file's compression, if the crate does not know it.
+/// The number of a compression that the crate cannot decode, from the first 64 KiB of a file; `None` for any other
+/// file.
 fn compression_number(bytes: &[u8]) -> Option<u8> {
+    /// The greatest number of a compression that the crate decodes.
     const KNOWN: u8 = 9;
     // An attribute consists of its name, its type, the length of its value, and the value.
     const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
@@ -94,8 +96,10 @@ fn compression_number(bytes: &[u8]) -> Option<u8> {
     header.get(offset + ATTRIBUTE.len()).copied().filter(|number| *number > KNOWN)
 }
 
+/// Checks that the crate can decode the compression of a part.
+///
 /// # Errors
-/// A message about a part whose compression the crate can name and cannot read.
+/// A message about a compression that the crate can name and cannot decode.
 pub(super) fn check_compression(header: &Header) -> std::result::Result<(), String> {
     match header.compression {
         Compression::HTJ2K32 => Err(not_supported("HTJ2K32")),
@@ -104,8 +108,10 @@ pub(super) fn check_compression(header: &Header) -> std::result::Result<(), Stri
     }
 }
 
+/// Checks that the compression of a part rounds none of its channels.
+///
 /// # Errors
-/// A message about a part that has a rounded channel.
+/// A message that names the first rounded channel.
 fn check_exact(header: &Header) -> std::result::Result<(), String> {
     let is_rounded = |c: &&ChannelDescription| rounds(header.compression, &c.name.to_string(), c.sample_type);
     match header.channels.list.iter().find(is_rounded) {
@@ -117,8 +123,11 @@ fn check_exact(header: &Header) -> std::result::Result<(), String> {
     }
 }
 
+/// Checks each value of a channel with `is_right`. In the message of the error, `pixel` is the word for a pixel, and
+/// `allowed` says which values are right.
+///
 /// # Errors
-/// [`Error::Malformed`] with the first pixel of a channel that is wrong. `pixel` is the word for a pixel in the message.
+/// [`Error::Malformed`] with the first pixel whose value is wrong.
 pub(super) fn check(
     path: &Path,
     (width, pixel): (u32, &str),
@@ -149,8 +158,8 @@ impl<'a> ExrChannels<'a> {
     ///
     /// # Errors
     /// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or
-    /// [`MAX_BYTES`]. [`Error::Malformed`] also if it claims more pixels than its bytes can hold, is only a piece of an image,
-    /// or uses a lossy compression.
+    /// [`MAX_BYTES`]. [`Error::Malformed`] also if the file claims more pixels than its bytes can hold, has only a
+    /// piece of an image, or uses a lossy compression.
     pub fn decode(bytes: &[u8], path: &'a Path, what: &str) -> Result<Self> {
         let wrong = |message: String| Error::malformed(path, None, message);
         let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
@@ -198,7 +207,7 @@ impl<'a> ExrChannels<'a> {
 /// Encodes channels of one size as the bytes of a file. Equal channels give equal files.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the format cannot hold them. `path` is only used to name the file in the error.
+/// [`Error::Malformed`] if the format cannot hold the channels. `path` is only used to name the file in the error.
 pub(super) fn encode(
     [width, height]: [u32; 2],
     attributes: LayerAttributes,

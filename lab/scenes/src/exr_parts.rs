@@ -55,13 +55,20 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
     image.layer_data.into_iter().map(|layer| part(layer, &image.attributes).map_err(wrong)).collect()
 }
 
+/// Checks the compression of a part, and that the part covers the whole image.
+///
 /// # Errors
-/// A message about a part that cannot be used.
+/// A message that says why the part cannot be used.
 fn check_part(header: &Header) -> std::result::Result<(), String> {
     check_compression(header)?;
     ImageWindow::of_header(header).map(drop)
 }
 
+/// Makes a part from a decoded layer and from `image`, the attributes that all layers of the file share. The pixels are
+/// cropped to the display window.
+///
+/// # Errors
+/// A message about a layer that does not cover the display window.
 fn part(
     layer: Layer<exr::image::AnyChannels<FlatSamples>>,
     image: &ImageAttributes,

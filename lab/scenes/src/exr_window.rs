@@ -16,7 +16,8 @@ pub(super) struct ImageWindow {
 }
 
 impl ImageWindow {
-    /// The image's window within a part.
+    /// The image's window within a part. `position` and `stored` are the corner and the size of the part's pixels, and
+    /// `window` is the display window, all in pixels of the file's plane.
     ///
     /// # Errors
     /// A message about a part that does not cover its image.
@@ -25,6 +26,7 @@ impl ImageWindow {
         stored: Vec2<usize>,
         window: IntegerBounds,
     ) -> std::result::Result<Self, String> {
+        // The first shown pixel along one axis; `None` if the part does not cover the window.
         let axis = |position: i32, stored: usize, from: i32, size: usize| {
             let first = usize::try_from(i64::from(from) - i64::from(position)).ok()?;
             (first.checked_add(size)? <= stored && size > 0).then_some(first)
@@ -58,8 +60,8 @@ impl ImageWindow {
         Self::new(position, header.layer_size, header.shared_attributes.display_window)
     }
 
-    /// Crops values that are stored in rows to those of the image. Values are unchanged if their number is not that of the
-    /// pixels.
+    /// Crops a channel's values, stored in rows, to the image. A channel that has too few values for the part's pixels
+    /// is returned whole.
     pub(super) fn crop(&self, values: Vec<f32>) -> Vec<f32> {
         let Self { stored_width, first: [x, y], size: [width, height] } = *self;
         let is_all = [x, y] == [0, 0] && stored_width * height == values.len() && width == stored_width;

@@ -11,6 +11,7 @@ pub(super) struct FarScene {
     /// Offset that is subtracted from every place, in metres. Whole metres, unless the scene measures less than one, so
     /// that places can still be named.
     pub(super) centre: DVec3,
+    /// Diagonal of the scene's bounds, in metres.
     size: f64,
 }
 
@@ -34,6 +35,7 @@ impl FarScene {
 
     /// The note for a scene that is moved.
     pub(super) fn sentence(&self) -> String {
+        // The difference to 0 is never −0, which would be printed with its sign.
         let [x, y, z] = self.centre.to_array().map(|v| 0.0 - v);
         format!(
             "it lies {:.4e} m from the origin, too far for its size of {:.4e} m; it was moved by ({x}, {y}, {z}) m, \

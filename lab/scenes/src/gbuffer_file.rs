@@ -2,11 +2,12 @@
 //!
 //! Channels, as 32-bit floats: `R`, `G`, `B` for the linear lit colour; `depth` for the reversed depth after projection; `Z`
 //! for the view-space z in metres (0 for sky); `N.X`, `N.Y`, `N.Z` for the view-space normal; `roughness`; `reflectivity`; and
-//! `sky`: 1 where a surface shows the environment of [`sky`](super::sky), and 0 elsewhere. A file without the channel `sky` has
-//! no such surface; other renderers need not write it. Attributes: `viewToClip`, the projection with reversed depth, and
-//! OpenEXR's own `worldToCamera`, both as 4×4 matrices in Imath's row-vector order, left-handed, y up, z forward. `fovYRadians`
-//! or, for an orthographic projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat
-//! the projection exactly; if a file lacks them, the projection is taken from its matrix.
+//! `sky`: 1 where a surface shows the environment of [`sky`](super::sky), and 0 elsewhere. A file without the channel
+//! `sky` has no surface that shows the environment; other renderers need not write this channel. Attributes:
+//! `viewToClip`, the projection with reversed depth, and OpenEXR's own `worldToCamera`, both as 4×4 matrices in Imath's
+//! row-vector order, left-handed, y up, z forward. `fovYRadians` or, for an orthographic projection,
+//! `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; if
+//! a file lacks them, the projection is taken from its matrix.
 
 use super::exr_channels::{self, ExrChannels, axis, check};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
@@ -73,9 +74,9 @@ pub fn load(path: &Path) -> Result<GBufferData> {
 ///
 /// # Errors
 /// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or [`MAX_BYTES`].
-/// [`Error::Malformed`] also if it claims more pixels than its bytes can hold, is only a piece of an image, uses a lossy
-/// compression, or lacks a channel or the projection. For a value that is not finite or out of range, the error names the first
-/// such pixel of a channel.
+/// [`Error::Malformed`] also if the file claims more pixels than its bytes can hold, has only a piece of an image, uses
+/// a lossy compression, or lacks a channel or the projection. For a value that is not finite or out of range, the error
+/// names the first such pixel of a channel.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
     let wrong = |message: String| Error::malformed(path, None, message);
@@ -116,11 +117,12 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     Ok(GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface })
 }
 
+/// Whether a value is a number from 0 to 1.
 fn is_unit(value: f32) -> bool {
     (0.0..=1.0).contains(&value)
 }
 
-/// The view-space z of a reversed depth; 0 for sky.
+/// The view-space z, in metres, of a reversed depth; 0 for sky.
 fn view_z(depth: f32, lens: &Lens) -> f32 {
     let Lens { near_m: near, far_m: far, .. } = *lens;
     match lens.kind() {
@@ -130,7 +132,7 @@ fn view_z(depth: f32, lens: &Lens) -> f32 {
     }
 }
 
-/// The reversed depth of a view-space z; sky if z is outside the near and far planes.
+/// The reversed depth of a view-space z in metres; 0, as for sky, if z is not between the near and the far plane.
 pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
     let Lens { near_m: near, far_m: far, .. } = *lens;
     match lens.kind() {
@@ -140,7 +142,8 @@ pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
     }
 }
 
-/// Reads the camera from a layer's attributes.
+/// Reads the camera from a layer's attributes. `aspect`, width over height of the image, counts if the attributes give
+/// none.
 fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Camera, String> {
     let number = |name: &str| match attributes.other.get(&Text::from(name)) {
         Some(AttributeValue::F32(v)) => Some(*v),
@@ -175,7 +178,8 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
     Ok(made)
 }
 
-/// The lens, the aspect ratio and the numbers of a projection matrix with reversed depth.
+/// Reads a projection matrix with reversed depth; returns its lens, its aspect ratio and its numbers as a
+/// [`Projection`].
 fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
     let read = ReadProjection::new(m, true).map_err(|why| format!("viewToClip {why}"))?;
     if read.axis_signs != Vec3::ONE || !read.is_reversed {
@@ -188,8 +192,8 @@ fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>),
     Ok((lens, y / x, Some(read.projection)))
 }
 
-/// Far plane that replaces infinity in formulas, divided by the near plane; it is the one of the door for other renderers
-/// (`CameraInput`).
+/// Far plane that replaces infinity in formulas, divided by the near plane. The door for other renderers
+/// (`CameraInput`) uses the same number.
 const INFINITE_FAR: f32 = 1e7;
 
 #[cfg(test)]
@@ -197,6 +201,7 @@ mod tests {
     use super::*;
     use exr::meta::MetaData;
 
+    /// A G-buffer of 3 × 2 pixels, each with other values.
     fn sample() -> GBufferData {
         let lens = Lens::perspective(1.2, 0.25, 50.0);
         let camera = Camera::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 9.0), lens, 1.5);
@@ -214,6 +219,8 @@ mod tests {
         }
     }
 
+    /// Writes a G-buffer into a new folder, which is deleted when it is dropped; returns the folder and the path of the
+    /// file.
     fn written(gbuffer: &GBufferData) -> (tempfile::TempDir, std::path::PathBuf) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("g.exr");

@@ -42,7 +42,9 @@ const MAX_BYTES: u64 = 1 << 20;
 #[derive(Debug, Clone)]
 pub struct GBufferMap {
     path: PathBuf,
+    /// Whether the first row of the files is the lowest.
     bottom_up: bool,
+    /// The view to read from files with several views, such as one of two eyes.
     view: Option<String>,
     conventions: MapConventions,
     camera: MapCamera,
@@ -55,6 +57,7 @@ pub struct GBufferMap {
     position: Option<MapPosition>,
 }
 
+/// The sections of a map, whose keys are not checked yet.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct Sections {
@@ -143,6 +146,7 @@ impl GBufferMap {
         Ok(map)
     }
 
+    /// The order of rows and the view that the map states for all of its files.
     fn arrangement(&self) -> Arrangement<'_> {
         Arrangement { bottom_up: self.bottom_up, view: self.view.as_deref() }
     }
@@ -178,7 +182,7 @@ impl GBufferMap {
     }
 }
 
-/// The centre of a pixel in normalised device coordinates, with y up.
+/// The centre of a pixel in normalised device coordinates, with y up. Pixels are counted along rows, from the top.
 fn pixel_ndc([width, height]: [u32; 2], pixel: usize) -> DVec2 {
     let (x, y) = (pixel % width as usize, pixel / width as usize);
     DVec2::new((x as f64 + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / f64::from(height) * 2.0)

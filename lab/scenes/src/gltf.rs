@@ -126,17 +126,20 @@ pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec
 /// The sentences about unsupported features, each once.
 #[derive(Clone)]
 struct Notes {
+    /// The path of the file, as every sentence begins.
     file: String,
+    /// The kinds of sentences that were added.
     kinds: HashSet<String>,
     sentences: Vec<String>,
 }
 
 impl Notes {
+    /// No sentences yet about the file at `path`.
     fn new(path: &Path) -> Self {
         Self { file: path.display().to_string(), kinds: HashSet::new(), sentences: Vec::new() }
     }
 
-    /// A sentence about the file.
+    /// A sentence about the file, with the path of the file before it.
     fn about(&self, sentence: &str) -> String {
         format!("{}: {sentence}", self.file)
     }

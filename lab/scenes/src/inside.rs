@@ -18,7 +18,9 @@ pub const MOST_BYTES: u64 = 1 << 30;
 /// A file or a folder inside a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PathInFolder {
+    /// The folder that the user named, which is trusted.
     root: PathBuf,
+    /// The path below `root`, which may come from a stranger; empty for `root` itself.
     name: PathBuf,
 }
 
@@ -184,7 +186,7 @@ impl PathInFolder {
     /// Checks that files can be written into the folder.
     ///
     /// # Errors
-    /// [`Error::Io`] if they cannot.
+    /// [`Error::Io`] if no file can be written.
     pub fn check_writable(&self) -> Result<()> {
         let tried = self.join(temporary_name()).within(true, |folder, name| {
             folder.open_with(name, OpenOptions::new().write(true).create_new(true))?;
@@ -196,7 +198,7 @@ impl PathInFolder {
         })
     }
 
-    /// Calls `act` with the opened folder and the name inside it; a missing folder is made first if `make` is true.
+    /// Calls `act` with the opened root and the name below it; a missing root is made first if `make` is true.
     fn within<T>(&self, make: bool, act: impl FnOnce(&Dir, &Path) -> IoResult<T>) -> Result<T> {
         let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
         if !self.name.components().all(is_plain) {
@@ -211,10 +213,12 @@ impl PathInFolder {
         act(&folder, &self.name).map_err(|e| self.failed(action, e))
     }
 
+    /// An error about this file or folder, with a message.
     fn wrong(&self, message: &str) -> Error {
         Error::malformed(self.path(), None, message)
     }
 
+    /// An error about this file or folder, for an error of the system during `action`, such as "read".
     fn failed(&self, action: &'static str, e: std::io::Error) -> Error {
         // The library itself refuses a path that leads out of the folder, so that the error has no number of the system.
         if e.kind() == ErrorKind::PermissionDenied && e.raw_os_error().is_none() {
@@ -224,11 +228,12 @@ impl PathInFolder {
     }
 }
 
-/// Makes a folder and all folders above it; the empty name is `folder` itself.
+/// Makes the folder `name` below `folder`, and all folders between; the empty name is `folder` itself.
 fn make_all(folder: &Dir, name: Option<&Path>) -> IoResult<()> {
     let Some(name) = name.filter(|name| !name.as_os_str().is_empty()) else { return Ok(()) };
     folder.create_dir_all(name).or_else(|e| match e.kind() {
-        // Something else has the name. The error of opening it says more, since a link may lead out of the folder.
+        // Something else has the name. The error of opening this thing as a folder says more, since a link may lead out
+        // of the folder.
         ErrorKind::AlreadyExists => folder.open_dir(name).map(drop),
         _ => Err(e),
     })
@@ -261,10 +266,12 @@ impl From<&PathInFolder> for PathInFolder {
 mod tests {
     use super::*;
 
+    /// The message of an error; empty without an error.
     fn said<T>(outcome: Result<T>) -> String {
         outcome.err().map(|e| e.to_string()).unwrap_or_default()
     }
 
+    /// The names of a folder's entries.
     fn names(folder: &PathInFolder) -> Vec<String> {
         folder.list().expect("a folder").into_iter().map(|listed| listed.name).collect()
     }

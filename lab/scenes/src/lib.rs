@@ -52,6 +52,8 @@ impl Default for LoadOptions {
 }
 
 impl LoadOptions {
+    /// Checks that the options are in range.
+    ///
     /// # Errors
     /// [`Error::Usage`] for values out of range.
     fn check(&self) -> Result<()> {

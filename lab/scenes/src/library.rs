@@ -69,6 +69,7 @@ struct Finish {
     tint: Vec3,
     reflectivity: f32,
     roughness: f32,
+    /// Weight of the relief; 1 leaves the relief of the image unchanged.
     normal_deviation: f32,
 }
 
@@ -86,14 +87,17 @@ enum SurfaceLook {
 }
 
 impl Finish {
+    /// A finish with this look, roughness 0 and its full relief.
     const fn with_look(name: &'static str, look: SurfaceLook, reflectivity: f32) -> Self {
         Self { name, look, tint: Vec3::ONE, reflectivity, roughness: 0.0, normal_deviation: 1.0 }
     }
 
+    /// A finish with a repeating image.
     const fn new(name: &'static str, pattern: Pattern, reflectivity: f32) -> Self {
         Self::with_look(name, SurfaceLook::Pattern(pattern), reflectivity)
     }
 
+    /// A finish with one image from edge to edge, which does not reflect.
     const fn picture(name: &'static str, picture: Picture) -> Self {
         Self::with_look(name, SurfaceLook::Picture(picture), 0.0)
     }
@@ -103,14 +107,17 @@ impl Finish {
         Self::with_look(name, SurfaceLook::Paint, 0.0).tinted(red, green, blue)
     }
 
+    /// A finish that shows the sky.
     const fn window(name: &'static str) -> Self {
         Self::with_look(name, SurfaceLook::Window, 0.0)
     }
 
+    /// Multiplies the images by a linear colour.
     const fn tinted(self, red: f32, green: f32, blue: f32) -> Self {
         Self { tint: Vec3::new(red, green, blue), ..self }
     }
 
+    /// Sets how much the finish reflects, and how rough it is.
     const fn reflecting(self, reflectivity: f32, roughness: f32) -> Self {
         Self { reflectivity, roughness, ..self }
     }
@@ -120,7 +127,7 @@ impl Finish {
         Self { normal_deviation, ..self }
     }
 
-    /// An empty mesh with this material's texture scale.
+    /// An empty mesh with this finish's texture scale; `material` is the index of the finish in the scene's table.
     fn mesh(&self, name: impl Into<String>, material: usize) -> MeshBuilder {
         let image_m = if let SurfaceLook::Pattern(pattern) = self.look { pattern.size_m() } else { 1.0 };
         MeshBuilder::new(name, material, image_m)
@@ -136,6 +143,7 @@ struct Maps<T> {
 }
 
 impl SurfaceLook {
+    /// Makes the images of the look; `None` for a look without images.
     fn images(self) -> Option<Maps<Texture>> {
         match self {
             Self::Pattern(pattern) => {

@@ -43,6 +43,7 @@ impl Default for TexelInputs {
 }
 
 impl TexelInputs {
+    /// The values of a texel without an image of specular reflection.
     pub(super) fn new(base: DVec4, metallic: f64, emission: DVec4) -> Self {
         Self { base: rgb(base), metallic: metallic as f32, emission: rgb(emission), ..Self::default() }
     }
@@ -114,15 +115,17 @@ pub(super) fn white() -> Texture {
     Texture { name: "white".into(), width: 1, height: 1, rgba: vec![255; 4], encoding: Encoding::Srgb }
 }
 
+/// The colour of a texel, without its alpha.
 fn rgb(texel: DVec4) -> Vec3 {
     texel.truncate().as_vec3()
 }
 
+/// A number from 0 to 1 as a byte from 0 to 255.
 fn byte(unit: f32) -> u8 {
     (unit.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// An opaque grey texel.
+/// An opaque grey texel, from a number from 0 to 1.
 pub(super) fn grey(unit: f32) -> [u8; 4] {
     let value = byte(unit);
     [value, value, value, 255]

@@ -74,9 +74,9 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 ///
 /// # Errors
 /// [`Error::Io`] if a file cannot be read. [`Error::Malformed`], with file and line, for wrong statements, for vertices that
-/// are not finite, and for indices of vertices that are out of range. [`Error::Malformed`] also for files without any triangle,
-/// files that are not text of a byte for each character, and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files
-/// are given, or for options out of range.
+/// are not finite, and for indices of vertices that are out of range. [`Error::Malformed`] also for files without any
+/// triangle, files in UTF-16 or UTF-32, and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are
+/// given, or for options out of range.
 pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     let mut scene = load_unlit(files, options, None)?;
     scene.views = vec![viewpoint::default_view(&scene)];
@@ -160,10 +160,12 @@ fn load_file(
     Ok(())
 }
 
+/// Reads an OBJ or MTL file of at most [`MAX_FILE_BYTES`].
 fn read_limited(path: &Path) -> Result<Vec<u8>> {
     bounded::read(path, "a file", MAX_FILE_BYTES)
 }
 
+/// The name of a file without its folder and its ending.
 fn stem(path: &Path) -> String {
     path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default()
 }

@@ -65,6 +65,7 @@ pub(super) struct PathSection {
     pub(super) key: Vec<Spanned<KeySection>>,
 }
 
+/// A key frame as the file states it; `time` is in seconds.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct KeySection {
@@ -74,7 +75,8 @@ pub(super) struct KeySection {
 }
 
 impl SourceText<'_> {
-    /// Makes a path from the sections of a scene file. Errors name the line of the faulty section.
+    /// Makes a path from the sections of a file, whose places are multiplied by `extra_scale`. Errors name the line of
+    /// the faulty section.
     pub(super) fn path(
         &self,
         name: &str,
@@ -101,6 +103,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
+    /// A key frame that looks along +z.
     fn key(eye: [f32; 3], time_s: Option<f32>) -> KeyFrame {
         let eye = Vec3::from(eye);
         KeyFrame { eye, look_at: eye + Vec3::Z, time_s }

@@ -123,6 +123,7 @@ impl Pattern {
         }
     }
 
+    /// The name of the pattern in the names of its images.
     fn label(self) -> &'static str {
         match self {
             Self::Stones => "stones",
@@ -163,13 +164,14 @@ const FLOOR_SLABS: TileLook = TileLook {
 /// A texel of an image.
 #[derive(Debug, Clone, Copy)]
 struct Texel {
-    /// Its middle: (0, 0) is the top left of the image and (1, 1) the bottom right.
+    /// The middle of the texel: (0, 0) is the top left of the image and (1, 1) the bottom right.
     uv: Vec2,
-    /// Its number, row by row.
+    /// The number of the texel, row by row.
     index: usize,
 }
 
 impl Texel {
+    /// The texel of an image with this number, row by row.
     fn new(index: u32, [width, height]: [u32; 2]) -> Self {
         let corner = Vec2::new((index % width) as f32, (index / width) as f32);
         Self { uv: (corner + 0.5) / Vec2::new(width as f32, height as f32), index: index as usize }
@@ -177,6 +179,7 @@ impl Texel {
 }
 
 impl Wood {
+    /// Linear albedo of the palest grain.
     fn tone(self) -> Vec3 {
         match self {
             Self::Pale => Vec3::new(0.50, 0.33, 0.18),
@@ -187,6 +190,7 @@ impl Wood {
 }
 
 impl Dye {
+    /// Linear albedo of the cloth without its ornament.
     fn albedo(self) -> Vec3 {
         match self {
             Self::Red => Vec3::new(0.36, 0.045, 0.035),
@@ -286,15 +290,17 @@ fn normal_at(samples: &[Sample], k: u32, texel_m: f32) -> Vec3 {
     Vec3::new(-rightward, downward, 2.0 * texel_m).normalize()
 }
 
+/// An opaque texel from three numbers from 0 to 1, which are not encoded.
 fn rgba(colour: Vec3) -> [u8; 4] {
     [byte(colour.x), byte(colour.y), byte(colour.z), 255]
 }
 
-/// A linear colour as sRGB.
+/// An opaque texel from a linear colour, encoded as sRGB.
 fn srgba(colour: Vec3) -> [u8; 4] {
     [display_byte(colour.x), display_byte(colour.y), display_byte(colour.z), 255]
 }
 
+/// A number from 0 to 1 as a byte from 0 to 255.
 fn byte(x: f32) -> u8 {
     // The code avoids `f32::round`, since that is a call on processors that may lack SSE 4.1.
     let scaled = x.clamp(0.0, 1.0) * 255.0;
@@ -342,7 +348,7 @@ mod tests {
     fn every_pattern_has_period_one() {
         for pattern in ALL {
             let design = pattern.design();
-            // Noise repeats by itself (ssct_ground::math::noise), and is that of the texel here.
+            // Noise is read by the index of the texel, which stays; noise itself repeats (ssct_ground::math::noise).
             for texel in (0..400).map(|k| Texel::new(k * 655 + k % 97, [SIZE, SIZE])) {
                 let here = design(texel);
                 for period in [Vec2::X, Vec2::Y] {

@@ -24,9 +24,9 @@ pub use super::capture::WantedCaptures;
 /// fit into 200 MB.
 pub const AUTO_MOST: usize = 4;
 
-/// Least gain of a further capture that [`WantedCaptures::Auto`] places, as a share of what mirrors show beyond the screen. The
-/// gain is five times the standard error of such a share, √(p (1 − p) / n) for p = 0.005 and the n paths of [`mirrors`]. The
-/// chosen paths alone may cause a smaller gain.
+/// Least gain of a further capture that [`WantedCaptures::Auto`] places, as a share of what mirrors show beyond the
+/// screen. The gain is five times the standard error of such a share, √(p (1 − p) / n) for p = 0.005 and the n paths of
+/// [`mirrors`]. A smaller gain may come from the random choice of the paths alone.
 const AUTO_GAIN: f32 = 0.005;
 
 /// Weight of coarse texels against a capture: the weight of an end is 1 / (1 + `COARSENESS` · (texel's edge / pixel's edge)²).
@@ -34,7 +34,8 @@ const AUTO_GAIN: f32 = 0.005;
 /// The value is so small that resolution decides only between places that see almost equally much.
 const COARSENESS: f64 = 0.02;
 
-/// Least cosine of the angle at which a surface is seen; more oblique surfaces count as if they had it.
+/// Least cosine of the angle between the normal of a surface and the direction to the capture. More oblique surfaces
+/// count as seen at this angle.
 const COSINE_MIN: f64 = 0.01;
 
 /// Captures in the order of their gain, with the shares that they see.
@@ -52,15 +53,15 @@ pub struct Placement {
     pub stands: Vec<Vec3>,
 }
 
-/// Gives a scene the captures that are wanted, and returns what they see.
+/// Gives a scene the captures that are wanted, and returns them with the shares that they see.
 pub fn with_captures(scene: &mut Scene, wanted: WantedCaptures) -> Placement {
     let placement = place(scene, wanted);
     scene.captures.clone_from(&placement.captures);
     placement
 }
 
-/// A function that places the captures of a scene when called: it runs [`place`] in a copy of the scene, with the captures that
-/// the scene has by then.
+/// A function that places the captures of a scene when called: it runs [`place`] in a copy of the scene, with the
+/// captures of the scene file that its caller passes.
 pub fn finder(scene: &Scene) -> impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + use<> {
     let bare = RefCell::new(placement_scene(scene));
     move |own, wanted| {
@@ -139,6 +140,7 @@ impl CaptureSearch<'_> {
             // The first of equal gains is taken, so that the result does not depend on threads.
             let best = (0..gains.len()).rev().max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
             let Some(index) = best.filter(|i| gains[*i] > 0.0) else { break };
+            // A candidate whose row was taken away has no gain, so that no candidate is tried twice.
             let row = std::mem::take(&mut rows[index]);
             let candidate = &candidates[index];
             if !space::is_clear(self.triangles, candidate) {
@@ -159,11 +161,13 @@ impl CaptureSearch<'_> {
             .collect()
     }
 
-    /// The gain of a candidate; 0 if its row is empty.
+    /// The gain of a candidate with this row: by how much it shows ends better than the captures so far, summed over
+    /// all ends. The gain of an empty row is 0.
     fn gain(&self, row: &[f32]) -> f32 {
         row.iter().zip(&self.best).map(|(new, best)| (new - best).max(0.0)).sum()
     }
 
+    /// Adds a capture with its row, and the share of the ends that the captures see by now.
     fn take(&mut self, capture: Capture, row: &[f32]) {
         self.best.iter_mut().zip(row).for_each(|(best, new)| *best = best.max(*new));
         let seen = self.best.iter().filter(|b| **b > 0.0).count();
@@ -182,8 +186,8 @@ fn shown_share(place: DVec3, end: &MirrorEnd) -> f32 {
     (1.0 / (1.0 + COARSENESS * (texel / pixel).powi(2))) as f32
 }
 
-/// Whether no surface lies between two points. The last 0.1 mm plus 0.1 ‰ of the way are ignored, since the second point's own
-/// surface is there.
+/// Whether no surface lies between two points. The last 0.1 mm plus 0.1 ‰ of the way are ignored, since the surface of
+/// the second point itself is there.
 pub fn sees(triangles: &Triangles, from: DVec3, to: DVec3) -> bool {
     let way = to - from;
     let length = way.length();

@@ -29,19 +29,19 @@ const DEFAULT: &str = "default";
 
 /// Loads a scene file and the files that it names; their paths are relative to it.
 ///
-/// Places, directions and paths are in the coordinates that the key `coordinates` names. Without the key they are in the
-/// coordinates of the OBJ files (`handedness`), and without OBJ files right-handed, as in glTF. The loaded scene has the
-/// program's own left-handed coordinates. A view that sees almost nothing adds a warning ([`Scene::warnings`]).
+/// Places, directions and paths are in the coordinates that the key `coordinates` names. Without this key, places are
+/// in the coordinates of the OBJ files (`handedness`), and without OBJ files right-handed, as in glTF. The loaded scene
+/// has the program's own left-handed coordinates. A view that sees almost nothing adds a warning ([`Scene::warnings`]).
 ///
 /// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and everything that the file states in
 /// metres (views and their clip planes, point lights, probes, impostors, area lights, captures). The square of the scale
 /// multiplies the energies of point lights, which are squared lengths.
 ///
 /// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets the lights or views of its glTF
-/// files, or else the defaults of an OBJ file. Without a `[[probe]]` it gets a probe at the centre of its bounds. A
-/// `[path.NAME]` with `[[path.NAME.key]]` tables is a camera path ([`super::path`]), and a `[motion.NAME]` with
-/// `[[motion.NAME.key]]` tables moves meshes. A material's section overrides the MTL file; `[material.default]` applies to all
-/// materials without a section of their own. A section for a material that no mesh has adds a warning.
+/// files, or else the defaults of an OBJ file. Without a `[[probe]]` the scene gets a probe at the centre of its
+/// bounds. A `[path.NAME]` with `[[path.NAME.key]]` tables is a camera path ([`super::path`]), and a `[motion.NAME]`
+/// with `[[motion.NAME.key]]` tables moves meshes. A material's section overrides the MTL file; `[material.default]`
+/// applies to all materials without a section of their own. A section for a material that no mesh has adds a warning.
 ///
 /// # Errors
 /// The errors of [`obj::load`] and [`gltf::load`], and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
@@ -57,6 +57,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         Some(scale) => source.positive("scale", scale)?,
         None => 1.0,
     };
+    // The default lens is in metres, so that the scale of the options changes its planes, too.
     let metre = Lens::default();
     let metre = metre.scaled(extra_scale);
     let lens = source.lens(&sections.camera, (metre, extra_scale), 0..0)?;
@@ -139,7 +140,8 @@ pub fn coordinates(path: &Path) -> Result<Handedness> {
     Ok(SourceText { path, text: &text }.deserialized::<Sections>()?.coordinates())
 }
 
-/// Adds the contents of a glTF file to a scene.
+/// Adds the contents of a glTF file to a scene. All materials of the file become lit, or show the sky, as `surface`
+/// says.
 fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
     let (materials, textures) = (scene.materials.len(), scene.textures.len());
     other.meshes.iter_mut().for_each(|m| m.material += materials);
@@ -159,6 +161,7 @@ fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
     scene.notes.append(&mut other.notes);
 }
 
+/// The contents of a scene file, whose values are not checked yet.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sections {
@@ -196,6 +199,7 @@ impl Sections {
         Handedness::of_places(self.coordinates, self.handedness, self.has_obj())
     }
 
+    /// Whether any mesh comes from an OBJ file.
     fn has_obj(&self) -> bool {
         self.mesh.iter().any(|mesh| !gltf::is_named(Path::new(mesh.file.get_ref())))
     }
@@ -215,6 +219,7 @@ impl Sections {
     }
 }
 
+/// A `[[mesh]]` section: a file, and what its surfaces show.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MeshSection {
@@ -231,6 +236,7 @@ enum SurfaceName {
     Sky,
 }
 
+/// The changes of a material, in `[material.NAME]` or in a view.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ChangeSection {
@@ -255,6 +261,7 @@ struct LightSection {
     energy: Spanned<f32>,
 }
 
+/// The keys of a lens; lengths are in metres.
 #[derive(Deserialize, Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields)]
 struct LensSection {
@@ -278,6 +285,7 @@ struct ViewSection {
 }
 
 impl SourceText<'_> {
+    /// A number, which must be finite and above 0; `what` names its key in errors.
     fn positive(&self, what: &str, value: &Spanned<f32>) -> Result<f32> {
         let number = *value.get_ref();
         if number.is_finite() && number > 0.0 {
@@ -286,6 +294,7 @@ impl SourceText<'_> {
         Err(self.error(value.span(), format!("{what} must be a number > 0, not {number}")))
     }
 
+    /// An optional number, which must lie in 0 to 1; `what` names its key in errors.
     fn unit(&self, what: &str, value: &Option<Spanned<f32>>) -> Result<Option<f32>> {
         match value {
             Some(v) if !(0.0..=1.0).contains(v.get_ref()) => {
@@ -295,6 +304,7 @@ impl SourceText<'_> {
         }
     }
 
+    /// A vector of three finite numbers; `what` names its key in errors.
     pub(super) fn vector(&self, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
         let vector = Vec3::from(*value.get_ref());
         if vector.is_finite() {
@@ -357,6 +367,7 @@ impl SourceText<'_> {
         Ok(lens)
     }
 
+    /// Checks a `[[light]]` section; a scale enlarges a point light, with its energy as a squared length.
     fn light(&self, section: &Spanned<LightSection>, extra_scale: f32) -> Result<Light> {
         let LightSection { kind, position, direction, energy } = section.get_ref();
         let energy = self.positive("energy", energy)?;
@@ -391,6 +402,7 @@ impl SourceText<'_> {
         sections.into_iter().map(|(name, section)| self.view(name, section, base, extra_scale)).collect()
     }
 
+    /// Checks a `[view.NAME]` section. The view has the lens `base` with its own changes, if there are any.
     fn view(&self, name: String, section: Spanned<ViewSection>, base: Lens, extra_scale: f32) -> Result<View> {
         let span = section.span();
         let ViewSection { eye, look_at, fov_y_deg, orthographic_height_m, near, far, materials } = section.into_inner();
@@ -408,6 +420,7 @@ impl SourceText<'_> {
         Ok(View { name, eye, look_at, lens, materials })
     }
 
+    /// Checks the changes of materials, by the names of the materials.
     fn changes(&self, sections: BTreeMap<String, ChangeSection>) -> Result<BTreeMap<String, MaterialChange>> {
         let change = |(name, section): (String, ChangeSection)| {
             let change = MaterialChange {
@@ -420,6 +433,7 @@ impl SourceText<'_> {
         sections.into_iter().map(change).collect()
     }
 
+    /// Finds the files of the `[[mesh]]` sections; glTF files are among the result, too.
     fn meshes(&self, sections: Vec<MeshSection>) -> Result<Vec<ObjFile>> {
         if sections.is_empty() {
             return Err(Error::malformed(self.path, None, "a scene file needs at least one [[mesh]]"));

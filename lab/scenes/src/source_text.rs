@@ -104,6 +104,7 @@ fn remove_key(table: &mut DeTable, place: &Range<usize>) -> bool {
     table.iter_mut().any(|(_, value)| remove_key_within(value.get_mut(), place))
 }
 
+/// Removes the key at a byte range of a text from the tables within a value; `false` if no key is there.
 fn remove_key_within(value: &mut DeValue, place: &Range<usize>) -> bool {
     match value {
         DeValue::Table(table) => remove_key(table, place),
@@ -131,7 +132,7 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
 /// Reads a text as [`read`] does, but bytes that are not UTF-8 count as Latin-1, since comments in programs may have any bytes.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Malformed`] for a longer text, and for a text with more than a byte for each character.
+/// [`Error::Io`]; [`Error::Malformed`] for a longer text, and for a text in UTF-16 or UTF-32.
 pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
     let bytes = bounded::read(path, what, most)?;
     decode(path, &bytes).map(Cow::into_owned)
@@ -141,7 +142,7 @@ pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
 /// different.
 ///
 /// # Errors
-/// [`Error::Malformed`] for a text with more than a byte for each character.
+/// [`Error::Malformed`] for a text in UTF-16 or UTF-32.
 pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     if let Some(name) = encoding::wide_encoding(bytes) {
         return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));

@@ -79,6 +79,7 @@ pub(super) fn unit_values(bytes: &[u8], path: &Path) -> Result<([u32; 2], Vec<f3
     Ok((size, values))
 }
 
+/// Decodes the bytes of an image file in the image's own format, after its size is checked.
 fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
     let malformed = |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
     let mut reader = ImageReader::new(Cursor::new(bytes));
@@ -259,6 +260,7 @@ fn green_correlation(texture: &Texture) -> f64 {
     both / (left_squared * right_squared).sqrt().max(f64::MIN_POSITIVE)
 }
 
+/// Replaces each texel by an opaque grey one, whose byte is a function of the texel's bytes.
 fn map_to_grey(mut texture: Texture, value: impl Fn(&[u8]) -> u8) -> Texture {
     for texel in texture.rgba.chunks_exact_mut(4) {
         let grey = value(texel);
@@ -298,6 +300,7 @@ fn encoded_luminance(texel: &[u8]) -> f32 {
     luminance(Vec3::new(texel[0].into(), texel[1].into(), texel[2].into()) / 255.0)
 }
 
+/// The linear colour of a texel in sRGB.
 fn srgb_to_linear(texel: &[u8]) -> Vec3 {
     let decode = |byte: u8| {
         let c = f32::from(byte) / 255.0;
@@ -306,10 +309,12 @@ fn srgb_to_linear(texel: &[u8]) -> Vec3 {
     Vec3::new(decode(texel[0]), decode(texel[1]), decode(texel[2]))
 }
 
+/// A number from 0 to 1 as a byte from 0 to 255.
 fn to_byte(unit: f32) -> u8 {
     (unit.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
+/// The vector that a texel of a normal map stands for: bytes from 0 to 255 become −1 to 1.
 fn decode_vector(texel: &[u8]) -> Vec3 {
     Vec3::new(texel[0].into(), texel[1].into(), texel[2].into()) / 127.5 - 1.0
 }
@@ -319,6 +324,7 @@ fn is_unused(texel: &[u8]) -> bool {
     texel[..3].iter().all(|&byte| byte <= 8)
 }
 
+/// The bytes of a unit vector in a normal map.
 fn encode_vector(unit: Vec3) -> [u8; 3] {
     (unit * 0.5 + 0.5).to_array().map(to_byte)
 }
@@ -327,12 +333,14 @@ fn encode_vector(unit: Vec3) -> [u8; 3] {
 mod tests {
     use super::*;
 
+    /// A grey image whose bytes are a function of column and row.
     fn grey(width: u32, height: u32, value: impl Fn(u32, u32) -> u8) -> Texture {
         let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let rgba = texels.flat_map(|(x, y)| [value(x, y), value(x, y), value(x, y), 255]).collect();
         Texture { name: "grey".into(), width, height, rgba, encoding: Encoding::Srgb }
     }
 
+    /// The normal at a texel of a normal map.
     fn normal_at(map: &Texture, x: u32, y: u32) -> Vec3 {
         let offset = 4 * (y * map.width + x) as usize;
         decode_vector(&map.rgba[offset..offset + 4])
@@ -366,6 +374,7 @@ mod tests {
         assert!(is_normal_map(&normal_map_from_height(&bumps, 2.0)));
     }
 
+    /// A smooth height field of 32 × 32 texels.
     fn bumps() -> Texture {
         let wave = |x: u32, y: u32| (0.4 * x as f32).sin() * (0.3 * y as f32).cos() * 90.0 + 128.0;
         grey(32, 32, |x, y| wave(x, y) as u8)

@@ -25,6 +25,7 @@ pub(super) fn default_view(scene: &Scene) -> View {
     let centre = 0.5 * (bounds.min + bounds.max);
     let directions = directions();
     let mut seen = first_hits(scene, &rays_from(centre, &directions));
+    // The first two hits are below and above the centre.
     let around = seen.split_off(2);
     let directions = &directions[2..];
     let eye = if is_interior(&seen, &around) {
@@ -59,6 +60,7 @@ fn directions() -> Vec<Vec3> {
     [Vec3::NEG_Y, Vec3::Y].into_iter().chain(around).collect()
 }
 
+/// Rays from one place in several directions.
 fn rays_from(origin: Vec3, directions: &[Vec3]) -> Vec<Ray> {
     directions.iter().map(|&direction| Ray { origin, direction }).collect()
 }
@@ -80,6 +82,7 @@ pub(super) fn default_light() -> Light {
     Light::Directional { direction: Vec3::new(-0.3, -1.0, 0.25).normalize(), energy: 1.0 }
 }
 
+/// Unit vectors in [`AZIMUTHS`] directions around, each with this ratio of height to horizontal length.
 fn round(height: f32) -> impl Iterator<Item = Vec3> {
     (0..AZIMUTHS).map(move |i| {
         let (sin, cos) = (i as f32 / AZIMUTHS as f32 * std::f32::consts::TAU).sin_cos();

@@ -67,7 +67,7 @@ pub struct CapturesOptions {
     device: DeviceOptions,
 }
 
-/// Runs the command.
+/// Places a scene's captures, writes the files that the options ask for, and prints a record of each capture.
 pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
     let mut scene = resolve::load(&options.scene, &LoadOptions { scale: options.scale, ..LoadOptions::default() })?;
     let mut placement = with_captures(&mut scene, options.captures);
@@ -103,7 +103,7 @@ fn coordinates(sources: &[PathBuf]) -> crate::error::Result<Handedness> {
     }
 }
 
-/// Draws captures of a scene and writes the folder ([`capture_file`]).
+/// Draws captures of a scene, and writes their images and their list into a folder ([`capture_file`]).
 fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: &Path) -> anyhow::Result<()> {
     let view = match &options.view {
         Some(name) => Some(scene.view(name)?),

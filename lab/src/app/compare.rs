@@ -109,6 +109,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
     }
 }
 
+/// The kind of records or image that a path holds.
 fn sort(path: &Path) -> Result<PathContent> {
     let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     if path.join(SHADERS).is_file() && !path.join(SAMPLES).is_file() {
@@ -124,6 +125,7 @@ fn sort(path: &Path) -> Result<PathContent> {
     Err(Error::usage(format!("{}: neither a folder of times, a .csv, a .png nor an .exr file", path.display())))
 }
 
+/// Compares the times of two runs or of two settings. With `--fail-on-slower`, a slower total is an error.
 fn times(options: &CompareOptions) -> anyhow::Result<()> {
     let threshold = options.threshold.unwrap_or(THRESHOLD);
     check_threshold(threshold)?;
@@ -190,6 +192,7 @@ fn load(path: &Path) -> Result<Run> {
     Ok(Run { name, device, samples: files::read_samples(&PathInFolder::file(file))? })
 }
 
+/// Compares the compiled programs of two folders.
 fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("shaders")?;
     let paths = [&options.first, options.second()?];
@@ -207,6 +210,7 @@ fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
     print(options, json, text)
 }
 
+/// Compares two images of one size.
 fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("images")?;
     let [a, b] = [&options.first, options.second()?].map(|p| (p.display().to_string(), images::read_image(p)));
@@ -222,6 +226,7 @@ fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
     print(options, || files::json(std::slice::from_ref(&found)), || report::images(&found))
 }
 
+/// Prints the result as JSON or as text, as the options say.
 fn print(options: &CompareOptions, json: impl Fn() -> String, text: impl Fn() -> String) -> anyhow::Result<()> {
     let said = if options.json { json() } else { text() };
     printed::out().write_all(said.as_bytes())?;

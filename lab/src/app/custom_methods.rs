@@ -64,7 +64,8 @@ fn includes(arguments: &[OsString]) -> Vec<PathBuf> {
     behind.chain(arguments.iter().filter_map(with)).collect()
 }
 
-/// The value of a flag with names in place of folders.
+/// The value of a flag, with the names of methods in place of their folders. `known` has the folders that were added,
+/// each with the name of its method.
 fn names(flag: &str, value: &str, known: &mut HashMap<PathBuf, &'static str>) -> Result<String> {
     let mut name = |text: &str| -> Result<String> {
         let Some(folder) = custom::folder(text) else { return Ok(text.to_owned()) };

@@ -11,9 +11,9 @@ use crate::study::sweep;
 use clap::Args;
 use ssct_scenes::{Scene, View, library};
 
-/// Pixels of a quick study.
+/// Width and height in pixels of a quick study.
 pub const QUICK_SIZE: [u32; 2] = [320, 180];
-/// Views of a quick study.
+/// Number of views of a quick study.
 pub const QUICK_VIEWS: usize = 2;
 /// Roughness values of a quick study.
 pub const QUICK_ROUGHNESS: [f32; 2] = [0.0, 0.1];

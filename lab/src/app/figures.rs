@@ -109,6 +109,7 @@ struct OwnScene {
 }
 
 impl OwnScene {
+    /// Loads the scene of a file, whose views say which printed scene it is.
     fn load(path: &Path) -> Result<Self> {
         let file = path.to_string_lossy().into_owned();
         if !path.is_file() {

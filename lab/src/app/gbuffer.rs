@@ -21,6 +21,7 @@ pub fn run(command: &GBufferCommand) -> anyhow::Result<()> {
     }
 }
 
+/// Draws a view of a scene, and writes the G-buffer of the view to a file.
 fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
     let place = &options.place;
     let globals = resolve::one_globals(place, "a G-buffer has one roughness a pixel")?;
@@ -38,6 +39,7 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Runs a method on the G-buffer of a file, and writes the image.
 fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     images::check_extension(&options.output)?;
     let method = methods::find(&options.method)?;
@@ -71,6 +73,7 @@ fn for_one_image(setup: Setup) -> Setup {
     if is_given { setup } else { setup.with(|effect: &mut EffectParams| effect.own_rays = OwnRays::Sixteen) }
 }
 
+/// Reads another renderer's G-buffer by a map, and writes it in our conventions.
 fn convert(options: &GBufferConvertOptions) -> anyhow::Result<()> {
     let data = load(&options.file, Some(&options.gbuffer_map))?;
     files::write(&options.output, &gbuffer_file::encode(&data, &options.output)?)?;

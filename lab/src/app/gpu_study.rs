@@ -77,9 +77,13 @@ pub struct GpuStudyOptions {
 
 /// How much the study measures.
 struct Plan {
+    /// Width and height in pixels of the frames that are timed.
     size: [u32; 2],
+    /// Number of frames that are timed for each measurement.
     samples: usize,
+    /// The sizes of table 5.8 that are measured.
     table_sizes: Vec<[u32; 2]>,
+    /// Number of views on which the study measures.
     views: usize,
 }
 
@@ -119,7 +123,7 @@ impl Plan {
         self.time(gpu, place, variants, vec![self.size], vec![table_5_8::factors(0.1, 1.0)])
     }
 
-    /// The thesis's table 5.8.
+    /// The measurement of the thesis's table 5.8.
     fn table<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let variants = Variant::for_methods(&table_5_8::methods(), &Setup::new(self.size));
         let globals = table_5_8::ROUGHNESS.map(|roughness| table_5_8::factors(roughness, 1.0)).to_vec();
@@ -152,6 +156,7 @@ impl Plan {
         Ok(self.time(gpu, place, variants, vec![TIMED_SIZE], globals))
     }
 
+    /// The roughness values at which the README's variants are measured in a scene.
     fn readme_roughness(&self, (scene, _): &Place) -> &'static [f32] {
         let is_of_the_screen = readme::SCREEN_SCENES.contains(&scene.name.as_str());
         if is_of_the_screen && !self.is_quick() { &sweep::ROUGHNESS } else { &sweep::ROUGHNESS[..1] }
@@ -172,6 +177,7 @@ impl Plan {
         if self.is_quick() { 1 } else { self.views }
     }
 
+    /// True if the plan is that of a quick study.
     fn is_quick(&self) -> bool {
         self.views < VIEWS.len()
     }
@@ -205,6 +211,7 @@ fn triangles_variant(setup: &Setup, first: FirstTraced) -> Variant {
     Variant { method: &unified::INFO, setup: setup.with(|p: &mut UnifiedParams| p.first = first) }
 }
 
+/// The global factors that give every material one roughness.
 fn of_roughness(roughness: f32) -> Globals {
     Globals { roughness: Some(roughness), ..Globals::default() }
 }
@@ -212,6 +219,7 @@ fn of_roughness(roughness: f32) -> Globals {
 /// A scene with one of its views.
 type Place = (Scene, View);
 
+/// Makes a built-in scene, and finds one of its views.
 fn place([scene, view]: [&str; 2]) -> Result<Place> {
     let scene = library::scene(scene).ok_or_else(|| Error::usage(format!("there is no scene {scene}")))?;
     let view = scene.view(view)?.clone();
@@ -396,6 +404,7 @@ fn of_the_screen<'a>(spec: &AgreementSpec<'a>) -> AgreementSpec<'a> {
     AgreementSpec { methods, ..spec.clone() }
 }
 
+/// The stem of the names of the kept files: the roughness of the comparison.
 fn stem(spec: &AgreementSpec) -> String {
     spec.globals.roughness.unwrap_or_default().to_string()
 }

@@ -169,10 +169,12 @@ pub fn of_one_command<P: CommandFactory>(arguments: &[OsString]) -> Command {
     arrange(command, &name, asks_for_summary(arguments))
 }
 
+/// True if the arguments ask for the short help, by `-h`.
 fn asks_for_summary(arguments: &[OsString]) -> bool {
     arguments.iter().any(|argument| argument == "-h")
 }
 
+/// The command line: the overview is its help, and each command is arranged for the short or for the long help.
 fn arranged_command(is_short: bool) -> Command {
     let command = Cli::command();
     // A command that hands its arguments on to another program leaves the help to that program, too.
@@ -224,6 +226,7 @@ fn arrange(command: Command, path: &str, is_short: bool) -> Command {
     if is_short && nested.is_empty() { short(command, path) } else { long(command) }
 }
 
+/// The options `--help` and `--version`, which take the place of clap's own.
 fn help_options() -> [Arg; 2] {
     let help = Arg::new("help").short('h').long("help").action(ArgAction::Help);
     let version = Arg::new("version").short('V').long("version").action(ArgAction::Version);

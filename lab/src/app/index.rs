@@ -100,6 +100,7 @@ fn relative_path(output: &Path, library: &Path) -> Result<Option<String>> {
     Ok(library.strip_prefix(&output).ok().map(parts))
 }
 
+/// The command as the page shows it.
 fn command(options: &IndexOptions) -> String {
     let output = options.output.as_ref().map(|o| format!(" -o {}", o.display())).unwrap_or_default();
     format!("ssct index {}{output} --base {} --threshold {}", options.folder.display(), options.base, options.threshold)

@@ -112,6 +112,7 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     passed(&rows)
 }
 
+/// Writes the results into the folder of the run, if the run has a folder, and prints them.
 fn write<R: Row>(to: &RunOptions, list: &CellList, journal: &Journal, rows: &[R]) -> anyhow::Result<()> {
     let missing = engine::missing::<R>(list, journal);
     let results = Results { rows, list, missing: &missing };

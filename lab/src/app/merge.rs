@@ -96,6 +96,7 @@ fn check_nothing_is_lost(folder: &PathInFolder, merged: &MergedRun) -> Result<()
     )))
 }
 
+/// True if two paths lead to one folder that exists.
 fn same_folder(a: &Path, b: &Path) -> bool {
     a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
@@ -132,6 +133,7 @@ struct DrawnFigure {
     entry: Entry,
 }
 
+/// The error for a result that is no figure.
 fn unreadable(e: serde_json::Error) -> Error {
     Error::malformed(run_folder::JOURNAL, None, format!("holds a result that cannot be read: {e}"))
 }
@@ -182,6 +184,7 @@ fn pictures_of(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -
     inputs.iter().flat_map(of_run).collect()
 }
 
+/// Prints how many cells of how many devices were merged, and which cells are missing.
 fn report(options: &MergeOptions, merged: &MergedRun) -> anyhow::Result<()> {
     let mut out = printed::out();
     let (cells, missing) = (merged.cells.cells.len(), &merged.missing);

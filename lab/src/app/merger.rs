@@ -38,7 +38,7 @@ impl Merger {
         let results = ResultKind {
             read: |list, listed, journal| {
                 let is_whole = S::Row::is_whole(list, listed, journal);
-                // No two runs must have the same samples.
+                // Samples of times have keys of their own and are not compared, since they differ from run to run.
                 is_whole.then(|| journal.value(&listed.key).cloned().unwrap_or_default())
             },
             is_time: |name| S::Row::columns().times.contains(name),

@@ -168,6 +168,7 @@ fn heading(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
     format!("Parameters of {}", names.join(", "))
 }
 
+/// The parser of a parameter that takes few values, all of which the help lists.
 fn possible(parameter: &Parameter) -> ValueParser {
     let few = match &parameter.domain {
         Domain::Choices(all) => all.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim())).collect(),
@@ -295,7 +296,7 @@ mod tests {
         MethodOptions::from_arg_matches(&command.try_get_matches_from(flags)?)
     }
 
-    /// Every parameter of every method has a flag, and what the flag gives reaches the recorded setup.
+    /// Every parameter of every method has a flag, and the value of the flag reaches the recorded setup.
     #[test]
     fn every_parameter_has_a_flag_that_reaches_the_record() {
         for method in METHODS {

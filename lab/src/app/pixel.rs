@@ -42,6 +42,7 @@ pub fn check([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Result<()> {
     Err(outside([x, y], [width, height]))
 }
 
+/// The error for a pixel outside of a picture.
 fn outside([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Error {
     let (right, bottom) = (width.saturating_sub(1), height.saturating_sub(1));
     Error::usage(format!(

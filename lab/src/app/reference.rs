@@ -22,7 +22,8 @@ use std::path::{Path, PathBuf};
 /// Rays a pixel that are traced before the program can stop again, where no standard error is asked for.
 const RAYS_AT_ONCE: u32 = 4;
 
-/// Samples until the standard error is met. Samples that were taken before for the same image are used again.
+/// Takes samples of the world reference until the standard error is met, and writes the image. Samples that were kept
+/// for the same image are used again.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let looks_inside = options.dump.is_some() || options.figure.is_some() || options.pixel.is_some();
@@ -76,8 +77,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Samples until a target is met, beginning with the samples of the same reference in a folder, and keeps all samples there. `progress` is
-/// called after each pass, and its error ends the sampling.
+/// Takes samples until a target is met, beginning with the samples of the same reference in the folder `cache`, and
+/// keeps all samples there. `progress` is called after each pass, and its error ends the sampling.
 fn sample(
     reference: &WorldReference,
     target: &SamplingTarget,
@@ -153,6 +154,7 @@ fn target(options: &RenderOptions) -> SamplingTarget {
     }
 }
 
+/// Colours as an image of four channels, of which the fourth is 1.
 fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
     Pixels { width, height, channels: 4, values: color.iter().flat_map(|c| c.extend(1.0).to_array()).collect() }
 }

@@ -80,7 +80,7 @@ impl ReferencePart {
         part_file(folder, &self.fingerprint, &(self.samples[0]..self.samples[1]))
     }
 
-    /// The name of the reference, for people.
+    /// The name of the reference in messages: scene, view and size.
     fn name(&self) -> String {
         let [width, height] = self.size;
         format!("{} {} {width}x{height}", self.scene, self.view)
@@ -202,6 +202,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     report(options, &merged, &missing)
 }
 
+/// Prints the rays of each merged reference with the command that shows it, and the samples that are missing.
 fn report(options: &MergeOptions, merged: &[(ReferencePart, WorldPart)], missing: &[String]) -> anyhow::Result<()> {
     let mut out = printed::out();
     if options.json {

@@ -103,7 +103,7 @@ pub fn setup(options: &RenderOptions) -> Setup {
     options.figure.map_or(setup.clone(), |f| f.setup(&setup))
 }
 
-/// The passes that the frame recorded and those that it left out, one a line.
+/// The passes that the frame recorded and those that it left out, one in each line.
 fn explain(rendered: &image::RenderedImage, prepared: &Prepared) -> String {
     let drawn = &rendered.drawn;
     let mut text = format!("meshes: {} drawn, {} culled; {} triangles\n", drawn.meshes, drawn.culled, drawn.triangles);

@@ -16,7 +16,7 @@ use ssct_scenes::{CameraPath, FieldOfView, Lens, LoadOptions, Motion, Scene, Vie
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Opens the device.
+/// Opens the device that the flags choose.
 pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
     Ok(Gpu::open(&DeviceQuery {
         device: options.device.clone(),
@@ -26,7 +26,8 @@ pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
     })?)
 }
 
-/// Makes a call fail, so that a user can try what happens then. The variable SSCT_FAULT names the call, as in `submission:7`.
+/// A watch that makes one call fail, so that a user can try what happens then. The variable SSCT_FAULT names the call,
+/// as in `submission:7`; `None` without the variable.
 fn watch() -> Result<Option<Arc<Watch>>> {
     let Some(fault) = std::env::var("SSCT_FAULT").ok().filter(|f| !f.is_empty()) else { return Ok(None) };
     let watch = Arc::<Watch>::default();

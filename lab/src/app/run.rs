@@ -43,6 +43,7 @@ impl Run {
         Self::listening(journal, Some((claim, folder.to_owned())))
     }
 
+    /// A run that listens for signals: the first asks the run to stop, and the second ends the process at once.
     fn listening(journal: Journal, claim: Option<(FolderClaim, PathBuf)>) -> Result<Self> {
         let again = Arc::<AtomicBool>::default();
         for signal in [SIGINT, SIGTERM] {
@@ -57,7 +58,7 @@ impl Run {
     /// Writes the list of the run's cells into its folder, if there is one.
     ///
     /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) if it cannot be written.
+    /// [`Io`](ssct_ground::Error::Io) if the list cannot be written.
     pub fn list(&self, cells: &CellList) -> Result<()> {
         self.claim.as_ref().map_or(Ok(()), |(claim, _)| claim.list(cells))
     }

@@ -130,7 +130,7 @@ impl Plan {
         Ok(Some(self.time(gpu, atrium, atrium.view("hall")?, &table::methods(), sizes, globals)))
     }
 
-    /// The quick error study of the rooms: two views, a mirror and a glossy one, methods as published.
+    /// The quick error study of the rooms: two views, a mirror and a glossy surface, methods as published.
     fn errors<'a>(&self, gpu: &Gpu, scenes: &[Scene]) -> Result<Option<Part<'a>>> {
         let Some(rooms) = scenes.iter().find(|s| s.name == "rooms") else { return Ok(None) };
         let globals = QUICK_ROUGHNESS.map(|r| Globals { roughness: Some(r), ..Globals::default() }).to_vec();
@@ -164,7 +164,7 @@ enum Part<'a> {
     Pictures { scene: String, view: View, methods: Vec<&'static MethodInfo> },
     /// Table 5.8.
     Table(TimeSpec<'a>),
-    /// Errors of views, by a study that is there until it was made.
+    /// Errors of views: the study, which is taken out when it is made, and its list of cells.
     Errors(Box<(RefCell<Option<ErrorStudy>>, CellList)>),
     /// Figures of the thesis, on a scene.
     Figures(&'a Scene),
@@ -330,7 +330,7 @@ impl<'a> Study<'a> {
         Ok(())
     }
 
-    /// A scene, which is made unless it is timed, and its stage.
+    /// The scene of a name, and its stage. A timed scene is there already, and any other scene is made.
     fn staged(&self, name: &str) -> Result<(Cow<'a, Scene>, Stage)> {
         let scene = match self.scenes.iter().find(|scene| scene.name == name) {
             Some(timed) => Cow::Borrowed(timed),
@@ -419,6 +419,7 @@ fn records(folder: &PathInFolder) -> Vec<(String, String)> {
     all
 }
 
+/// The text on the page that says which times were measured, and how.
 fn time_settings(plan: &Plan) -> String {
     let [width, height] = plan.size;
     let which = match (plan.timed_scenes, plan.views) {
@@ -432,6 +433,7 @@ fn time_settings(plan: &Plan) -> String {
     )
 }
 
+/// The text on the page that says which errors were measured, and how.
 fn error_settings(plan: &Plan) -> String {
     let [width, height] = QUICK_SIZE;
     format!(

@@ -43,7 +43,7 @@ struct ExportOptions {
     output: PathBuf,
 }
 
-/// Runs a subcommand.
+/// Writes scene, camera and world reference for another renderer, and prints numbers of the export.
 pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
     let TruthCommand::Export(options) = &options.command;
     let globals = resolve::one_globals(&options.place, "truth export makes one image")?;

@@ -27,8 +27,8 @@ pub fn check(manifest: &Manifest) -> Result<()> {
     check_fed(manifest, unfed)
 }
 
-/// # Errors
-/// [`Malformed`](ssct_ground::Error::Malformed) if shaders have names that nothing feeds; one sentence lists all of them.
+/// Refuses shaders with names that nothing feeds; `unfed` has each pass with these names of its shader. The error is
+/// [`Malformed`](ssct_ground::Error::Malformed), and its one sentence lists all of the names.
 fn check_fed(manifest: &Manifest, mut unfed: Vec<(&Pass, Vec<String>)>) -> Result<()> {
     unfed.retain(|(_, missing)| !missing.is_empty());
     let Some((first, _)) = unfed.first() else { return Ok(()) };
@@ -46,8 +46,10 @@ fn file_name(pass: &Pass) -> String {
     pass.shader.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
+/// Checks that a method for orthographic cameras is fed nothing that only a perspective has.
+///
 /// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) if a method is fed a value or an image that only a perspective has, and cameras are orthographic.
+/// [`Usage`](ssct_ground::Error::Usage) for a value or an image that only a perspective has.
 pub fn check_projection(manifest: &Manifest, projection: ProjectionKind) -> Result<()> {
     let is_angle = |given: &Feed| given.is_named("fov-y") || given.is_named("half-view");
     let is_of_perspective = |pass: &Pass| {
@@ -74,9 +76,11 @@ pub struct PassBindings {
 
 pub enum BoundInput {
     Sampled(ImageSource, Sampler, LevelOf),
+    /// The image's name, its level, and whether the shader only reads the image.
     Stored(String, LevelOf, bool),
     /// The buffer's name, whether the shader only reads the buffer, and the bytes that the buffer must have.
     Buffer(String, bool, u32),
+    /// The fields of a block, and the size of the block in bytes.
     Uniform(Vec<FilledField>, usize),
 }
 
@@ -91,7 +95,7 @@ impl PassBindings {
         Ok(bindings)
     }
 
-    /// The bindings, and every name that nothing feeds.
+    /// Returns the bindings of a pass's shader, and every name in the shader that nothing feeds.
     fn read(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<(Self, Vec<String>)> {
         let shader = PassShader { manifest, pass, compiled, file: file_name(pass), missing: RefCell::default() };
         kinds::check_stage(manifest, pass, &compiled.interface, &shader.file)
@@ -120,11 +124,12 @@ struct PassShader<'a> {
 }
 
 impl PassShader<'_> {
+    /// An error about this pass, at a place of the manifest.
     fn wrong(&self, span: &Range<usize>, message: &str) -> Error {
         self.manifest.error(span, format!("pass {:?}: {message}", self.pass.name))
     }
 
-    /// The error about a variable that has neither a name nor a source.
+    /// The error about a variable of the shader that has no name and that nothing feeds.
     fn unfed_place(&self, name: &str) -> Error {
         let file = &self.file;
         let message = format!(
@@ -134,6 +139,7 @@ impl PassShader<'_> {
         self.wrong(&self.pass.span, &message)
     }
 
+    /// Adds a name of the shader to the list of names that nothing feeds.
     fn is_unfed(&self, what: String) {
         self.missing.borrow_mut().push(what);
     }
@@ -211,7 +217,7 @@ impl PassShader<'_> {
     }
 }
 
-/// Id and bits of the specialization constants that the manifest gives.
+/// The specialization constants that the manifest gives, each as its id and the bits of its value.
 pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Vec<(u32, u32)> {
     let given = |c: &ssct::gpu::interface::Constant| {
         let (given, _) = pass.values.get(&c.name)?;

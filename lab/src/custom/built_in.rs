@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 include!(concat!(env!("OUT_DIR"), "/built_in_shaders.rs"));
 
-/// The beginning of the paths by which messages name these shaders. No file is read by such a path.
+/// The beginning of the paths by which messages name the built-in shaders. No file is read by a path with this
+/// beginning.
 const PREFIX: &str = "shaders-glsl:";
 
 /// Returns the path of the shader with a name, such as `thesis/ssct.frag`; `None` if there is none.

@@ -16,13 +16,16 @@ use ssct_ground::math::constants::{
 
 /// The passes that make the reflection, and hits if they are wanted, from the method's images.
 pub struct Finish {
+    /// A pipeline, its target, and the code `ALPHA_*`; `None` if the method's own image is used without a change.
     reflection: Option<(GraphicsPipeline<CustomReflection<'static>>, Image, i32)>,
+    /// The pass for standard depth, a pipeline, its target, and the code `HITS_*` of the encoding.
     hits: Option<(HiZPass, GraphicsPipeline<CustomHits<'static>>, Image, i32)>,
     /// True if the method encodes hits as the project's own methods do, so that the method's image of hits is used without a change.
     has_our_hits: bool,
 }
 
 impl Finish {
+    /// Makes the passes for images of `extent` pixels; `hits` says whether hits are wanted.
     pub fn new(gpu: &Gpu, manifest: &Manifest, extent: [u32; 2], hits: bool) -> Result<Self> {
         let output = &manifest.output;
         let section = &manifest.images[&output.reflection];

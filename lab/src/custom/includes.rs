@@ -102,6 +102,7 @@ impl<'a> Includes<'a> {
         Ok((path.to_string_lossy().into_owned(), text))
     }
 
+    /// Refuses a file outside of the allowed folders, a file that includes itself, and too many includes.
     fn check(&self, path: &Path) -> std::result::Result<(), String> {
         check_place(path, self.folder)?;
         let itself = canonical_path(path);
@@ -125,7 +126,7 @@ fn canonical_path(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-/// Checks that a shader lies in the method's folder, below one that the user allows, or is built in.
+/// Checks that a shader lies in the method's folder, below a folder that the user allows, or is built in.
 ///
 /// # Errors
 /// [`Malformed`](ssct_ground::Error::Malformed) for a shader anywhere else.
@@ -133,6 +134,7 @@ pub fn check_shader(path: &Path, folder: &Path) -> Result<()> {
     check_place(path, folder).map_err(|why| Error::malformed(path, None, why))
 }
 
+/// Returns as an error why a shader must not be read from `path`; a path at which no file exists is no error.
 fn check_place(path: &Path, folder: &Path) -> std::result::Result<(), String> {
     if built_in::text(path).is_some() {
         return Ok(());

@@ -1,5 +1,5 @@
-//! Makes the images that shaders read from the G-buffer: each image once a frame, however many passes read it, and only images that are
-//! read.
+//! Makes, out of the G-buffer, the images that shaders read: each image once a frame, however many passes read it, and
+//! only images that are read.
 
 use super::conventions::Conventions;
 use super::manifest::SamplerName;
@@ -49,6 +49,7 @@ enum SourceMaker {
     Converted {
         pipeline: GraphicsPipeline<Convert<'static>>,
         image: Image,
+        /// The code of the conversion, `CONVERT_*`.
         what: i32,
         axes: Axes,
     },
@@ -82,6 +83,7 @@ impl Inputs {
         Ok(inputs)
     }
 
+    /// Adds a source, and before it the sources from which it is made, unless they are there already.
     fn add(&mut self, gpu: &Gpu, extent: [u32; 2], source: &ImageSource, conventions: Conventions) -> Result<()> {
         if self.made.iter().any(|(known, _)| known == source) {
             return Ok(());
@@ -158,7 +160,8 @@ impl Inputs {
                     if **original == ImageSource::Depth(Depth::Reversed) {
                         // A depth buffer is kept as a colour image, and the shader reads this image in its place.
                         let as_color = ((**original).clone(), converted(CONVERT_REVERSED_DEPTH, Axes::Left, float)?);
-                        // The image takes the place of an entry for the depth buffer that is there, since later entries are made from it.
+                        // The colour image replaces an earlier entry for the depth buffer, since later entries copy the
+                        // colour image.
                         match self.made.iter_mut().find(|(known, _)| known == &**original) {
                             Some(known) => *known = as_color,
                             None => self.made.push(as_color),
@@ -188,7 +191,8 @@ impl Inputs {
         }
     }
 
-    /// Records the passes that make the sources of this frame, in the order in which they need each other.
+    /// Records the passes that make the sources of this frame, each after the sources from which it is made. `before`
+    /// is the camera of the frame before.
     pub fn record(&self, frame: &mut Frame, input: &Input, before: &Camera) -> Result<()> {
         let gbuffer = &input.gbuffer;
         let extent = gbuffer.depth.extent();
@@ -251,7 +255,8 @@ impl Inputs {
         })
     }
 
-    /// Keeps copies of the sources that the next frame reads of this frame.
+    /// Copies the sources that the next frame reads of this frame. `turn` is 0 and 1 in alternate frames, and says
+    /// which copy is replaced.
     pub fn keep(&self, frame: &mut Frame, input: &Input, turn: usize) -> Result<()> {
         for (source, made) in &self.made {
             if let SourceMaker::Kept { original, images } = made {
@@ -261,7 +266,7 @@ impl Inputs {
         Ok(())
     }
 
-    /// Clears the copies that the first frame reads as those of the frame before.
+    /// Clears the kept copies, which the first frame reads in the place of a frame before.
     pub fn begin(&self, frame: &mut Frame) -> Result<()> {
         for (source, made) in &self.made {
             if let SourceMaker::Kept { images, .. } = made {
@@ -344,6 +349,8 @@ pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
     }
 }
 
+/// The uniforms of a conversion: `before` is the camera of the frame before, and `what` is the code of the conversion,
+/// `CONVERT_*`.
 fn convert_block(camera: &Camera, before: &Camera, what: i32, axes: Axes) -> ConvertBlock {
     let clip = |c: &Camera| c.view_to_clip_reversed().as_dmat4() * c.world_to_view.as_dmat4();
     ConvertBlock {

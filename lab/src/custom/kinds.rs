@@ -7,7 +7,8 @@ use super::source::ImageSource;
 use ash::vk;
 use std::collections::BTreeMap;
 
-/// Threads of a workgroup that every device takes, in all and along each axis.
+/// The most threads that a workgroup may have, in all and along each axis. Some devices allow fewer: making the
+/// pipeline checks that.
 const MAX_THREADS: u32 = 1024;
 const MAX_SIDES: [u32; 3] = [1024, 1024, 64];
 
@@ -101,6 +102,7 @@ fn fed(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKi
     }
 }
 
+/// The type of the numbers that a shader reads from an image of a format.
 fn component(format: vk::Format) -> Component {
     match format {
         vk::Format::R32_UINT | vk::Format::R32G32_UINT | vk::Format::R32G32B32A32_UINT => Component::Uint,
@@ -150,6 +152,7 @@ pub fn check_stage(manifest: &Manifest, pass: &Pass, interface: &ShaderInterface
     }
 }
 
+/// Checks the size of a compute shader's workgroups, and the memory that a workgroup shares.
 fn check_workgroup(interface: &ShaderInterface, file: &str) -> Result<(), String> {
     let [x, y, z] = interface.local_size;
     let threads = u64::from(x) * u64::from(y) * u64::from(z);
@@ -167,6 +170,7 @@ fn check_workgroup(interface: &ShaderInterface, file: &str) -> Result<(), String
     Ok(())
 }
 
+/// Checks that a fragment shader reads nothing from the vertex stage but one `vec2`, the texture coordinates.
 fn check_inputs(inputs: &[Crossing], file: &str) -> Result<(), String> {
     let is_uv = |input: &Crossing| input.component == Some(Component::Float) && input.numbers == 2;
     let other = match inputs {
@@ -182,6 +186,7 @@ fn check_inputs(inputs: &[Crossing], file: &str) -> Result<(), String> {
     }
 }
 
+/// Checks that a fragment shader writes as many outputs as its pass has targets, each of the type of its target.
 fn check_outputs(manifest: &Manifest, pass: &Pass, outputs: &[Crossing], file: &str) -> Result<(), String> {
     let (many, targets) = (outputs.len(), pass.targets.len());
     if many != targets {

@@ -54,16 +54,18 @@ pub fn hoisted(text: &str) -> HoistedUniforms {
     made
 }
 
-/// The blocks of a text so far.
+/// The blocks that the loose uniforms of a text have made so far.
 #[derive(Default)]
 struct Blocks {
     /// Fields of the block that most uniforms share; the block goes to the byte `first`.
     shared: String,
     first: usize,
+    /// The number of blocks for declarations that stay where they are.
     apart: usize,
 }
 
 impl Blocks {
+    /// Adds a declaration to the shared block, or writes a block for it alone at the end of `text`.
     fn place(&mut self, uniform: &LooseUniform, text: &mut String) {
         if uniform.is_plain {
             if self.shared.is_empty() {
@@ -206,7 +208,7 @@ fn is_opaque(kind: &str) -> bool {
         .any(|opaque| bare.starts_with(opaque))
 }
 
-/// True if GLSL defines a type of numbers.
+/// True if `kind` is a type of numbers that GLSL itself defines, such as `vec3`.
 fn is_built_in(kind: &str) -> bool {
     let size = |rest: &str| rest.len() == 1 && rest.starts_with(['2', '3', '4']);
     let is_vector = |prefix: &str| kind.strip_prefix(prefix).is_some_and(size);

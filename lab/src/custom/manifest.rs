@@ -43,6 +43,7 @@ pub struct Manifest {
     pub conventions: Conventions,
     /// The folder for includes that are not beside the file that includes them.
     pub include: PathBuf,
+    /// True if the method follows rays in captures.
     pub captures: bool,
     /// The longest time that a frame may take.
     pub patience: Duration,
@@ -66,6 +67,7 @@ impl Manifest {
         Self::checked(folder, text, sections)
     }
 
+    /// Checks the sections of a manifest one by one and against each other.
     fn checked(folder: &Path, text: String, sections: Sections) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let source = SourceText { path: &path, text: &text };
@@ -260,7 +262,7 @@ fn tables<'t>(manifest: &'t toml::Table, name: &str, written: TableForm) -> Vec<
     }
 }
 
-/// True if a flag or a file can have this name unchanged.
+/// True for small letters, digits and hyphens alone: a flag or a file can have the name unchanged.
 fn is_word(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
 }
@@ -285,7 +287,7 @@ const FORMATS: [(&str, vk::Format); 16] = [
     ("rgb10-a2", vk::Format::A2B10G10R10_UNORM_PACK32),
 ];
 
-/// The format of a name.
+/// The image format that manifests call `name`; `None` if there is no format of this name.
 pub fn format_of(name: &str) -> Option<vk::Format> {
     FORMATS.iter().find(|(known, _)| *known == name).map(|(_, format)| *format)
 }

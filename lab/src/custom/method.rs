@@ -24,16 +24,17 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
 
-/// Time between two looks at the files, if the method watches them.
+/// The least time between two looks at the method's files, if the files are watched.
 const PERIOD: Duration = Duration::from_millis(300);
 
-/// The method in all its versions: that of the files when it was made, and one for each change since.
+/// The method in all its versions: one of its files when the method was made, and one for each change of the files
+/// since then.
 pub struct CustomMethod {
     first: Version,
     reload: Option<Reload>,
 }
 
-/// One version of the files, and the one after it.
+/// One version of the method, and the version after it.
 struct Version {
     running: RunningVersion,
     next: OnceCell<Box<Version>>,
@@ -45,7 +46,9 @@ struct Reload {
     folder: PathBuf,
     setup: Setup,
     hits: bool,
+    /// The time of the last look at the files.
     looked: Cell<Instant>,
+    /// When each file had been written, at the last look.
     seen: RefCell<Vec<Option<SystemTime>>>,
 }
 
@@ -70,6 +73,7 @@ impl CustomMethod {
         Ok(Self { first: Version { running, next: OnceCell::new() }, reload })
     }
 
+    /// The newest version.
     fn last(&self) -> &Version {
         let mut version = &self.first;
         while let Some(next) = version.next.get() {
@@ -120,7 +124,7 @@ impl Reload {
     }
 }
 
-/// When each file was last written.
+/// The time at which each file was last written; `None` if it is not known.
 fn stamps(files: &[PathBuf]) -> Vec<Option<SystemTime>> {
     files.iter().map(|file| std::fs::metadata(file).and_then(|m| m.modified()).ok()).collect()
 }
@@ -130,6 +134,7 @@ struct RunningVersion {
     passes: Vec<PreparedPass>,
     inputs: Inputs,
     images: BTreeMap<String, OwnImage>,
+    /// The buffers by their names, each with the word that fills it at the beginning of a frame.
     buffers: BTreeMap<String, (Buffer, Option<u32>)>,
     output: Finish,
     manifest: Manifest,
@@ -160,6 +165,7 @@ struct PreparedPass {
 }
 
 impl RunningVersion {
+    /// Compiles the shaders, checks them, and makes pipelines, images and buffers. `hits` says whether hits are wanted.
     fn new(gpu: &Gpu, manifest: &Manifest, parameters: &[Parameter], setup: &Setup, hits: bool) -> Result<Self> {
         let Setup { extent, projection, .. } = *setup;
         bindings::check_projection(manifest, projection)?;
@@ -260,6 +266,7 @@ impl RunningVersion {
         &images[turn % images.len()]
     }
 
+    /// Records one frame: clears, the sources, the passes level by level, and the outputs.
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let before = self.before.replace(Some(*input.camera));
         let number = self.frames.replace(self.frames.get().wrapping_add(1));
@@ -269,6 +276,7 @@ impl RunningVersion {
             self.inputs.begin(frame)?;
         }
         for (name, image) in &self.images {
+            // The first frame clears both copies of an image with a history.
             let fresh = before.is_none() && image.images.len() > 1;
             for (k, held) in image.images.iter().enumerate() {
                 let this_frame = image.clear.filter(|_| k == turn % image.images.len());
@@ -331,7 +339,7 @@ impl RunningVersion {
         Ok(MethodOutput { hits: hits.map(Hits), intermediates, ..MethodOutput::new(Reflection(reflection)) })
     }
 
-    /// Records a pass for a level; returns false if an image lacks the level.
+    /// Records a pass for a level; returns false if an image lacks the level. `turn` chooses one of an image's copies.
     fn record_level<'a, 's>(
         &'a self,
         frame: &mut Frame,
@@ -433,7 +441,8 @@ impl RunningVersion {
         Ok(true)
     }
 
-    /// A level that an image lacks ends a pass over levels, and is an error elsewhere.
+    /// Returns false for a pass over levels, which ends at the first level that an image lacks; for any other pass it
+    /// is an error.
     fn has_no_level(&self, pass: &Pass, image: &str) -> Result<bool> {
         if pass.levels.is_some() {
             return Ok(false);

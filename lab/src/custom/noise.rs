@@ -36,12 +36,15 @@ pub fn tile() -> Vec<u8> {
     }
     let mut rank = vec![0_usize; all];
     let first = tile.count();
+    // The set texels have the lower ranks: the most crowded texel is taken away first, and has the highest of these
+    // ranks.
     let mut thinned = Pattern { kernel: tile.kernel.clone(), set: tile.set.clone(), energy: tile.energy.clone() };
     for n in (0..first).rev() {
         let crowded = thinned.extreme(true);
         thinned.change(crowded, false);
         rank[crowded] = n;
     }
+    // The other texels have the higher ranks: the emptiest place is filled first, and has the lowest of these ranks.
     for n in first..all {
         let void = tile.extreme(false);
         tile.change(void, true);
@@ -52,8 +55,10 @@ pub fn tile() -> Vec<u8> {
 
 /// The texels that are set, and how crowded each place is by set texels.
 struct Pattern {
+    /// By how much a set texel at the origin crowds each place.
     kernel: Vec<f64>,
     set: Vec<bool>,
+    /// How crowded each place is.
     energy: Vec<f64>,
 }
 
@@ -62,6 +67,7 @@ impl Pattern {
         self.set.iter().filter(|set| **set).count()
     }
 
+    /// Sets a texel or takes it away, and updates how crowded each place is.
     fn change(&mut self, texel: usize, set: bool) {
         if self.set[texel] == set {
             return;
@@ -93,7 +99,8 @@ mod tests {
         let mut count = [0; 256];
         tile.iter().for_each(|v| count[usize::from(*v)] += 1);
         assert!(count.iter().all(|n| *n == RANKS_ACROSS * RANKS_ACROSS / 256), "{count:?}");
-        // The mean of 4 × 4 neighbours of white noise has a sixteenth of its variance, that of blue noise a quarter of that.
+        // The mean of 4 × 4 neighbours has a sixteenth of the variance of one texel if the noise is white. Blue noise
+        // must have less than a quarter of this sixteenth.
         let variance = |side: usize| {
             let mean = |x: usize, y: usize| {
                 let values = (0..side * side).map(|k| {

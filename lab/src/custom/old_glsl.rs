@@ -1,5 +1,5 @@
-//! Finds GLSL that Vulkan's compiler does not take, before that compiler is asked: its own messages about such texts do not say what
-//! to write.
+//! Finds GLSL that Vulkan's compiler does not take, before that compiler is asked: the messages of the compiler do not
+//! say what to write instead.
 
 use ssct_ground::{Error, Result};
 use std::path::Path;
@@ -57,7 +57,8 @@ fn replacements(text: &str) -> String {
     NAMES.iter().filter(is_there).map(|(name, instead)| format!("; for {name}, {instead}")).collect()
 }
 
-/// The line of the version, its number, and whether it is of GLSL ES; `None` if the text states no number.
+/// The line of `#version`, with the version's number and whether the version is of GLSL ES; `None` if the text states
+/// no number.
 fn version(text: &str) -> Option<(usize, (u32, bool))> {
     let stated = |(index, line): (usize, &str)| {
         let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("version")?;

@@ -1,7 +1,7 @@
 //! Initial values of uniforms: expressions of numbers, in which the compiler has already replaced macros.
 
-/// The numbers of an expression for a type, in the order of their places: by columns of matrices, by elements of arrays. `None` for an
-/// expression that is more than numbers, constructors and arithmetic.
+/// The numbers of an expression that initializes a uniform of the type `kind`: column by column for matrices, and
+/// element by element for arrays. `None` for an expression that has more than numbers, constructors and arithmetic.
 pub fn evaluate(expression: &str, kind: &str) -> Option<Vec<f64>> {
     let mut parser = Parser { text: expression.trim() };
     let numbers = parser.sum()?;
@@ -34,12 +34,14 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
+    /// Steps over `wanted` if the rest of the text begins with it, and returns whether it does.
     fn take(&mut self, wanted: &str) -> bool {
         let rest = self.text.trim_start().strip_prefix(wanted);
         self.text = rest.unwrap_or(self.text).trim_start();
         rest.is_some()
     }
 
+    /// Reads products with plus or minus signs between them.
     fn sum(&mut self) -> Option<Vec<f64>> {
         let mut left = self.product()?;
         loop {
@@ -54,6 +56,7 @@ impl Parser<'_> {
         }
     }
 
+    /// Reads factors with signs of multiplication or division between them.
     fn product(&mut self) -> Option<Vec<f64>> {
         let mut left = self.factor()?;
         loop {
@@ -67,6 +70,7 @@ impl Parser<'_> {
         }
     }
 
+    /// Reads a factor: a sign before a factor, brackets, a list in braces, a name, or a number.
     fn factor(&mut self) -> Option<Vec<f64>> {
         if self.take("-") {
             return Some(self.factor()?.into_iter().map(|v| -v).collect());
@@ -111,6 +115,7 @@ impl Parser<'_> {
         Some(if is_array { inside } else { constructed(name, inside) })
     }
 
+    /// Reads expressions with commas between them, up to `end`, and returns all their numbers in one list.
     fn list(&mut self, end: &str) -> Option<Vec<f64>> {
         let mut all = Vec::new();
         loop {
@@ -124,6 +129,7 @@ impl Parser<'_> {
         }
     }
 
+    /// Reads a literal of GLSL.
     fn number(&mut self) -> Option<Vec<f64>> {
         let text = self.text;
         let mut end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '.').unwrap_or(text.len());
@@ -144,7 +150,8 @@ impl Parser<'_> {
     }
 }
 
-/// Applies an operation number by number; a single number is combined with each number of the other side.
+/// Applies an operation number by number; a single number is combined with each number of the other side. `None` for
+/// sides of different lengths.
 fn joined(left: &[f64], right: &[f64], operation: impl Fn(f64, f64) -> f64) -> Option<Vec<f64>> {
     match (left, right) {
         ([a], all) => Some(all.iter().map(|b| operation(*a, *b)).collect()),

@@ -1,5 +1,5 @@
-//! Sources that feed the fields of the project's own shaders, for the message about a manifest that leaves some out. The message names the
-//! field's option with its published value, or the name of a value that every method has.
+//! Sources that feed the fields of the project's own shaders, for the message about a manifest that leaves fields out.
+//! The message names the field's option with its published value, or the name of a value that every method has.
 
 use ssct::methods;
 use ssct_ground::parameter::{Domain, Parameter, Value};
@@ -15,7 +15,7 @@ enum Source {
 
 use Source::{Named, Setting};
 
-/// The blocks of published shaders, with the source of each field.
+/// The blocks of published shaders, each with its fields and their sources.
 const BLOCKS: [(&str, &[(&str, Source)]); 8] = [
     (
         "ThesisBlock",

@@ -100,7 +100,7 @@ pub struct ImageKind {
     pub format: u32,
 }
 
-/// The name of a push-constant block without a name.
+/// The name that is given to a push-constant block without a name of its own.
 const NAMELESS_PUSH: &str = "push";
 
 /// Explains a name that consists of set and binding, for messages.
@@ -164,6 +164,7 @@ pub struct ShaderInterface {
     pub words: Vec<u32>,
     /// The variables in the order of their bindings.
     pub variables: Vec<Variable>,
+    /// The push-constant block: its name and its layout.
     pub push: Option<(String, BlockLayout)>,
     /// Inputs that a fragment shader reads.
     pub inputs: Vec<Crossing>,
@@ -242,6 +243,7 @@ fn input_place(code: &SpirvCode, inputs: &[Crossing]) -> Option<u32> {
     ids.find(|id| is_it(*id))
 }
 
+/// Checks that the module has an entry point `main`, and that its stage is the wanted one.
 fn check_entry(code: &SpirvCode, is_fragment: bool) -> Result<(), String> {
     const FRAGMENT: u32 = ExecutionModel::Fragment as u32;
     const COMPUTE: u32 = ExecutionModel::GLCompute as u32;
@@ -294,6 +296,7 @@ fn resource(
     Ok(Variable { binding: 0, name, is_nameless, block, count, read_only: code.is_read_only(id, element), kind })
 }
 
+/// The kind of image that the type `id` is; `None` for another type, and for texels that are no 32-bit numbers.
 fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
     let definition = code.definition(id).filter(|d| d.opcode == op::TYPE_IMAGE)?;
     let dim = match definition.word(2) {

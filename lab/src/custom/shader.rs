@@ -86,6 +86,7 @@ fn bound(interface: &ShaderInterface) -> Interface {
     }
 }
 
+/// Reads a file of SPIR-V, which needs no compiler.
 fn binary(path: &Path) -> Result<CompiledCode> {
     let bytes = bounded::read(path, "a shader", MAX_BYTES)?;
     let is_code =
@@ -154,7 +155,7 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
     Ok(CompiledCode { words, own, files: included.into_inner().watched().into_iter().chain(awaited).collect() })
 }
 
-/// The first of the compiler's messages, with the file and line that it is about.
+/// An error with the first of the compiler's messages, and with the file and line that this message is about.
 fn compiler_says(path: &Path, text: &str) -> Error {
     for line in text.lines() {
         // FILE:LINE: error: what
@@ -179,7 +180,7 @@ fn compiler_says(path: &Path, text: &str) -> Error {
     Error::malformed(path, None, text.trim().replace('\n', "; "))
 }
 
-/// A line of a file, counted from 1; `None` if it cannot be read.
+/// The line `number` of a file, counted from 1; `None` if the file cannot be read.
 fn line_of(path: &Path, number: usize) -> Option<String> {
     let text = source_text::read_program(path, "a shader", MAX_BYTES).ok()?;
     text.lines().nth(number.checked_sub(1)?).map(str::to_owned)

@@ -106,7 +106,7 @@ impl Depth {
 }
 
 impl ImageSource {
-    /// The source of a name.
+    /// Reads a source by its name in a manifest; `own` says whether the method has an image of this name.
     ///
     /// # Errors
     /// A clause that says what is wrong with the name.

@@ -9,7 +9,7 @@ use ssct_ground::conventions::{Axes, ClipDepth, ClipY, MatrixOrder};
 use ssct_ground::parameter::{Domain, Parameter, Value, Values};
 use ssct_scenes::Camera;
 
-/// The value that a manifest gives to a field: numbers, or the name of a value that changes.
+/// The value that a manifest gives to a field: numbers, the name of a value that changes, or a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Feed {
     /// Numbers, as many as the field has.
@@ -107,15 +107,19 @@ impl Feed {
 /// The data of a frame from which values are made.
 pub struct FrameState<'a> {
     pub camera: &'a Camera,
+    /// The camera of the frame before.
     pub before: &'a Camera,
     pub extent: [u32; 2],
+    /// Width and height in pixels of what the pass writes.
     pub pass_extent: [u32; 2],
     pub level: u32,
     pub frame: u32,
     pub is_first: bool,
+    /// The greatest roughness of the scene's materials.
     pub roughness: f32,
     pub fade: bool,
     pub hits: bool,
+    /// The places of the captures in this program's world space, in metres.
     pub captures: &'a [Vec3],
     pub conventions: Conventions,
     pub values: &'a Values,
@@ -184,6 +188,7 @@ impl FilledField {
     }
 }
 
+/// True if the value of a name is a matrix.
 fn is_matrix(name: &str) -> bool {
     NAMES.iter().any(|(known, help)| *known == name && help.starts_with("matrix"))
 }
@@ -237,6 +242,7 @@ impl Feed {
 }
 
 impl FrameState<'_> {
+    /// The value of a parameter as a number; 0 if there is no parameter of this name.
     fn parameter(&self, name: &str) -> f64 {
         let Some(row) = self.parameters.iter().find(|p| p.name == name) else { return 0.0 };
         match self.values.value(row) {
@@ -271,6 +277,7 @@ impl FrameState<'_> {
         self.view_to_clip_with(camera, self.conventions.clip_depth)
     }
 
+    /// The matrix of `view_to_clip`, with a given kind of depth in clip space.
     fn view_to_clip_with(&self, camera: &Camera, depth: ClipDepth) -> DMat4 {
         let to_clip = match depth {
             ClipDepth::Reversed => camera.view_to_clip_reversed().as_dmat4(),
@@ -289,6 +296,7 @@ impl FrameState<'_> {
         }
     }
 
+    /// The 16 numbers of the matrix of a name, in the order of the shader's convention.
     fn matrix(&self, name: &str) -> Vec<f64> {
         let camera = if name.starts_with("previous-") { self.before } else { self.camera };
         let (view, clip) = (self.world_to_view(camera), self.view_to_clip(camera));
@@ -314,7 +322,8 @@ impl FrameState<'_> {
     }
 }
 
-/// M_00 and M_11 of a camera's projection.
+/// The factors of a camera's projection on x and on y, M_00 and M_11; in a perspective, one over the tangents of half
+/// the angles of view.
 fn scale(camera: &Camera) -> [f64; 2] {
     let projection = camera.view_to_clip().as_dmat4();
     [projection.x_axis.x, projection.y_axis.y]

@@ -30,7 +30,7 @@ pub struct CaptureRecord {
     pub seen: f32,
 }
 
-/// One record a capture, in their order.
+/// Makes a record of each capture, in the order of the captures.
 pub fn records(scene: &str, placement: &Placement) -> Vec<CaptureRecord> {
     let record = |(index, (capture, seen)): (usize, (&ssct_scenes::Capture, &f32))| CaptureRecord {
         kind: "capture",
@@ -44,7 +44,7 @@ pub fn records(scene: &str, placement: &Placement) -> Vec<CaptureRecord> {
     placement.captures.iter().zip(&placement.seen).enumerate().map(record).collect()
 }
 
-/// A table, one row a capture.
+/// A table as text, with one row for each capture.
 pub fn text(records: &[CaptureRecord]) -> String {
     let mut rows = vec![["capture", "place", "near", "resolution", "from", "seen so far"].map(str::to_owned).to_vec()];
     rows.extend(records.iter().enumerate().map(|(k, r)| {
@@ -106,6 +106,7 @@ const EMPTY: u8 = 40;
 /// Pictures of a capture, made face by face.
 #[derive(Debug, Default)]
 pub struct CubePictures {
+    /// Each face's number, with a picture of its colour and one of its depth.
     faces: Vec<(usize, [Rgb; 2])>,
 }
 

@@ -1,9 +1,9 @@
-//! Films as animated pictures, which play on and on.
+//! Films as animated pictures, which repeat without end.
 
 use ssct_truth::metrics::video::Film;
 use webp_animation::{Encoder, EncoderOptions, EncodingConfig};
 
-/// Quality of the animated pictures, of 100.
+/// Quality of the animated pictures, from 0 to 100.
 const QUALITY: f32 = 85.0;
 
 /// A film as an animated picture (WebP).

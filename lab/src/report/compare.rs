@@ -23,7 +23,7 @@ pub fn write_times(folder: &PathInFolder, records: &[TimeComparison], all: bool)
 }
 
 /// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
-/// or more, sRGB-encoded; magenta is no number) with its scale as error-scale.svg, and FLIP's map as flip.png.
+/// or more, sRGB-encoded; magenta is NaN) with its scale as error-scale.svg, and FLIP's map as flip.png.
 pub fn write_images(folder: &PathInFolder, found: &ImageComparison) -> Result<()> {
     write(folder, &files::json(std::slice::from_ref(found)), &images(found))?;
     let (width, height) = (found.width, found.height);
@@ -114,13 +114,13 @@ fn only_in_one(records: &[TimeComparison], all: bool) -> String {
     text
 }
 
-/// A share as a percentage without the noise of binary fractions.
+/// A share as a percentage, rounded to four digits behind the point, since 0.07 · 100 is not exactly 7.
 fn percent(share: f64) -> f64 {
     (share * 1e6).round() / 1e4
 }
 
-/// A difference with six digits behind the point. A difference of 0 is called identical, and a smaller one than the digits show is not
-/// shown as 0.
+/// A difference with six digits behind the point. A difference of 0 is called identical, and one below 0.000001 is
+/// written with an exponent.
 fn number(value: f64) -> String {
     match value {
         0.0 => "identical".to_owned(),
@@ -129,7 +129,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The figures of two images.
+/// The figures of a comparison of two images, as text.
 pub fn images(found: &ImageComparison) -> String {
     let [x, y] = found.greatest_at;
     let mut rows = vec![

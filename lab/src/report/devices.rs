@@ -4,7 +4,7 @@
 use crate::study::names::one_line;
 use ssct::gpu::DeviceInfo;
 
-/// Records by device, in the order in which the devices appear.
+/// Groups records by their devices, in the order in which the devices appear.
 pub fn by_device<T: Clone>(records: &[T], device: impl Fn(&T) -> &DeviceInfo) -> Vec<(DeviceInfo, Vec<T>)> {
     let mut apart: Vec<(DeviceInfo, Vec<T>)> = Vec::new();
     for record in records {
@@ -16,7 +16,7 @@ pub fn by_device<T: Clone>(records: &[T], device: impl Fn(&T) -> &DeviceInfo) ->
     apart
 }
 
-/// The name of a device in a report of several.
+/// The name of a device in a report on several devices, in one line.
 pub fn device_name(device: &DeviceInfo) -> String {
     one_line(&format!("{} ({}, {})", device.name, device.kind, device.driver)).into_owned()
 }

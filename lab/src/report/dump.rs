@@ -12,7 +12,7 @@ use ssct_scenes::Lens;
 use ssct_scenes::inside::PathInFolder;
 use ssct_truth::metrics::verdict::PixelVerdict;
 
-/// The colours of verdicts.
+/// The verdicts, each with its colour and its text in the legend.
 const VERDICT_COLORS: [(PixelVerdict, Color, &str); 4] = [
     (PixelVerdict::NotReflecting, [0; 3], "does not reflect"),
     (PixelVerdict::Right, [0, 170, 0], "right: what the world shows"),
@@ -22,7 +22,7 @@ const VERDICT_COLORS: [(PixelVerdict, Color, &str); 4] = [
 
 /// The images and verdicts of a frame.
 pub struct Dump<'a> {
-    /// Every image on the way, with its stem.
+    /// Every image on the way, with the stem of its file's name.
     pub intermediates: &'a Intermediates,
     /// The lens of the camera, which decides the shades of depths.
     pub lens: &'a Lens,
@@ -50,6 +50,7 @@ impl Dump<'_> {
         self.write_verdicts(folder)
     }
 
+    /// Writes the fade, which is the fourth channel of the reflection.
     fn write_fade(&self, folder: &PathInFolder) -> Result<()> {
         let Pixels { width, height, .. } = *self.reflection;
         let values = self.reflection.texels().map(|texel| texel[3]).collect();
@@ -58,6 +59,7 @@ impl Dump<'_> {
         Ok(write_exr(folder.join("fade.exr"), &fade, &["fade"])?)
     }
 
+    /// Writes the verdicts as colours with a legend, and as their rows in [`VERDICT_COLORS`].
     fn write_verdicts(&self, folder: &PathInFolder) -> Result<()> {
         let Pixels { width, height, .. } = *self.reflection;
         let row = |verdict: &PixelVerdict| VERDICT_COLORS.iter().position(|(known, ..)| known == verdict).unwrap_or(0);

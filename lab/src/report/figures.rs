@@ -77,6 +77,7 @@ pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
     }
 }
 
+/// The intermediate image with a stem and a content.
 fn find<'a>(all: &'a Intermediates, kind: Content, stem: &str) -> Result<&'a Pixels> {
     all.iter()
         .find(|(s, k, _)| s == stem && *k == kind)
@@ -109,6 +110,7 @@ fn chain(all: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> 
     Ok(sheet)
 }
 
+/// The lit scene; pixels with a coloured path code are mixed half and half with the colour of the code.
 fn ray_split(all: &Intermediates) -> Result<Rgb> {
     let lit = display(find(all, Content::Color, "color-0").or_else(|_| find(all, Content::Color, "color"))?);
     let split = paths(find(all, Content::Hits, "hits")?);

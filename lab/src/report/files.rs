@@ -1,4 +1,4 @@
-//! Records as text, and files of times.
+//! Writes records as text, and reads files of times.
 
 use crate::study::compare::{Subject, TimeSample};
 use crate::study::names::{csv_cell, json_text};
@@ -85,7 +85,7 @@ pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
     Ok(rows)
 }
 
-/// A cell of a row; the error says what is wrong with the cell.
+/// Reads the cell of a row in the column `column`; the error says what is wrong with the cell.
 fn parsed<T: FromStr>(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,
@@ -97,7 +97,8 @@ fn parsed<T: FromStr>(
     text.parse().map_err(|_| format!("no sample of a time: {text:?} in the column {column}"))
 }
 
-/// The subject of a row. Parameters that the method does not have are left out: an older file has a value in every column.
+/// The subject of a row: all its columns that are not measured. Parameters that the method does not have are left out,
+/// since an older file has a value in every column.
 fn subject(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,

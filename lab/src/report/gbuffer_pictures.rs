@@ -42,6 +42,7 @@ pub fn reflectivity(material: &Pixels) -> Rgb {
     Rgb::from_pixels(material, |c| [unit(c[0]); 3])
 }
 
+/// A number from 0 to 1 as a byte.
 fn unit(v: f32) -> u8 {
     (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
@@ -58,6 +59,7 @@ fn positions(depth: &Pixels, camera: &Camera) -> Vec<Option<Vec3>> {
     depth.texels().enumerate().map(place).collect()
 }
 
+/// Positions as colours: black is the least x, y and z of all, white is the greatest, and sky is black.
 fn ranged([width, height]: [u32; 2], positions: &[Option<Vec3>]) -> Rgb {
     let known = positions.iter().flatten();
     let (low, high) = known.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
@@ -66,6 +68,7 @@ fn ranged([width, height]: [u32; 2], positions: &[Option<Vec3>]) -> Rgb {
     Rgb { width, height, bytes: positions.iter().flat_map(color).collect() }
 }
 
+/// Normals as colours after a turn: a coordinate of −1 is 0, and 1 is 255. A pixel without a normal is black.
 fn normals(normal: &Pixels, turn: Mat3) -> Rgb {
     Rgb::from_pixels(normal, |c| {
         let n = Vec3::new(c[0], c[1], c[2]);

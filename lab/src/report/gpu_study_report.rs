@@ -105,6 +105,7 @@ pub fn write(
     folder.join(PAGE).write(page(device, command, times, &rates, found).as_bytes())
 }
 
+/// The records of the findings: everything of the study but its times.
 fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> Vec<Value> {
     let validation = match &found.validation {
         LayerMessages::Unknown(why) => json!({ "kind": "validation", "device": device, "messages": null, "why": why }),
@@ -120,6 +121,7 @@ fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> 
     rates.chain(steps).chain(same).chain([validation]).chain(programs).collect()
 }
 
+/// The page of the study, with a table for each group of times and for each finding.
 fn page(
     device: &DeviceInfo,
     command: &str,
@@ -209,6 +211,7 @@ fn page(
     )
 }
 
+/// The table of what the compiler made of the programs, or the reason why the device does not say.
 fn compiled_table(programs: &CompiledPrograms) -> Table {
     match programs {
         CompiledPrograms::Unknown(why) => Table::new("shaders", "Programs", why, Vec::new()),
@@ -216,10 +219,12 @@ fn compiled_table(programs: &CompiledPrograms) -> Table {
     }
 }
 
+/// A table that has nothing but the names of its columns so far.
 fn header(names: &[&str]) -> Vec<Vec<String>> {
     vec![names.iter().map(|n| (*n).to_owned()).collect()]
 }
 
+/// The cells of a row that say where a time was measured: view, size and roughness.
 fn place(head: &Head) -> Vec<String> {
     vec![
         format!("{} {}", head.scene, head.view),
@@ -263,6 +268,7 @@ fn stage_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
+/// The median time of each method with its spread and its noise floor.
 fn method_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = header(&["view", "size", "roughness", "method", "median ms", "min", "p95", "n", "floor"]);
     rows.extend(records.iter().map(|r| {
@@ -276,6 +282,7 @@ fn method_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
+/// The median time of each pass that counts, with the shader invocations of the pass.
 fn pass_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = header(&["view", "size", "roughness", "method", "pass", "median ms", "fragments", "compute"]);
     for r in records {

@@ -160,6 +160,7 @@ fn frame(title: &str, header: &Markup, body: &Markup) -> String {
     without_obeyed(&page.into_string(), is_obeyed_in_lines).into_owned()
 }
 
+/// The header of a page: device, provenance, command, and links to the parts, each with its id and its title.
 fn page_header(
     title: &str,
     device: Option<&DeviceInfo>,
@@ -195,6 +196,7 @@ fn device_text(d: &DeviceInfo) -> String {
     format!("{} ({}, Vulkan {}, {})", d.name, d.kind, d.api, d.driver)
 }
 
+/// The head of a page, with the style sheet in it.
 fn head(title: &str) -> Markup {
     html! {
         head {

@@ -26,7 +26,7 @@ pub struct Rgb {
 }
 
 impl Rgb {
-    /// One colour a texel, by a function of its channels.
+    /// Makes an image in which each texel has the colour that `color` makes out of the texel's channels.
     pub fn from_pixels(pixels: &Pixels, color: impl Fn(&[f32]) -> [u8; 3]) -> Self {
         Self { width: pixels.width, height: pixels.height, bytes: pixels.texels().flat_map(color).collect() }
     }
@@ -69,6 +69,7 @@ pub fn write_image(to: impl Into<PathInFolder>, pixels: &Pixels) -> Result<()> {
     if is(&to.path(), "exr") { write_exr(to, pixels, &["R", "G", "B", "A"]) } else { display(pixels).write_png(&to) }
 }
 
+/// True if the path has the extension, in small or in capital letters.
 fn is(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
@@ -119,6 +120,7 @@ pub fn read_image(path: &Path) -> Result<LinearImage> {
     Ok(LinearImage { width, height, rgb })
 }
 
+/// Refuses an image of more than [`MOST_PIXELS`] pixels.
 fn check_pixels([width, height]: [u32; 2], path: &Path) -> Result<()> {
     if u64::from(width) * u64::from(height) <= MOST_PIXELS {
         return Ok(());
@@ -190,12 +192,12 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
         .from_buffered(Cursor::new(bytes))
         .map_err(unreadable)?
         .layer_data;
-    // Both sides are at most MAX_EXTENT, so they fit.
+    // Both sides are at most MAX_EXTENT, so that they fit in 32 bits.
     let (width, height) = (layer.size.0 as u32, layer.size.1 as u32);
     Ok(Pixels { width, height, channels: 4, values: layer.channel_data.pixels.1 })
 }
 
-/// An intermediate as a picture.
+/// An image of a frame as a picture to look at; `kind` says what the numbers of the image mean.
 pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
     let unit = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     match kind {
@@ -268,6 +270,7 @@ fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
     if lens.kind().is_orthographic() {
         return shade(reversed);
     }
+    // A perspective has the reversed depth d at the view-space z = near · far / (near + d · (far − near)).
     distance_shade(lens.near_m * lens.far_m / (lens.near_m + reversed * (lens.far_m - lens.near_m)), lens)
 }
 
@@ -280,6 +283,7 @@ fn distance_shade(z: f32, lens: &Lens) -> u8 {
     shade(1.0 - (z / lens.near_m).ln() / (1e4_f32).ln())
 }
 
+/// A share from 0 to 1 as a byte that is encoded as sRGB.
 fn shade(share: f32) -> u8 {
     (linear_to_srgb(share.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
 }

@@ -10,6 +10,7 @@ use ssct_ground::{Error, Result};
 use ssct_scenes::inside::PathInFolder;
 use ssct_scenes::{GBufferData, gbuffer_file};
 
+// The names of channels in the files of reflections and of hits.
 const COLOR: [&str; 4] = ["R", "G", "B", "A"];
 const HITS: [&str; 4] = ["X", "Y", "Z", "W"];
 
@@ -57,7 +58,7 @@ pub fn write(folder: &PathInFolder, stem: &str, data: &GBufferData, made: &[Devi
     Ok(())
 }
 
-/// Reads the G-buffer.
+/// Reads the G-buffer that [`write`] wrote with the same `stem`.
 ///
 /// # Errors
 /// Errors of [`gbuffer_file::load`].

@@ -6,6 +6,7 @@ use crate::study::names::counted;
 use glam::Vec2;
 use ssct_ground::math::display_byte;
 
+// In pixels: the height of a row, the border around the drawing, and the height of text.
 const ROW: f32 = 22.0;
 const MARGIN: f32 = 12.0;
 const TEXT: f32 = 13.0;
@@ -33,7 +34,8 @@ pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
     svg.finish()
 }
 
-/// The scale of a picture whose greys are numbers from 0 to 1, encoded as sRGB. A mark and a text show the greatest number of the picture.
+/// The scale of a picture whose greys are numbers from 0 to 1, encoded as sRGB. A mark and a text show the greatest
+/// number of the picture; `shown` is this number as text.
 pub fn scale(picture: &str, what: &str, (greatest, shown): (f32, &str)) -> String {
     const STEPS: u16 = 100;
     const STEP: f32 = 4.0;

@@ -86,7 +86,8 @@ fn folders(root: &PathInFolder, unreadable: &mut Vec<(String, String)>) -> BTree
     found
 }
 
-/// Joins the folder in which `ssct study` puts its errors with its parent, which has the times of the same run.
+/// Joins each folder in which `ssct study` puts records of errors with the folder above, which has the times of the
+/// same run.
 fn join_error_folders(folders: &mut BTreeMap<PathBuf, Vec<PathBuf>>) {
     let has = |files: Option<&Vec<PathBuf>>, name: &str| {
         files.is_some_and(|files| files.iter().any(|file| file.file_name().is_some_and(|n| n == name)))
@@ -102,6 +103,7 @@ fn join_error_folders(folders: &mut BTreeMap<PathBuf, Vec<PathBuf>>) {
     }
 }
 
+/// The path of a folder from the root, with slashes between names; a point for the root itself.
 fn relative(root: &Path, folder: &Path) -> String {
     let parts = folder.strip_prefix(root).unwrap_or(folder).components();
     let parts: Vec<_> = parts.map(|part| part.as_os_str().to_string_lossy()).collect();
@@ -111,6 +113,7 @@ fn relative(root: &Path, folder: &Path) -> String {
 /// The content of a folder.
 enum FolderContent {
     Run(Box<LibraryRun>),
+    /// The reason why a folder that should hold a run cannot be read.
     Unreadable(String),
     Nothing,
 }

@@ -47,7 +47,7 @@ pub struct Exported {
     pub standard_error: f64,
 }
 
-/// Writes the folder.
+/// Writes the scene, the camera and the results of the world reference into a folder.
 ///
 /// # Errors
 /// [`Usage`](ssct_ground::Error::Usage) for an orthographic camera, and errors of writing files.
@@ -91,6 +91,7 @@ pub fn export(folder: &PathInFolder, what: &Export) -> Result<Exported> {
     })
 }
 
+/// The material; one that shows the environment becomes a lit surface that does not reflect.
 fn without_sky(material: &Material) -> Material {
     let mut material = material.clone();
     if material.surface == Surface::Sky {
@@ -177,6 +178,7 @@ fn ply(mesh: &Mesh) -> Vec<u8> {
     bytes
 }
 
+/// The content of `truth.json`: settings, lights, materials and textures.
 fn description(what: &Export, materials: &[Material]) -> Value {
     let light = |l: &Light| match *l {
         Light::Point { position, energy } => json!({"kind": "point", "at": position.to_array(), "energy": energy}),
@@ -236,7 +238,7 @@ impl Arrays<'_> {
         self.ends("mirror", world, &rays)
     }
 
-    /// The ends of rays: mesh, triangle (−1 for none) and position (not a number for none).
+    /// The ends of rays: mesh, triangle (−1 for none) and position (NaN for none).
     fn ends(&self, name: &str, world: &World, rays: &[WorldRay]) -> Result<()> {
         let hits: Vec<Option<TriangleHit>> = rays.par_iter().map(|ray| world.closest(ray)).collect();
         let from: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
@@ -258,7 +260,7 @@ impl Arrays<'_> {
         self.i32s("mesh_first_vertex", first.collect())
     }
 
-    /// Rows of `columns` numbers.
+    /// Writes an array with rows of `columns` numbers.
     fn f64s(&self, name: &str, columns: usize, values: Vec<f64>) -> Result<()> {
         let shape = if columns == 1 {
             format!("({},)", values.len())
@@ -268,14 +270,15 @@ impl Arrays<'_> {
         self.write(name, "<f8", &shape, values.iter().flat_map(|v| v.to_le_bytes()))
     }
 
+    /// Writes an array of whole numbers.
     fn i32s(&self, name: &str, values: Vec<i32>) -> Result<()> {
         self.write(name, "<i4", &format!("({},)", values.len()), values.iter().flat_map(|v| v.to_le_bytes()))
     }
 
-    /// A file of NumPy's format 1.0: magic, version, length of the header, the header, the numbers.
+    /// Writes a file of NumPy's format 1.0: magic, version, length of the header, the header, the numbers.
     fn write(&self, name: &str, kind: &str, shape: &str, content: impl Iterator<Item = u8>) -> Result<()> {
         let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
-        // Padded so that the numbers begin at a multiple of 64.
+        // The header is padded so that the numbers begin at a multiple of 64 bytes.
         let padding = 63 - (10 + header.len()) % 64;
         header.extend(std::iter::repeat_n(' ', padding));
         header.push('\n');

@@ -51,6 +51,7 @@ pub fn lines(report: &PixelReport) -> Vec<(&'static str, String)> {
     lines
 }
 
+/// The surface that the pixel shows.
 fn surface(report: &PixelReport) -> String {
     let surface = &report.surface;
     let (Some(mesh), Some(z)) = (&surface.mesh, surface.view_z_m) else { return "sky".to_owned() };
@@ -91,6 +92,7 @@ fn image(report: &PixelReport) -> String {
     format!("{}{mixed}; in a PNG {r} {g} {b}", color(&colors.image))
 }
 
+/// The end of the pixel's ray among the triangles, and whether the screen shows it.
 fn world(end: &WorldEnd) -> String {
     let (Some(mesh), Some(place), Some(length)) = (&end.mesh, end.place_m, end.length_m) else {
         return "the sky".into();
@@ -109,6 +111,7 @@ fn walk_text(walk: &WalkReport) -> String {
     format!("{}; it {}", counted(walk.steps, "step"), walk.end)
 }
 
+/// The last cell at which the walk looked: its level and place, its nearest depth, and the depth of the ray.
 fn cell(last: &LastCell) -> String {
     let [column, row] = last.cell;
     let met = if last.crossed { "left" } else { "met" };

@@ -27,7 +27,7 @@ pub(super) const WIDTH: u32 = 640;
 /// Size of a plot's text in pixels.
 pub(super) const TEXT: u32 = 14;
 
-/// A chart, drawn.
+/// A chart with its drawing.
 #[derive(Debug, Clone)]
 pub struct DrawnChart {
     /// The chart.
@@ -58,7 +58,7 @@ pub fn draw(drawing: &Drawing) -> Result<String, String> {
     svg.map(|svg| without_obeyed(&svg, is_obeyed_in_lines).into_owned())
 }
 
-/// Stacked bars, one a record: the median of each stage of the effect, in milliseconds.
+/// Draws stacked bars, one for each record: the median of each stage of the effect, in milliseconds.
 fn stage_bars(records: &[StageBar]) -> Result<String, String> {
     let stages: Vec<String> = distinct(records.iter().flat_map(|r| &r.stages).map(|(name, _)| name.clone()));
     let most = records.iter().map(|r| r.stages.iter().map(|s| s.1).sum::<f64>()).fold(1e-6, f64::max);
@@ -106,11 +106,12 @@ fn stage_bars(records: &[StageBar]) -> Result<String, String> {
     Ok(svg)
 }
 
+/// The colour of a stage, by its place among all stages.
 fn stage_color(stages: &[String], name: &str) -> RGBColor {
     series_color(stages.iter().position(|s| s == name).unwrap_or(0))
 }
 
-/// The colour of one of many series, by its place.
+/// The colour of one of many lines or stages, by its place among them.
 fn series_color(index: usize) -> RGBColor {
     let RGBColor(r, g, b) = STAGE_COLORS[index % STAGE_COLORS.len()];
     // All methods together have more stages than there are colours that can be told apart: dark shades follow, and then light shades.
@@ -125,10 +126,12 @@ fn series_color(index: usize) -> RGBColor {
 /// Number of names in a line of the legend.
 const LEGEND_COLUMNS: usize = 5;
 
+/// The place in pixels of a stage's name in the legend.
 fn legend_place(index: usize) -> (i32, i32) {
     (12 + 124 * (index % LEGEND_COLUMNS) as i32, 10 + 20 * (index / LEGEND_COLUMNS) as i32)
 }
 
+/// The height in pixels of a legend of stages.
 fn legend_height(stages: &[String]) -> u32 {
     20 + 20 * stages.len().div_ceil(LEGEND_COLUMNS) as u32
 }
@@ -145,6 +148,7 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
     let least_tick = y.0;
     let zeros = points.iter().any(|p| p.position[1] <= 0.0);
     if zeros {
+        // The axis grows at its foot by 12 % of its length, for the tick that says 0.
         y.0 /= (y.1 / y.0).powf(0.12);
     }
     // Names stand in a column of their own, as wide as the longest needs.
@@ -319,6 +323,7 @@ pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String
     Ok(svg)
 }
 
+/// A name that is cut after `most` characters.
 fn shortened(name: &str, most: usize) -> String {
     match name.char_indices().nth(most) {
         Some((end, _)) => format!("{}…", &name[..end]),
@@ -342,15 +347,18 @@ fn line_legend_height(names: &[&str]) -> u32 {
     16 + 20 * names.len().div_ceil(legend_columns(names)) as u32
 }
 
+/// The place in pixels of a line's name in the legend.
 fn line_legend_place(names: &[&str], index: usize) -> (i32, i32) {
     let columns = legend_columns(names);
     (12 + (index % columns) as i32 * legend_width(names), 10 + 20 * (index / columns) as i32)
 }
 
+/// The width in pixels of a column of the legend, which has room for the longest name.
 fn legend_width(names: &[&str]) -> i32 {
     36 + 8 * names.iter().map(|n| n.chars().count()).max().unwrap_or(0) as i32
 }
 
+/// The number of columns for which a legend has room.
 fn legend_columns(names: &[&str]) -> usize {
     (((WIDTH - 20) as i32 / legend_width(names)) as usize).max(1)
 }

@@ -80,6 +80,7 @@ impl<R: Row> Results<'_, R> {
         folder.join(PAGE).write(self.page(self.rows, &parts).as_bytes())
     }
 
+    /// The charts, the tables and the clips of one device; clips without a file are left out.
     fn part(&self, folder: &PathInFolder, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
         let failed = |e: String| Error::io("draw the charts of", folder.path(), std::io::Error::other(e));
         let mut clips = R::clips(rows);
@@ -108,6 +109,7 @@ impl<R: Row> Results<'_, R> {
         write(&format!("{}.md", R::KIND), &tables::markdown(&all))
     }
 
+    /// The page of some rows, with a part for each device.
     fn page(&self, rows: &[R], parts: &[DevicePart]) -> String {
         let page = StudyPage {
             title: R::TITLE,

@@ -11,7 +11,7 @@ use std::fs::{File, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-/// The journal's file, one entry a line.
+/// The journal's file, with one entry in each line.
 pub const JOURNAL: &str = "journal.jsonl";
 
 /// The file with the list of the run's cells.
@@ -98,7 +98,7 @@ impl FolderClaim {
     /// Writes the list of the run's cells.
     ///
     /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) if it cannot be written.
+    /// [`Io`](ssct_ground::Error::Io) if the file cannot be written.
     pub fn list(&self, cells: &CellList) -> Result<()> {
         let text = serde_json::to_string_pretty(cells)
             .map_err(|e| Error::io("write", self.folder.join(CELLS).path(), e.into()))?;
@@ -108,7 +108,7 @@ impl FolderClaim {
     /// Notes that the run is finished, so that the next run may begin anew.
     ///
     /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) if it cannot be written.
+    /// [`Io`](ssct_ground::Error::Io) if the file cannot be written.
     pub fn finish(&self) -> Result<()> {
         let place = self.folder.join(JOURNAL);
         let line = format!("{FINISHED}\n");

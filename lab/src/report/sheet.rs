@@ -9,7 +9,7 @@ const GAP: u32 = 8;
 /// A part of a picture: left, top, width and height as shares of its sides.
 pub type Part = [f32; 4];
 
-/// Rows of pictures, top aligned, on white.
+/// Sets rows of pictures below each other on white; the pictures of a row are aligned at their tops.
 pub fn sheet(rows: &[Vec<Rgb>]) -> Rgb {
     let width = |row: &Vec<Rgb>| row.iter().map(|p| p.width + GAP).sum::<u32>().saturating_sub(GAP);
     let height = |row: &Vec<Rgb>| row.iter().map(|p| p.height).max().unwrap_or(0);
@@ -82,7 +82,7 @@ pub fn framed(picture: &Rgb, part: Part) -> Rgb {
 /// The absolute difference of two display images, times a factor.
 ///
 /// # Errors
-/// [`Usage`](ssct::Error::Usage) if they differ in size.
+/// [`Usage`](ssct::Error::Usage) for images of different sizes.
 pub fn difference(a: &Rgb, b: &Rgb, times: u8) -> Result<Rgb> {
     if (a.width, a.height) != (b.width, b.height) {
         return Err(Error::usage(format!("{}x{} and {}x{} can't be compared", a.width, a.height, b.width, b.height)));
@@ -125,7 +125,7 @@ mod tests {
         let f = framed(&ramp(16, 16), [0.25, 0.25, 0.5, 0.5]);
         assert_eq!((pixel(&f, 4, 8), pixel(&f, 11, 11), pixel(&f, 8, 8)), ([230, 30, 30], [230, 30, 30], [8, 8, 7]));
         assert_eq!(pixel(&f, 3, 8), [3, 8, 7]);
-        // Beyond the edge, what there is.
+        // A part that reaches beyond the edge is cut to the pixels that there are.
         assert_eq!(enlarged(&ramp(4, 4), [1.0, 0.9, 0.5, 0.5], 1).bytes, [3, 3, 7]);
     }
 

@@ -19,7 +19,7 @@ impl Svg {
         let _ = writeln!(self.body, "{shape}");
     }
 
-    /// A rectangle with attributes of its own.
+    /// Adds a rectangle; `attributes` are written into the element as they are.
     pub(super) fn rect(&mut self, corner: Vec2, size: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<rect x="{:.2}" y="{:.2}" width="{:.2}" height="{:.2}" {attributes}/>"#,
@@ -34,6 +34,7 @@ impl Svg {
         ));
     }
 
+    /// Adds an ellipse with a radius for each axis.
     pub(super) fn circle(&mut self, centre: Vec2, radius: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<ellipse cx="{:.2}" cy="{:.2}" rx="{:.2}" ry="{:.2}" {attributes}/>"#,
@@ -46,7 +47,7 @@ impl Svg {
         self.add(format_args!(r#"<polyline points="{}" {attributes}/>"#, points.join(" ")));
     }
 
-    /// Text at the left of a point on its base line, unless an anchor says otherwise.
+    /// Adds text that begins at a point on its base line, unless an attribute `text-anchor` says otherwise.
     pub(super) fn text(&mut self, place: Vec2, size: f32, attributes: &str, text: &str) {
         let text = text.replace('&', "&amp;").replace('<', "&lt;");
         self.add(format_args!(
@@ -55,6 +56,7 @@ impl Svg {
         ));
     }
 
+    /// The drawing as the text of an SVG file, on white.
     pub(super) fn finish(self) -> String {
         let [w, h] = self.size.to_array();
         format!(

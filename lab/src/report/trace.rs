@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 const HOST: u32 = 1;
 const DEVICE: u32 = 2;
 
-/// Writes the frames in the order in which they ran. The clocks of host and device are not the same: a frame of the device
-/// is drawn so that it ends when the host saw its end. Times are in microseconds from the first frame.
+/// The frames as JSON, in the order in which they ran. The clocks of host and device are not the same: a frame of the
+/// device is drawn so that it ends when the host saw its end. Times are in microseconds from the first frame.
 pub fn json(frames: &[TimedFrame]) -> String {
     let mut events: Vec<Value> = Vec::new();
     let mut methods: Vec<&String> = Vec::new();

@@ -142,6 +142,7 @@ pub fn reflect_in(
     reflected(context, &effect, &input)
 }
 
+/// Runs an effect on a G-buffer at rest, and reads the images that it made.
 fn reflected(context: &mut FrameContext, effect: &Effect, input: &Input) -> Result<ReflectedImages> {
     let output = reflect_at_rest(context, effect, input)?;
     Ok(ReflectedImages {
@@ -213,6 +214,7 @@ mod tests {
     use glam::DVec3;
     use ssct_scenes::Lens;
 
+    /// Tests where rays end in the world: at hits on the screen or beyond it, in the sky, or at an unknown place.
     #[test]
     fn a_hit_ends_at_the_place_that_it_shows_and_a_miss_nowhere() {
         let camera = Camera::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 9.0), Lens::default(), 1.5);

@@ -25,7 +25,8 @@ pub struct RenderedImage {
     pub intermediates: Option<Intermediates>,
 }
 
-/// Every intermediate with its file stem.
+/// The images on the way to a finished one. Each has the stem of its file's name, the kind of its content, and its
+/// pixels.
 pub type Intermediates = Vec<(String, Content, Pixels)>;
 
 /// The images on the way to a frame's reflection: the G-buffer, the method's intermediates and its hits.
@@ -44,7 +45,8 @@ pub fn inside<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> 
     all
 }
 
-/// Renders a shot and reads it back. With `dump`, intermediates are read, too; the hits are among them if the shot was made with hits.
+/// Renders a shot and reads its images back. With `dump`, the intermediates are read, too; they include the hits if the
+/// shot was made with hits.
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
     let (report, drawn, output) = stage.output_at_rest(shot)?;
     let composite = stage.context.read(output.composite.level(0))?;

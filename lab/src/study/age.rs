@@ -20,7 +20,7 @@ use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::surface::World;
 use ssct_truth::reference::world::WorldReference;
 
-/// The scene, what moves in it, and how captures follow.
+/// The scene, the meshes that move in it, and how captures follow the motion.
 pub struct AgeStudy {
     /// Scene, with its captures or without; captures that the program finds are of the scene before anything moves.
     pub scene: Scene,
@@ -57,38 +57,39 @@ columns! {
     /// A frame of a row.
     #[derive(Copy)]
     pub struct AgeFrame {
-        /// How far the things that move are from where they began, in metres.
+        /// Distance in metres of the moving meshes from where they began.
         pub moved_m: f32 = figure(""),
-        /// Mean over the faces of how many frames ago they were drawn.
+        /// Mean age of the captures' faces: how many frames ago each was drawn.
         pub age_frames: f64 = figure(""),
         /// RMSE of the linear reflection colour against the world of this frame, over reflecting pixels.
         pub rmse: f64 = figure(""),
-        /// Share of the reflecting pixels whose rays meet what moved, where it is or where it was.
+        /// Share of the reflecting pixels whose rays meet a moving mesh, where the mesh is now or where it began.
         pub touched: f64 = figure(""),
-        /// The RMSE over these alone, the only ones that age; null where there are none, as in the first frame.
+        /// RMSE over the touched pixels alone, the only ones that age; null if no pixel is touched, as in the first
+        /// frame.
         pub touched_rmse: Option<f64> = figure(""),
-        /// Standard error of that world reference.
+        /// Standard error of the world reference of this frame.
         pub standard_error: f64 = figure(""),
-        /// The method's time, the renewal of captures with it, in milliseconds.
+        /// Time of the method in milliseconds, including the renewal of captures.
         pub effect_ms: f64 = time(""),
-        /// The renewal's part of it.
+        /// Time of the renewal of captures in milliseconds, which is a part of `effect_ms`.
         pub capture_ms: f64 = time(""),
     }
 }
 
 columns! {
-    /// How the error grows with one number of faces a frame.
+    /// The error over the frames, if one number of faces is renewed in each frame.
     pub struct AgeRecord {
-        /// What it is of; `captures_per_frame` stands in its setup.
+        /// Subject of the record; its setup has `captures_per_frame`.
         #[serde(flatten)]
         pub head: Head = part(),
-        /// The meshes that move.
+        /// Names of the meshes that move.
         pub moving: Vec<String>,
-        /// By how much from one frame to the next, in metres.
+        /// Motion of these meshes from one frame to the next, in metres along the world's axes.
         pub step_m: [f32; 3],
-        /// Faces renewed in each frame.
+        /// Number of faces that are renewed in each frame.
         pub faces_per_frame: u32 = figure("faces a frame"),
-        /// Faces of all captures.
+        /// Number of faces of all captures.
         pub faces: u32 = figure("of"),
         /// Rays a pixel of the world reference.
         pub rays: u32,
@@ -105,7 +106,8 @@ impl Row for AgeRecord {
         &self.head.program
     }
 
-    /// Adds the error of the first and the last frame, the error of touched pixels in the middle and the last frame, and times.
+    /// Adds columns of the error in the first and the last frame, of the error of touched pixels in the middle and the
+    /// last frame, and of times.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let first = |r: &Self| r.frames.first().map(|f| f.rmse);
         let middle = |r: &Self| r.frames.get(r.frames.len() / 2).and_then(|f| f.touched_rmse);
@@ -169,6 +171,7 @@ impl Study for AgeStudy {
         vec![&self.scene]
     }
 
+    /// A cell is a method at a size with a set of factors.
     fn cells(&self) -> Vec<Planned<AgeCell>> {
         let digest = scene_digest(&self.scene);
         let measured = json!([self.moving, self.step_m.to_array(), self.faces, self.frames, self.rays]);
@@ -251,9 +254,10 @@ impl Study for AgeStudy {
 }
 
 /// Mean age of `faces` faces at a frame, in frames; frames count from 0. Faces are renewed in turn, `per_frame` in each frame
-/// before it is shown. A face that was never renewed is as old as the frame's number.
+/// before the frame is shown. A face that was never renewed is as old as the frame's number.
 pub fn mean_age(faces: u32, per_frame: u32, frame: u32) -> f64 {
     let renewed = per_frame.min(faces);
+    // Places are counted back from the face that was drawn last: in each frame, `renewed` faces were drawn.
     let age = |place: u32| (place / renewed.max(1)).min(frame);
     let ages: u32 = if renewed == 0 { faces * frame } else { (0..faces).map(age).sum() };
     if faces == 0 { 0.0 } else { f64::from(ages) / f64::from(faces) }
@@ -261,7 +265,9 @@ pub fn mean_age(faces: u32, per_frame: u32, frame: u32) -> f64 {
 
 /// The world reference of a frame.
 struct Truth {
+    /// Linear reflection colour of each pixel.
     color: Vec<[f32; 3]>,
+    /// Reflecting pixels.
     mask: Vec<bool>,
     /// Reflecting pixels whose reflection a moved thing changes.
     touched: Vec<bool>,
@@ -269,6 +275,7 @@ struct Truth {
 }
 
 impl Truth {
+    /// Traces the reference of a frame in which the moving meshes stand at an offset in metres from where they began.
     fn new(study: &AgeStudy, setup: &Setup, screen: GBufferData, materials: &[Material], offset: Vec3) -> Self {
         let mut scene = study.scene.clone();
         for mesh in scene.meshes.iter_mut().filter(|m| study.moving.contains(&m.name)) {
@@ -292,11 +299,13 @@ impl Truth {
         Self { color, mask, touched, standard_error }
     }
 
+    /// Share of the reflecting pixels that a moved thing changes; 0 if no pixel reflects.
     fn touched_share(&self) -> f64 {
         let count = |mask: &[bool]| mask.iter().filter(|m| **m).count() as f64;
         if count(&self.mask) > 0.0 { count(&self.touched) / count(&self.mask) } else { 0.0 }
     }
 
+    /// RMSE of a reflection over the touched pixels; `None` if no pixel is touched.
     fn touched_rmse(&self, made: &[[f32; 3]]) -> Option<f64> {
         self.touched.contains(&true).then(|| masked_rmse(&self.color, made, &self.touched))
     }

@@ -1,5 +1,5 @@
-//! Agreement of devices: compares what methods make of one G-buffer on two devices, and the G-buffers that two devices draw of
-//! one view.
+//! Agreement of devices: compares the images that methods make from one G-buffer on two devices, and the G-buffers that
+//! two devices draw of one view.
 
 use super::columns::{Column, columns, figure, part};
 use super::compare::display;
@@ -49,19 +49,20 @@ pub struct DeviceImage {
 columns! {
     /// How a method's image on a device compares with the one on another device.
     pub struct AgreementRecord {
-        /// What it is of; the device is the one that is held against `base`.
+        /// Subject of the record; its device is the one that is compared with `base`.
         #[serde(flatten)]
         pub head: Head = part(),
         /// The device that is compared with; it also drew the G-buffer.
         pub base: DeviceInfo,
-        /// Reflecting pixels.
+        /// Number of reflecting pixels.
         pub pixels: usize,
-        /// The device's hits against those of `base`; null for what traces no rays over the screen.
+        /// The device's hits against those of `base`; null for a method that writes no hits.
         #[serde(flatten)]
         pub hits: HitAgreement,
-        /// Pixels whose hits are apart; only of `unified`.
+        /// Number of pixels whose hits are apart; null unless the method follows version 1 of the oracle and all
+        /// reflectors are mirrors.
         pub apart: Option<usize> = figure("apart"),
-        /// Pixels of `apart` where both ends are ends of the ray within the rounding of 32-bit floats.
+        /// Number of those among `apart` where the rounding of 32-bit floats explains the hits of both devices.
         pub ties: Option<usize> = figure("ties"),
         /// Root mean square difference of the linear reflection colour over reflecting pixels.
         pub rmse: f64 = figure("RMSE").digits(5),
@@ -73,7 +74,7 @@ columns! {
 columns! {
     /// How the G-buffers that two devices draw of one view differ.
     pub struct DrawnRecord {
-        /// Always `drawn`.
+        /// Kind of the record, which is always `drawn`.
         pub kind: String,
         /// The device.
         pub device: DeviceInfo,
@@ -85,9 +86,9 @@ columns! {
         pub scene: String = figure("scene"),
         /// View name.
         pub view: String = figure("view"),
-        /// Pixels.
+        /// Width in pixels.
         pub width: u32,
-        /// Pixels.
+        /// Height in pixels.
         pub height: u32,
         /// Whether material maps were sampled without anisotropy.
         pub isotropic: bool = figure("no anisotropy"),
@@ -126,7 +127,7 @@ fn devices<R: 'static>(rows: &[R], device_pair: fn(&R) -> [&DeviceInfo; 2]) -> [
 }
 
 impl AgreementRecord {
-    /// The table of what methods make of one G-buffer.
+    /// The table that compares the images of methods on one G-buffer.
     pub fn table(rows: &[Self]) -> Table {
         let [device, beside] = devices(rows, |r: &Self| [&r.head.program.device, &r.base]);
         let agree = Column::derived("hits agree %", 4, |r: &Self| r.hits.hit_agreement.map(|share| 100.0 * share));
@@ -187,7 +188,8 @@ pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec
     Ok(all)
 }
 
-/// Compares a device's images with those that `base` made from the same G-buffer; both lists are in the order of the methods.
+/// Compares a device's images with those that `base` made from the same G-buffer. The first list is that of `base`, and
+/// both are in the order of the methods.
 pub fn compare(
     gpu: &Gpu,
     base: &DeviceInfo,
@@ -248,6 +250,7 @@ pub fn compare_drawn(
     [base, drawn]: [&GBufferData; 2],
     isotropic: bool,
 ) -> DrawnRecord {
+    // The view depth of a reversed depth, if the far plane is far.
     let near = |d: f32| base.camera.lens.near_m / d.max(f32::MIN_POSITIVE);
     let is_same = |i: &usize| {
         let (a, b) = (base.depth[*i], drawn.depth[*i]);
@@ -278,6 +281,7 @@ pub fn compare_drawn(
     }
 }
 
+/// Red, green and blue of each pixel.
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
     pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }

@@ -1,5 +1,5 @@
 //! The rates of the passes that make a pyramid of depth: the bytes that a pass must at least read and write, divided by its
-//! time. Beside them stands the rate of a plain copy of an image.
+//! time. Beside these rates stands the rate of a plain copy of an image.
 
 use super::columns::{columns, figure, time};
 use super::exhibit::Table;
@@ -23,28 +23,29 @@ const RG32F_BYTES: u64 = 8;
 columns! {
     /// The rate of a pass, or of the copy.
     pub struct BandwidthRecord {
-        /// Always `bandwidth`.
+        /// Kind of the record, which is always `bandwidth`.
         pub kind: String,
         /// Definitions, version, commit and device.
         #[serde(flatten)]
         pub program: Provenance,
-        /// The pass: `copy`, `pyramid`, or `hi-z`, which is all its levels.
+        /// The pass: `copy`, `pyramid`, or `hi-z`, which stands for the passes of all levels of the Hi-Z chain
+        /// together.
         pub pass: String = figure("pass"),
-        /// The method whose pass it is; of the copy, none.
+        /// Method that the pass belongs to; null for the copy.
         pub method: Option<String> = figure("method"),
-        /// Scene and view that it was timed on.
+        /// Scene and view that the pass was timed on; null for the copy.
         pub view: Option<String> = figure("view"),
-        /// Width and height of its image in pixels.
+        /// Width of the image in pixels.
         pub width: u32 = figure("width"),
-        /// See `width`.
+        /// Height of the image in pixels.
         pub height: u32 = figure("height"),
-        /// Bytes that it reads and writes at least, each texel once.
+        /// Bytes that the pass must at least read and write, each texel once.
         pub bytes: u64 = figure("bytes"),
-        /// Its median time.
+        /// Median time of the pass in milliseconds.
         pub median_ms: f64 = time("median ms").digits(4),
-        /// Bytes over time, in 10⁹ bytes a second.
+        /// Bytes divided by the median time, in 10⁹ bytes a second.
         pub gb_per_s: f64 = time("GB/s").digits(2),
-        /// That over the rate of the copy.
+        /// Rate of the pass divided by the rate of the copy.
         pub of_copy: f64 = time("of a copy").digits(2),
     }
 }
@@ -61,6 +62,7 @@ impl BandwidthRecord {
 }
 
 impl BandwidthRecord {
+    /// `copy` is the rate of the copy in 10⁹ bytes a second, and 0 in the record of the copy itself.
     fn new(program: Provenance, pass: &str, [width, height]: [u32; 2], bytes: u64, median_ms: f64, copy: f64) -> Self {
         let gb_per_s = if median_ms > 0.0 { bytes as f64 / (median_ms * 1e6) } else { 0.0 };
         let of_copy = if copy > 0.0 { gb_per_s / copy } else { 1.0 };

@@ -37,6 +37,7 @@ pub struct Caption {
     pub other_ms: f64,
 }
 
+/// Makes a caption from the values of its fields.
 const fn caption(
     figure: &'static str,
     [scene, view]: [&'static str; 2],
@@ -55,7 +56,7 @@ pub const CAPTIONS: [Caption; 6] = [
     caption("5.5", ["rooms", "window"], [1920, 1080], 6.83, "sslr", 9.08),
     caption("5.6", ["atrium", "atrium"], [960, 540], 1.20, "sslr", 1.20),
     caption("5.7", ["atrium", "lion"], [960, 540], 0.74, "sslr", 0.83),
-    // 04:05 min.
+    // The caption gives Mitsuba's time as 04:05 min.
     caption("5.9", ["rooms", "corridor"], [1280, 720], 2.87, REFERENCE, 245e3),
 ];
 
@@ -73,7 +74,7 @@ pub struct ReferenceTime {
     pub wall_ms: f64,
 }
 
-/// Samples the world reference once and measures the time.
+/// Traces the world reference of a view once, with `rays` rays a pixel, and measures the time.
 pub fn time_reference(
     gpu: &Gpu,
     scene: &Scene,
@@ -97,7 +98,7 @@ pub fn time_reference(
     ReferenceTime { head, rays, threads: rayon::current_num_threads(), wall_ms }
 }
 
-/// Two times and their ratio.
+/// The time of SSCT, the other time of the caption, and their ratio.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pair {
     /// Milliseconds of SSCT.
@@ -109,6 +110,7 @@ pub struct Pair {
 }
 
 impl Pair {
+    /// Makes a pair of two times in milliseconds.
     fn new(ssct_ms: f64, other_ms: f64) -> Self {
         Self { ssct_ms, other_ms, ratio: other_ms / ssct_ms }
     }

@@ -21,7 +21,7 @@ pub enum Datum {
 
 /// A type whose values can be written in a column.
 pub trait AsDatum {
-    /// The value.
+    /// The value as a datum.
     fn datum(&self) -> Datum;
 }
 
@@ -80,6 +80,7 @@ struct Form {
 impl Form {
     const PLAIN: Self = Self { digits: 0, is_share: false };
 
+    /// The text of a datum in a table; a share is shown in percent.
     fn text(self, datum: &Datum) -> String {
         match datum {
             Datum::Nothing => "-".to_owned(),
@@ -181,7 +182,7 @@ pub trait Columns: Sized + 'static {
     fn columns() -> ColumnSet<Self>;
 }
 
-/// A field with one value.
+/// The declaration of a field with one value, from which a column is made.
 pub struct Scalar {
     title: &'static str,
     form: Form,
@@ -189,7 +190,7 @@ pub struct Scalar {
     range: [f64; 2],
 }
 
-/// The range of numbers whose column gives no other.
+/// The range of a column's numbers, unless the column sets another range.
 const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
 
 /// A figure, which is equal to the bit on every machine; `title` is its header in tables, or empty.
@@ -355,7 +356,8 @@ macro_rules! columns {
     };
 }
 
-/// Declares columns that are computed from a measured value; the expression behind `=>` finds a column in the value.
+/// Declares columns that are computed from a measured value; the expression behind `=>` computes the column from the
+/// value.
 macro_rules! measured_columns {
     (
         $(#[$about:meta])*

@@ -37,7 +37,7 @@ pub struct Judgement {
     pub threshold: f64,
     /// Share of the resamples in the interval.
     pub confidence: f64,
-    /// Resamples.
+    /// Number of resamples.
     pub resamples: u32,
     /// Seed of the resamples.
     pub seed: u64,
@@ -57,19 +57,20 @@ pub enum Side {
 pub struct CompareHead {
     /// Kind of comparison.
     pub kind: &'static str,
-    /// [`DEFINITIONS`].
+    /// Version of docs/definitions.md, which is [`DEFINITIONS`].
     pub definitions: u32,
     /// Version of this program.
     pub version: &'static str,
     /// Commit of the program's source.
     pub commit: String,
-    /// The first run, which the other one is compared with.
+    /// Name of the first run, which the other one is compared with.
     pub a: String,
-    /// The second run.
+    /// Name of the second run.
     pub b: String,
 }
 
 impl CompareHead {
+    /// Makes the head of a record that compares the runs or images `a` and `b`.
     fn new(kind: &'static str, a: &str, b: &str) -> Self {
         let (version, commit) = (Provenance::VERSION, Provenance::commit());
         Self { kind, definitions: DEFINITIONS, version, commit, a: a.to_owned(), b: b.to_owned() }
@@ -79,7 +80,7 @@ impl CompareHead {
 /// A pass, or the total, of two runs. A value that one run lacks is null, and the verdict is then null, too.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TimeComparison {
-    /// "compare"; the runs' names.
+    /// Kind of the record, which is `compare`, with versions and the names of the runs.
     #[serde(flatten)]
     pub head: CompareHead,
     /// Subject that was timed: everything that was set for both.
@@ -149,6 +150,7 @@ struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
+    /// `threshold` is the change of a time that counts, as a share.
     fn new(a: &'a Run, b: &'a Run, threshold: f64) -> Self {
         let judgement = Judgement { threshold, confidence: CONFIDENCE, resamples: RESAMPLES, seed: SEED };
         Self { a, b, judgement, warning: warning(a, b) }
@@ -238,9 +240,9 @@ fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
     Some(of_b / of_a - 1.0).filter(|drift| drift.is_finite())
 }
 
-/// Compares every pass, group and total, in A's order; passes of B alone come last. Threshold: 0 ≤ t < 1. Frames are a pair
-/// only if everything that was set is the same. A setting that one run's file does not give is ignored, and the warning names
-/// it.
+/// Compares every pass, group and total, in A's order; passes of B alone come last. `threshold` is the change of a time
+/// that counts, as a share, at least 0 and below 1. Frames are compared only if everything that was set is the same. If
+/// one run's file does not give a setting, the setting is ignored, and the warning names it.
 pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     let mut comparison = Comparison::new(a, b, threshold);
     if !a.samples.is_empty() && a.samples == b.samples {
@@ -282,7 +284,8 @@ pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
 /// End of the warning about a comparison of a run with itself.
 const SAME_SAMPLES: &str = "with the same samples: nothing is compared";
 
-/// Why two runs may not be comparable.
+/// Why two runs may not be comparable: other or unknown devices, and settings that one file does not give. `None` if
+/// there is no reason.
 fn warning(a: &Run, b: &Run) -> Option<String> {
     let only = "times compare only on one device";
     let device = match (&a.device, &b.device) {
@@ -310,7 +313,7 @@ fn nearest<'g>(groups: &'g [Group], subject: &Subject) -> Option<&'g Subject> {
     like.min_by_key(|s| s.differences(subject).len()).filter(|s| *s != subject)
 }
 
-/// The pass of the same name in the same group, with the same value of `counted`.
+/// Finds the pass that has the name, the group and the value of `counted` of `like`.
 fn find<'g>(passes: &'g [Samples], like: &Samples) -> Option<&'g Samples> {
     passes.iter().find(|s| s.pass == like.pass && s.part_of == like.part_of && s.counted == like.counted)
 }

@@ -1,5 +1,6 @@
-//! Complaints of engines' users about reflections. Each is a small scene with its truth, what methods show there, and one
-//! number for what users complain of. `ssct stress --complaints` measures them.
+//! Complaints of engines' users about reflections. Each complaint has a small scene, the true reflection there, the
+//! reflections by methods, and one number that measures the complaint. `ssct stress --complaints` measures all
+//! complaints.
 
 mod cases;
 mod frames;

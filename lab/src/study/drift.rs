@@ -17,7 +17,7 @@ pub fn drift(records: &[TimeRecord]) -> Vec<Option<f64>> {
     records.iter().map(since_first).collect()
 }
 
-/// The properties that decide how much work the scene passes do.
+/// The properties that decide how much work the scene passes do: scene, view, width and height.
 fn work(record: &TimeRecord) -> (&str, &str, u32, u32) {
     let head = &record.head;
     (&head.scene, &head.view, head.width, head.height)
@@ -28,7 +28,7 @@ fn moment(record: &TimeRecord) -> [String; 3] {
     ["roughness", "normal_deviation", "reflectivity"].map(|name| record.head.setting(name))
 }
 
-/// Milliseconds of the passes that do not count, a mean over records; `None` if there are none.
+/// Milliseconds of the passes that do not count, as a mean over the records that have any; `None` if no record has.
 fn mean_of_scene_passes<'r>(records: impl Iterator<Item = &'r TimeRecord>) -> Option<f64> {
     let scene = |r: &TimeRecord| r.passes.iter().filter(|p| !p.counted).map(|p| p.stats.median_ms).sum::<f64>();
     let all: Vec<f64> = records.map(scene).filter(|ms| *ms > 0.0).collect();

@@ -21,7 +21,7 @@ use std::collections::HashSet;
 
 /// A study: cells that are measured one after the other.
 pub trait Study {
-    /// The type of a cell, which is measured at once.
+    /// The type of a cell; cells are measured one after the other.
     type Cell;
     /// The type of a row, which is the result of a measurement.
     type Row: Row;
@@ -42,7 +42,8 @@ pub trait Study {
         vec![(cell.key::<Self::Row>(gpu), Value::Null)]
     }
 
-    /// Steps of the progress bar that a cell takes. The engine counts the step of a cell that takes one.
+    /// Number of steps of the progress bar that a cell takes. The engine advances the bar for a cell of one step; a
+    /// cell of more steps advances the bar itself.
     fn steps(&self, _cell: &Self::Cell) -> usize {
         1
     }
@@ -65,7 +66,7 @@ pub struct Planned<C> {
 }
 
 impl<C> Planned<C> {
-    /// Where the journal keeps the result of a device.
+    /// The key under which the journal keeps the result that a device measures.
     pub fn key<R: Row>(&self, gpu: &Gpu) -> String {
         format!("{} {} {}", R::KIND, self.name, digest(gpu, &self.setup))
     }

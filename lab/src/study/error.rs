@@ -69,7 +69,7 @@ pub(super) fn greatest_bounces(variants: &[Variant]) -> u32 {
     variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)
 }
 
-/// Linear images of a cell for the picture strip: reflection colour before fade.
+/// A linear image of a cell, which becomes a picture: the reflection colour before fade.
 struct Strip {
     /// File stem.
     name: String,
@@ -104,7 +104,7 @@ struct ErrorSpec<'a> {
     scene: &'a Scene,
     /// View.
     view: &'a View,
-    /// Pixels.
+    /// Width and height in pixels.
     extent: [u32; 2],
     /// Global factors.
     globals: Globals,
@@ -141,6 +141,7 @@ struct Studio {
 }
 
 impl Studio {
+    /// Uploads a scene; no shots are made yet.
     fn new(gpu: &Gpu, scene: &Scene) -> Result<Self> {
         Ok(Self { stage: Stage::new(gpu, scene)?, shots: LastMade::default() })
     }
@@ -250,6 +251,8 @@ fn strip_name(name: &str, version: OracleVersion) -> String {
     if version.is_first() { name.to_owned() } else { format!("{name}-oracle-{}", u32::from(version)) }
 }
 
+/// The image of a variant, with its errors. A variant that sees the screen alone is compared with the screen reference,
+/// and any other with the world reference.
 fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, variant: &Variant, [width, height]: [u32; 2]) -> Strip {
     let version = variant.setup.effect().oracle;
     let reference = if variant.is_on_screen() { &truth.screen(version).image } else { &truth.world };
@@ -265,6 +268,7 @@ fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, variant: &Variant
 fn exact_hits_with_cone(gpu: &Gpu, spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Result<Vec<[f32; 3]>> {
     let [width, height] = spec.extent;
     let mut context = FrameContext::new(gpu)?;
+    // Each texel has texture coordinates, standard depth and a path code: 1 for a hit, 3 for a miss.
     let texels: Vec<[f32; 4]> = truth
         .screen(setup.effect().oracle)
         .hits
@@ -332,6 +336,7 @@ fn without_fallback(setup: &Setup) -> Setup {
     setup.with(|p: &mut EffectParams| (p.fallback, p.beyond) = (Fallback::None, beyond))
 }
 
+/// Red, green and blue of each pixel.
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
     pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }

@@ -7,7 +7,7 @@ use ssct_truth::metrics::video::Film;
 /// A table.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Table {
-    /// Place of the table on a page, unique there.
+    /// Name of the table's heading in links of its page, unique there.
     pub id: &'static str,
     /// Title; empty for a table that is the only one.
     pub title: String,

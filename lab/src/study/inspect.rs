@@ -1,5 +1,5 @@
-//! Analyses a frame at rest: where its rays ended, what the picked ray did, and what the oracle finds for the
-//! same ray. Everything is computed on the CPU from one readback of the G-buffer.
+//! Analyses a frame at rest: where its rays ended, how the ray of a picked pixel walked, and what the oracle finds for
+//! that ray. Everything is computed on the CPU from one readback of the G-buffer.
 
 mod walk;
 
@@ -27,7 +27,7 @@ use ssct_truth::reference::{Level, Oracle, Trace};
 pub struct Inspection {
     /// The G-buffer.
     pub gbuffer: GBufferData,
-    /// Where the method's rays ended, if the method reports it.
+    /// Where the method's rays ended; `None` if the method does not report this.
     pub hits: Option<Pixels>,
     twin: Option<Twin>,
     oracle: OracleVersion,
@@ -87,7 +87,8 @@ impl RayInWorld {
     /// Length of the last part of a way to the sky, in metres.
     const SKY_M: f32 = 1e4;
 
-    /// Points along the way from its begin to its end, spaced closely enough near the start of each part for a picture.
+    /// Points along the way from its beginning to its end. Its two parts, before and after the screen lost the ray,
+    /// have equally many points, which lie closer near the start of each part, as a picture needs.
     pub fn way(&self) -> Vec<Vec3> {
         const POINTS: u16 = 256;
         let part = |from: Vec3, to: Vec3| {
@@ -104,13 +105,13 @@ impl RayInWorld {
 /// The reflecting pixels by how `unified` treats them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PixelClasses {
-    /// Mirrors (roughness 0); each has its own ray.
+    /// Number of mirrors (roughness 0); each has its own ray.
     pub mirrors: usize,
-    /// Narrow lobes; each has its own ray.
+    /// Number of narrow lobes; each has its own ray.
     pub narrow: usize,
-    /// Wide lobes.
+    /// Number of wide lobes.
     pub wide: usize,
-    /// Cells of 2 × 2 pixels that contain wide lobes; each has one ray.
+    /// Number of cells of 2 × 2 pixels that contain wide lobes; each cell has one ray.
     pub wide_cells: usize,
 }
 
@@ -121,16 +122,16 @@ impl PixelClasses {
     }
 }
 
-/// The tiles of `unified`, by content.
+/// The numbers of tiles of `unified`, by content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TileClasses {
-    /// Without reflecting pixels.
+    /// Tiles without reflecting pixels.
     pub empty: usize,
-    /// Only mirrors.
+    /// Tiles whose reflecting pixels are all mirrors.
     pub mirrors: usize,
-    /// Only glossy pixels.
+    /// Tiles whose reflecting pixels are all glossy.
     pub glossy: usize,
-    /// Mirrors and glossy pixels.
+    /// Tiles with mirrors and glossy pixels.
     pub both: usize,
 }
 
@@ -294,6 +295,7 @@ impl Inspection {
         (ray.z > *direction_epsilon).then(|| hi_z_ray_trace::trace(chain, pixel, ray, constants))
     }
 
+    /// The twin of the walk of `unified` over the screen, with or without images or triangles in which lost rays go on.
     fn traversal(&self) -> Traversal<'_> {
         let traversal = Traversal::new(&self.gbuffer);
         if self.is_followed { traversal.followed() } else { traversal.of_version(self.oracle) }
@@ -341,6 +343,7 @@ impl Inspection {
     fn projected(&self, ray: &RayInWorld) -> Vec<Vec2> {
         let (g, view_to_clip) = (&self.gbuffer, self.gbuffer.view_to_clip());
         let way = ray.way();
+        // The second half of the points is the part after the screen lost the ray.
         let after = way[way.len() / 2..].iter();
         let project = |p: &Vec3| {
             let view = g.camera.world_to_view.transform_point3(*p);

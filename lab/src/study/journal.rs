@@ -14,7 +14,7 @@ use std::collections::HashMap;
 /// Writes a line, given without its line ending, to where the caller keeps lines.
 pub type Sink = Box<dyn FnMut(&str) -> Result<()>>;
 
-/// Results under keys.
+/// Results of measurements, each under a key. A sink, if there is one, gets a line for each new result.
 #[derive(Default)]
 pub struct Journal {
     known: HashMap<String, Value>,
@@ -22,7 +22,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// A journal that begins with some lines, and writes new ones to a sink. Lines that are no entry are ignored.
+    /// A journal that begins with the entries of some lines, and writes new entries to a sink. Lines that are no entry
+    /// are ignored.
     pub fn resume<'l>(lines: impl Iterator<Item = &'l str>, sink: Option<Sink>) -> Self {
         Self { known: lines.filter_map(entry).collect(), sink }
     }
@@ -55,7 +56,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Keeps a result.
+    /// Keeps a result under a key, and writes its line to the sink.
     ///
     /// # Errors
     /// Errors of the sink.
@@ -69,13 +70,13 @@ impl Journal {
     }
 }
 
-/// Key and value of a line; `None` of a line that is no entry.
+/// The key and the value of a line; `None` for a line that is no entry.
 pub fn entry(line: &str) -> Option<(String, Value)> {
     let mut entry: Value = serde_json::from_str(line).ok()?;
     Some((entry["key"].as_str()?.to_owned(), entry.get_mut("value")?.take()))
 }
 
-/// The key of a line; `None` of a line that is no entry.
+/// The key of a line; `None` for a line that is no entry.
 pub fn key_of(line: &str) -> Option<String> {
     entry(line).map(|(key, _)| key)
 }
@@ -96,7 +97,8 @@ pub fn setup_digest(settings: &Value) -> String {
     name(hash)
 }
 
-/// A digest of a scene's whole content, without its views.
+/// A digest of a scene's lens, materials, lights, probes, impostors, motions, triangles and textures. Views, camera
+/// paths, captures and the names of meshes are left out.
 pub fn scene_digest(scene: &Scene) -> String {
     let mut hash = Sha256::new();
     hash.update(format!("{} {:?} {:?} {:?}", scene.name, scene.lens, scene.materials, scene.lights));
@@ -114,6 +116,7 @@ pub fn scene_digest(scene: &Scene) -> String {
     name(hash)
 }
 
+/// The first 8 bytes of a hash, as 16 hexadecimal digits.
 fn name(hash: Sha256) -> String {
     hash.finalize().iter().take(8).map(|b| format!("{b:02x}")).collect()
 }
@@ -124,6 +127,7 @@ mod tests {
     use std::cell::RefCell;
     use std::rc::Rc;
 
+    /// Tests that a journal gives back what was put, and that another journal resumes from the written lines.
     #[test]
     fn what_is_put_is_there_and_in_the_lines_that_another_goes_on_from() {
         let lines = Rc::new(RefCell::new(Vec::new()));

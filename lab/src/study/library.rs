@@ -16,7 +16,7 @@ pub struct LibraryRun {
     pub name: String,
     /// When it was measured, as YYYY-MM-DD.
     pub date: String,
-    /// Where the date comes from.
+    /// Origin of the date.
     pub dated_by: DatedBy,
     /// Record files, relative to the folder, with the kind and number of their records.
     pub files: Vec<RecordFile>,
@@ -38,7 +38,7 @@ pub struct LibraryRun {
     pub notes: Vec<String>,
 }
 
-/// Where the date of a run comes from; records hold no date.
+/// The origin of a run's date; records hold no date.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DatedBy {
     /// The name of a folder on the run's path begins with the date.
@@ -104,7 +104,7 @@ impl Quantity {
 pub struct Setting {
     /// Scene name.
     pub scene: String,
-    /// Pixels.
+    /// Width and height in pixels.
     pub size: [u32; 2],
     /// Global roughness as text; "own" where the materials keep theirs.
     pub roughness: String,

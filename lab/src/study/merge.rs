@@ -123,7 +123,7 @@ pub fn difference_of_properties<const N: usize>(
     different.map(|((name, a), (_, b))| format!("its {name} is {b} and not {a}"))
 }
 
-/// Why two runs are not of one study.
+/// Why two runs are not of one study, as the end of a sentence about `b`; `None` if they are of one study.
 fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
     if let Some(difference) = difference_of_properties(a.must_agree(), b.must_agree()) {
         return Some(difference);
@@ -269,6 +269,7 @@ mod tests {
         assert_eq!(merged.cells.devices.len(), 1);
     }
 
+    /// Tests that of two results by one device the first is kept, and that results by two devices are both kept.
     #[test]
     fn of_one_device_the_first_counts_and_of_two_devices_both() {
         let all = [("a", 1.0), ("b", 2.0), ("c", 3.0)];
@@ -289,6 +290,7 @@ mod tests {
         assert_eq!((both.results, both.cells), (two.results, two.cells));
     }
 
+    /// Tests that runs with other figures or of another study are refused, with a sentence that names the difference.
     #[test]
     fn what_differs_is_refused_with_what_and_where() {
         let said = refused(&[input("A", "x", &[("a", 1.0)]), input("B", "y", &[("a", 1.5)])]);

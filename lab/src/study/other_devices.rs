@@ -1,4 +1,5 @@
-//! The other devices of this machine: compares what they make of a view with what the base device makes of it.
+//! The other devices of this machine: compares the images that each other device makes of a view with those of the base
+//! device.
 
 use super::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
 use crate::error::Result;
@@ -32,12 +33,14 @@ pub fn compiler(gpu: &Gpu) -> Result<Gpu> {
     Ok(Gpu::open(&DeviceQuery { device, compiles_only: true, ..DeviceQuery::default() })?)
 }
 
+/// Opens a device by its index among all devices; without an index, the default device. If `isotropic` is true,
+/// material maps are sampled without anisotropy.
 fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> {
     let device = index.map(|index| index.to_string());
     Ok(Gpu::open(&DeviceQuery { device, validation, isotropic, ..DeviceQuery::default() })?)
 }
 
-/// Compares what devices make of the G-buffer that `base` draws with what `base` makes of it.
+/// Compares the images that devices make from the G-buffer that `base` draws with the images that `base` makes from it.
 ///
 /// # Errors
 /// Errors of the devices.

@@ -44,7 +44,7 @@ columns! {
     pub struct PathFrame {
         /// Milliseconds on the device from the frame's first timestamp to its last, scene passes included.
         pub frame_ms: f64 = time(""),
-        /// Milliseconds of the passes that count: the method's.
+        /// Milliseconds of the passes that count, which are those of the method.
         pub effect_ms: f64 = time(""),
         /// 1000 / `frame_ms`.
         pub fps: f64 = time(""),
@@ -59,7 +59,8 @@ columns! {
         pub median: f64 = time("median").digits(2),
         /// Frames per second that 95 % of the frames reach: at the 95th percentile of the frames' times.
         pub p95: f64 = time("p95").digits(2),
-        /// Frames per second of the slowest 1 % of the frames, at least one: their number over their time.
+        /// Frames per second of the slowest 1 % of the frames, at least one: the number of these frames divided by
+        /// their time.
         pub low_1_percent: f64 = time("1 % low").digits(2),
     }
 }
@@ -67,7 +68,7 @@ columns! {
 columns! {
     /// One method at one size on one path.
     pub struct PathRecord {
-        /// What it is of; the view is the path.
+        /// Subject of the record; the view is the path.
         #[serde(flatten)]
         pub head: Head = part(),
         /// Times of whole frames.
@@ -90,7 +91,7 @@ impl Row for PathRecord {
         &self.head.program
     }
 
-    /// Frames per second over the frames, a line for each record.
+    /// Draws frames per second over the frames, a line for each record.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
         let line = |r: &Self| {
@@ -130,7 +131,7 @@ fn frames_of(list: &CellList) -> usize {
     list.settings["frames"].as_u64().unwrap_or(0) as usize
 }
 
-/// The key of a frame in the journal; `prefix` stands for the method.
+/// The key of a frame in the journal; `prefix` begins the keys of all frames of a method.
 fn key(prefix: &str, frame: usize) -> String {
     format!("{prefix} {frame}")
 }
@@ -161,6 +162,7 @@ impl PathStudy {
         self.methods.iter().map(|method| format!("{key} {}", method.name)).collect()
     }
 
+    /// The cell of a size.
     fn planned(&self, extent: [u32; 2]) -> Planned<[u32; 2]> {
         let methods: Vec<_> =
             self.methods.iter().map(|m| (m.name, self.setup.with_extent(extent).recorded(Some(m)))).collect();
@@ -190,6 +192,7 @@ impl Study for PathStudy {
         self.sizes.iter().map(|extent| self.planned(*extent)).collect()
     }
 
+    /// Each method of a cell has one result, whose key begins the keys of its frames.
     fn results(&self, gpu: &Gpu, planned: &Planned<[u32; 2]>) -> Vec<(String, Value)> {
         let (start, setup) = (self.view(0), self.setup.with_extent(planned.cell));
         let head = |m| Head::new("path", gpu, (&self.scene, &start), RecordSubject::Method(m), &setup, &self.globals);
@@ -201,6 +204,7 @@ impl Study for PathStudy {
         self.methods.len() * (self.warmup + self.frames)
     }
 
+    /// Times every frame that the journal lacks. The rows are made of the journal, so that none is returned.
     fn measure(&mut self, extent: &[u32; 2], bench: &mut Bench) -> Result<Vec<PathRecord>> {
         let mut stage = Stage::new(bench.gpu, &self.scene)?;
         let start = self.view(0);

@@ -49,7 +49,7 @@ pub struct PixelMethod<'a> {
 pub struct PixelReport {
     /// Column and row, from the top left.
     pub pixel: [u32; 2],
-    /// The method.
+    /// Name of the method.
     pub method: String,
     /// Whether the reflection is right, and if it is wrong, whether the screen reference is right.
     pub verdict: PixelVerdict,
@@ -253,6 +253,7 @@ pub fn verdicts(inspection: &Inspection, made: MethodImages, world: &World, boun
 }
 
 impl SurfaceReport {
+    /// `index` is the pixel's number, row by row; `mesh` names the mesh that the pixel shows.
     fn new(gbuffer: &GBufferData, index: usize, mesh: Option<String>) -> Self {
         let is_sky = gbuffer.depth[index] <= 0.0;
         let [x, y] = [index as u32 % gbuffer.width, index as u32 / gbuffer.width].map(|v| f64::from(v) + 0.5);
@@ -270,6 +271,8 @@ impl SurfaceReport {
 }
 
 impl ColorReport {
+    /// `references` are the colours of the screen reference and of the world reference; `None` if the pixel does not
+    /// reflect.
     fn new(
         gbuffer: &GBufferData,
         made: MethodImages,
@@ -301,6 +304,7 @@ impl ColorReport {
 }
 
 impl MethodEnd {
+    /// `None` if the method does not say how the ray ended, or the pixel has no ray.
     fn new(ray: &PickedRay) -> Option<Self> {
         let (code, place) = ray.method.filter(|(code, _)| *code != PathCode::None)?;
         let in_world = ray.in_world.filter(|way| !matches!(way.code, PathCode::Sky | PathCode::Unknown));
@@ -316,6 +320,7 @@ impl MethodEnd {
 }
 
 impl OracleEnd {
+    /// The end of a picked ray by the oracle, in words and as a place on the screen.
     fn new(inspection: &Inspection, ray: &PickedRay) -> Self {
         Self {
             version: inspection.oracle().into(),
@@ -330,6 +335,7 @@ impl OracleEnd {
 }
 
 impl WorldEnd {
+    /// `None` for a pixel that does not reflect. For a ray that ends in the sky, every field is null or false.
     fn new(found: &PixelInWorld, camera: &Camera) -> Option<Self> {
         let nowhere = Self {
             mesh: None,
@@ -370,6 +376,7 @@ impl WorldEnd {
 }
 
 impl WalkReport {
+    /// The number of steps of a walk, its end in words, and its last cell.
     fn new(walk: &Walk) -> Self {
         let last = walk.cells.last().map(|cell| LastCell {
             level: cell.level,

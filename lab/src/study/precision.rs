@@ -36,24 +36,24 @@ use ssct_truth::reference::surface::{World, sky_color};
 pub const ORACLE: &str = "oracle";
 
 columns! {
-    /// What a method makes of a G-buffer that was stored in some formats. (`unified` loads normals as 16-bit floats: finer
-    /// ones are rounded to them before it begins, and coarser ones by up to an eighth of their step.)
+    /// The result of a method on a G-buffer that was stored in some formats. (`unified` loads normals as 16-bit floats,
+    /// so that finer normals are rounded to these, and coarser ones are changed by up to an eighth of their step.)
     pub struct PrecisionRecord {
-        /// What it is of; "precision".
+        /// Subject of the record.
         #[serde(flatten)]
         pub head: Head = part(),
-        /// The formats.
+        /// Formats of the G-buffer.
         pub storage: Storage = figure(""),
-        /// Bytes of a pixel.
+        /// Bytes of a pixel of the G-buffer.
         pub bytes_per_pixel: u32 = figure(""),
-        /// Reflecting pixels that rounding made sky.
+        /// Number of reflecting pixels that rounding turns into sky, whose depth is 0.
         pub lost: usize = figure(""),
         /// Hits against the oracle's on the unrounded G-buffer; null unless every reflector is a mirror.
         #[serde(flatten)]
         pub hits: HitAgreement = part(),
         /// Root mean square error of the linear reflection colour, against the screen reference on the unrounded G-buffer.
         pub rmse: f64 = figure(""),
-        /// What the reference itself is expected to err by, as an RMSE.
+        /// RMSE that the reference itself is expected to have, from the finite number of its rays.
         pub standard_error: f64 = figure(""),
     }
 }
@@ -68,12 +68,13 @@ pub struct ExactGBuffer {
 }
 
 impl ExactGBuffer {
-    /// Traces the pixels' centres.
+    /// Traces a ray through the centre of each pixel, and makes the G-buffer of what the rays hit.
     pub fn trace(world: &World, camera: &Camera, [width, height]: [u32; 2]) -> Self {
         let rays = PrimaryRays::new(camera, [width, height]);
         let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
         let world_to_view = camera.world_to_view.as_dmat4();
         let half = |v: f64| half::f16::from_f64(v).to_f32();
+        // Reversed depth, normal in view space, reflectivity, roughness, lit colour and kind of surface.
         let pixel = |index: usize| {
             let (ray, z_per_metre) = rays.ray(index);
             let Some(hit) = world.closest(&ray) else {
@@ -141,6 +142,7 @@ struct Truth {
 type Hits = Vec<Option<[f64; 2]>>;
 
 impl Truth {
+    /// Traces the unrounded G-buffer of a view, and finds its references.
     fn new(spec: &PrecisionSpec) -> Self {
         let materials = spec.globals.materials(spec.scene, spec.view);
         let world = World::new(spec.scene, &materials);
@@ -157,6 +159,7 @@ impl Truth {
         }
     }
 
+    /// The record of a subject on a stored G-buffer, whose colours and hits are compared with those on the exact one.
     fn record(
         &self,
         spec: &PrecisionSpec,
@@ -185,6 +188,7 @@ fn screen(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenRefe
     ScreenReference::render(data, mask, sampling, &|| ())
 }
 
+/// The hits of the mirror rays of reflecting pixels, by version 1 of the oracle.
 fn oracle_hits(data: &GBufferData, mask: &[bool]) -> Hits {
     let hierarchy = Hierarchy::new(data);
     let hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position_px());
@@ -216,6 +220,7 @@ impl Study for PrecisionStudy {
         vec![&self.scene]
     }
 
+    /// Lists a cell for each view and set of factors.
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
         let digest = scene_digest(&self.scene);

@@ -24,8 +24,8 @@ pub const JUDGED_SIZE: [u32; 2] = [480, 270];
 pub const VIEWS: [[&str; 2]; 4] =
     [["rooms", "corridor"], ["atrium", "hall"], ["museum", "exit-sign"], ["street", "car"]];
 
-/// The scenes of these views that the README's table of the screen has, at several roughness values. The README's table of the
-/// triangles has mirrors alone.
+/// The scenes among [`VIEWS`] that the README's table of the screen has, at several roughness values. The README's
+/// table of the triangles has mirrors alone.
 pub const SCREEN_SCENES: [&str; 2] = ["rooms", "atrium"];
 
 /// The greatest relative difference of a ratio of times from the README's that counts as the same.
@@ -96,6 +96,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// The name in tables.
     fn name(self) -> &'static str {
         match self {
             Self::Same => "same",
@@ -186,11 +187,13 @@ impl MeasuredRecords<'_> {
         }
     }
 
+    /// The record of a variant's error against a reference, on the view of a number of the README.
     fn error(&self, quoted: &QuotedNumber, variant: &str, against: ErrorReference) -> Option<&ErrorRecord> {
         self.errors.iter().find(|r| r.against == against && is_of(&r.head, quoted, variant))
     }
 }
 
+/// Whether a record is about a variant, on the view and with the roughness of a number of the README.
 fn is_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
     let is_there = head.scene == quoted.scene && head.view == quoted.view && name(head) == variant;
     let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
@@ -225,6 +228,8 @@ pub fn compare(measured: &MeasuredRecords) -> Result<Vec<ReadmeRecord>> {
     Ok(records)
 }
 
+/// Whether a number of the README's records and the number that was measured here are the same within the figure's
+/// tolerance.
 fn verdict(figure: Figure, (there, here): (f64, f64)) -> Verdict {
     let near = match figure {
         Figure::Time => (here / there - 1.0).abs() <= TIME_TOLERANCE,
@@ -295,6 +300,7 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
 mod tests {
     use super::*;
 
+    /// Tests that each number can be measured on the views here, or names another command.
     #[test]
     fn every_number_is_of_a_view_that_is_measured_or_of_another_command() {
         let all = quoted_numbers().unwrap();
@@ -310,6 +316,7 @@ mod tests {
         assert!(all.iter().filter(|q| q.figure == Figure::Error).count() > 10);
     }
 
+    /// Tests the tolerances of times, errors and shares.
     #[test]
     fn a_number_is_the_same_within_what_its_figure_allows() {
         assert_eq!(verdict(Figure::Time, (0.40, 0.43)), Verdict::Same);

@@ -19,13 +19,13 @@ columns! {
     /// Median, minimum, 95th percentile and number of some samples, in milliseconds.
     #[derive(Copy)]
     pub struct Stats {
-        /// Median; of an even number, the mean of the middle two.
+        /// Median; for an even number of samples, the mean of the middle two.
         pub median_ms: f64 = time("median"),
-        /// Least.
+        /// Least sample.
         pub min_ms: f64 = time("min"),
         /// The least sample that 95 % of the samples don't exceed.
         pub p95_ms: f64 = time("p95"),
-        /// How many.
+        /// Number of samples.
         pub samples: usize = time("n"),
     }
 }
@@ -49,7 +49,7 @@ impl Stats {
     }
 }
 
-/// A pass's times.
+/// The times of a pass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PassRecord {
     /// Label; a slash precedes the number of a chain's level.
@@ -108,7 +108,7 @@ impl Provenance {
 /// effect and of the method. A value that is not set, such as a roughness that the materials keep, is null.
 pub type RecordedSetup = Map<String, Json>;
 
-/// The setup of a method seen through a lens.
+/// Everything that is set for a measurement of a method: its setup, the lens and the global factors, by name.
 pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals: &Globals) -> RecordedSetup {
     let named = |(name, value): (&str, Value)| (name.to_owned(), json!(value));
     let mut all: RecordedSetup = setup.recorded(method).into_iter().map(named).collect();
@@ -143,7 +143,7 @@ pub fn cell(value: &Json) -> String {
 /// The first fields of every record about a view of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Head {
-    /// "time", "error", …
+    /// Kind of the record, such as "time" or "error".
     pub kind: String,
     /// Program and device that measured.
     #[serde(flatten)]
@@ -294,7 +294,7 @@ pub enum RecordSubject<'a> {
 columns! {
     /// Times of one method on one view, size and roughness.
     pub struct TimeRecord {
-        /// What it is of.
+        /// Subject of the record.
         #[serde(flatten)]
         pub head: Head = part(),
         /// Every pass of the frame, in order.
@@ -304,15 +304,16 @@ columns! {
         /// How far the total strays from itself, as a share, where the method was timed against itself.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub noise_floor: Option<f64> = time(""),
-        /// From the frame's first timestamp to its last, scene passes included.
+        /// Times of whole frames, from a frame's first timestamp to its last, scene passes included.
         pub frame: Stats = nested(""),
         /// Meshes and triangles drawn.
         pub drawn: DrawnCounts,
-        /// Labels of the passes recorded.
+        /// Labels of the passes that the frame recorded.
         pub recorded: Vec<String>,
         /// Passes that the frame did not need.
         pub skipped: Vec<Skipped>,
-        /// Raw samples, one row a sample: milliseconds of each pass, in order. Kept beside, as CSV.
+        /// Raw samples: for each frame the milliseconds of each pass, in order. A CSV file beside the record keeps
+        /// them.
         #[serde(skip)]
         pub samples: Vec<Vec<f64>>,
     }

@@ -47,9 +47,9 @@ pub struct ShadersStudy {
 columns! {
     /// A number that the driver states.
     pub struct ShaderStatistic {
-        /// The driver's name of it.
+        /// The driver's name of the number.
         pub name: String = time(""),
-        /// What it counts, in the driver's words.
+        /// Meaning of the number, in the driver's words.
         pub about: String = time(""),
         /// The number.
         pub value: f64 = time(""),
@@ -57,17 +57,17 @@ columns! {
 }
 
 columns! {
-    /// What one stage of one program was compiled to.
+    /// The result of compiling one stage of one program.
     pub struct ShaderRecord {
-        /// What runs it.
+        /// Scene, view, method and setup of the frames that run the program.
         #[serde(flatten)]
         pub head: Head = part(),
-        /// When the program runs: "frame"; "frame at rest" if frames of a camera that moves run another; or "prepare" for what is
-        /// made once before the first frame.
+        /// When the program runs: "frame"; "frame at rest" if frames of a camera that moves do not run the program; or
+        /// "prepare" if the program runs once before the first frame.
         pub runs_in: String = time("runs in"),
-        /// The passes that run it, with commas between them.
+        /// Labels of the passes that run the program, with commas between them.
         pub passes: String = time(""),
-        /// The program: its shader's path under shaders-glsl/, and what is defined for it.
+        /// The program: the path of its shader under shaders-glsl/, and the macros that are defined for the program.
         pub program: String = time("program"),
         /// The stage, such as "compute".
         pub stage: String = time("stage"),
@@ -75,7 +75,7 @@ columns! {
         pub constants: String = time(""),
         /// Invocations of a subgroup.
         pub subgroup_size: u32 = time("subgroup"),
-        /// The driver's statistics, in its order.
+        /// Statistics of the driver, in the driver's order.
         pub statistics: Vec<ShaderStatistic> = series(),
     }
 }
@@ -105,6 +105,7 @@ fn statistic_names(records: &[ShaderRecord]) -> Vec<String> {
     names
 }
 
+/// A statistic as tables show it: without digits behind the point if it is whole, and a dash if it is missing.
 fn statistic_text(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), |v| if v.fract() == 0.0 { format!("{v:.0}") } else { format!("{v:.2}") })
 }
@@ -125,6 +126,7 @@ impl Row for ShaderRecord {
         &self.head.program
     }
 
+    /// The tables of whole frames, of the programs of frames, and of all programs.
     fn tables(rows: &[Self], _settings: &Value) -> Vec<Table> {
         let names = statistic_names(rows);
         let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
@@ -138,7 +140,7 @@ impl Row for ShaderRecord {
     }
 }
 
-/// Makes a line of the table for each frame.
+/// Makes a table with a line for each variant and roughness, in which the numbers of a frame's programs are combined.
 fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let folded: Vec<(&String, Fold)> =
         names.iter().filter_map(|name| Some((*name, Kind::named(name).fold()?))).collect();
@@ -157,7 +159,7 @@ fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     cells
 }
 
-/// Makes a line for each program that a frame runs; programs with equal lines in several frames have one.
+/// Makes a table with a line for each program that frames run; programs whose lines are equal share one.
 fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = ["program", "constants", "stage", "subgroup"].map(str::to_owned).into_iter();
     let mut cells: Vec<Vec<String>> = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
@@ -172,7 +174,7 @@ fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<Strin
     cells
 }
 
-/// Makes a line for each record.
+/// Makes a table with a line for each record.
 fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = ["method", "roughness", "runs in", "program", "constants", "stage", "subgroup", "passes"];
     let header = header.map(str::to_owned).into_iter();
@@ -198,6 +200,7 @@ impl Study for ShadersStudy {
         vec![&self.scene]
     }
 
+    /// A cell is a variant, by its index, with a set of factors.
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let digest = scene_digest(&self.scene);
         let planned = |n: usize, globals: &Globals| {
@@ -213,6 +216,7 @@ impl Study for ShadersStudy {
         pairs.map(|(n, globals)| planned(n, globals)).collect()
     }
 
+    /// Compiles the programs of a variant, and makes a record of each stage.
     fn measure(&mut self, &(n, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<ShaderRecord>> {
         let stage = self.stage.get_or_make((), || Stage::new(bench.gpu, &self.scene))?;
         compiled(stage, (&self.scene, &self.view), &self.variants[n], self.extent, &globals)
@@ -252,7 +256,7 @@ pub fn compiled(
 }
 
 impl ShaderRecord {
-    /// The main numbers of the programs that frames run; programs with equal lines in several frames have one.
+    /// A table with the main numbers of the programs that frames run; programs whose lines are equal share one.
     pub fn table(records: &[Self]) -> Table {
         let names = statistic_names(records);
         let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
@@ -281,6 +285,7 @@ fn is_listed(program: &CompiledProgram, executable: &Executable) -> bool {
     executable.stage != "vertex" || program.executables.iter().all(|e| e.stage == "vertex")
 }
 
+/// The record of one stage of a program.
 fn record(head: &Head, runs_in: &str, program: &CompiledProgram, executable: &Executable) -> ShaderRecord {
     let constants: Vec<String> = program.constants.iter().map(|(id, bits)| format!("{id}={bits}")).collect();
     let statistic = |s: &ssct::gpu::executables::Statistic| ShaderStatistic {

@@ -19,6 +19,8 @@ pub fn fault<R: Columns>(record: &Value) -> Option<String> {
     range_fault(record, &ranges)
 }
 
+/// The first fault among the fields of a value, at whatever depth; `ranges` has the least and the greatest value of a
+/// field.
 fn range_fault(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
     match value {
         Value::Array(items) => items.iter().find_map(|item| range_fault(item, ranges)),
@@ -29,6 +31,8 @@ fn range_fault(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Opti
     }
 }
 
+/// The fault of a field: a number out of its range, a method's name that is not safe in a file's name, or a fault in a
+/// part of the value. `None` if the value is possible.
 fn field(name: &str, value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
     if let (Some([least, most]), Some(number)) = (ranges.get(name), value.as_f64()) {
         let can_be = number >= *least && number <= *most;
@@ -47,6 +51,7 @@ const DURATIONS: [&str; 4] = ["ms", "frame_ms", "record_ms", "wait_ms"];
 
 /// Why sampled times are impossible, as the end of a sentence about them; `None` if they are possible: no duration is negative.
 pub fn fault_of_sample(sample: &Value) -> Option<String> {
+    /// The first negative duration among some fields, at whatever depth.
     fn negative(fields: &Map<String, Value>) -> Option<String> {
         fields.iter().find_map(|(name, value)| match value {
             Value::Number(n) if DURATIONS.contains(&name.as_str()) && n.as_f64().is_some_and(|n| n < 0.0) => {
@@ -83,6 +88,7 @@ mod tests {
         }
     }
 
+    /// Tests that an impossible value is found and named.
     #[test]
     fn what_no_measurement_finds_is_named() {
         let good = json!({

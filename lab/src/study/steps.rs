@@ -50,7 +50,7 @@ impl AsDatum for StepsIn {
 columns! {
     /// The steps of the mirror rays of a view.
     pub struct StepsRecord {
-        /// Always `steps`.
+        /// Kind of the record, which is always `steps`.
         pub kind: String,
         /// Definitions, version, commit and device.
         #[serde(flatten)]
@@ -59,24 +59,24 @@ columns! {
         pub scene: String = figure("scene"),
         /// View name.
         pub view: String = figure("view"),
-        /// Pixels.
+        /// Width in pixels.
         pub width: u32 = figure("width"),
-        /// Pixels.
+        /// Height in pixels.
         pub height: u32 = figure("height"),
-        /// Where the rays are counted.
+        /// Images in which the steps are counted.
         pub images: StepsIn = figure("in"),
-        /// Rays: one for each pixel that reflects, or of these those that the screen lost.
+        /// Number of rays: one for each pixel that reflects, or for each of these pixels whose ray the screen lost.
         pub rays: usize = figure("rays"),
-        /// Mean of their steps.
+        /// Mean number of steps of a ray.
         pub mean: f64 = figure("mean").digits(1),
         /// Mean, over groups of eight rays of pixels beside each other, of the most steps in a group: what eight threads take
         /// that wait for each other.
         pub mean_of_eight: f64 = figure("mean of eight").digits(1),
-        /// Median.
+        /// Median number of steps of a ray.
         pub median: u32 = figure("median"),
-        /// 99th percentile.
+        /// Number of steps that 99 % of the rays do not exceed.
         pub p99: u32 = figure("p99"),
-        /// The most.
+        /// Greatest number of steps of a ray.
         pub most: u32 = figure("most"),
     }
 }
@@ -91,7 +91,8 @@ impl StepsRecord {
     }
 }
 
-/// Counts the steps on a G-buffer of a view: without captures, and with four that the program places.
+/// Counts the steps on a G-buffer of a view: without captures, and with four captures that the program places. The
+/// three records are in the order of [`StepsIn`].
 ///
 /// # Errors
 /// Errors of the device.
@@ -121,7 +122,7 @@ pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GB
     ])
 }
 
-/// The pixels, block by block of 4 x 2.
+/// All pixels, block by block of 4 × 2, so that pixels beside each other follow each other.
 fn blocks(data: &GBufferData) -> Vec<(u32, u32)> {
     let block = |y: u32| (0..data.width.div_ceil(4)).map(move |x| (4 * x, 2 * y));
     let corners = (0..data.height.div_ceil(2)).flat_map(block);
@@ -145,6 +146,7 @@ fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<
 }
 
 impl StepsRecord {
+    /// Makes the record of the steps of some rays, which are in the order of [`blocks`].
     fn from_steps(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData, images: StepsIn, mut all: Vec<u32>) -> Self {
         let groups = all.chunks(TOGETHER);
         let (count, most) = (groups.len(), groups.map(|g| f64::from(g.iter().copied().max().unwrap_or(0))));

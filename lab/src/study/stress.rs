@@ -45,52 +45,56 @@ pub const AGREEMENT: f64 = 0.9999;
 const SLOW_MS: (f64, f64) = (5_000.0, 0.02);
 
 columns! {
-    /// What a method made of a case.
+    /// The result of a method on a case.
     pub struct StressRecord {
-        /// "stress".
+        /// Kind of the record, which is always `stress`.
         pub kind: String,
-        /// Which program measured on what.
+        /// Program and device that measured.
         #[serde(flatten)]
         pub program: Provenance,
-        /// What was tried.
+        /// Name of the case.
         pub case: String = figure(""),
         /// Method name.
         pub method: String = figure(""),
-        /// Pixels.
+        /// Width in pixels.
         pub width: u32 = figure(""),
-        /// Pixels.
+        /// Height in pixels.
         pub height: u32 = figure(""),
         /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
-        /// Pixels of the image.
+        /// Number of pixels of the image.
         pub pixels: usize = figure(""),
-        /// Pixels with a NaN in the reflection, or in the image where the lit colour is sound.
+        /// Number of pixels with a NaN in the reflection, or in the image where the lit colour is finite and not
+        /// negative.
         pub nan: usize = figure(""),
-        /// Pixels with an infinity in the reflection, or in the image where the lit colour is sound.
+        /// Number of pixels with an infinity in the reflection, or in the image where the lit colour is finite and not
+        /// negative.
         pub inf: usize = figure(""),
-        /// Pixels with a negative number in the reflection, or in the image where the lit colour is sound.
+        /// Number of pixels with a negative number in the reflection, or in the image where the lit colour is finite
+        /// and not negative.
         pub negative: usize = figure(""),
-        /// Pixels whose ray ran out of steps; null where the method doesn't say.
+        /// Number of pixels whose ray ran out of steps or has no known path code; null if the method writes no hits.
         pub exhausted: Option<usize> = figure(""),
-        /// Reflecting pixels whose hits were compared with the oracle's, or in scenes of hard triangles with the world's; null
-        /// where nobody knows the truth or the method has no hits.
+        /// Number of reflecting pixels whose hits were compared with the oracle's, or in scenes of hard triangles with
+        /// the world's; null if the truth is not known or the method has no hits.
         pub compared: Option<usize> = figure(""),
-        /// Share of them that agree.
+        /// Share of the compared pixels whose hits agree.
         pub hit_agreement: Option<f64> = figure(""),
-        /// Compared pixels that disagree, but would agree for a ray that differs by rounding alone; null for methods that are
-        /// not judged.
+        /// Number of compared pixels that disagree, but would agree for a ray that differs by rounding alone; null if
+        /// ties were not counted.
         pub ties: Option<usize> = figure(""),
-        /// The method's time.
+        /// Time of the method in milliseconds.
         pub time_ms: f64 = time(""),
-        /// Whether it took far longer than any method does. A busy machine is enough for that, so that it decides nothing.
+        /// Whether the frame took far longer than any method takes. A busy machine is enough for that, so that a slow
+        /// frame fails nothing.
         #[serde(default)]
         pub slow: bool = time(""),
-        /// Whether it must pass: [`JUDGED`] everywhere, and where captures or triangles are tried whatever follows rays in
-        /// them. The published methods need only survive.
+        /// Whether the method must pass: [`JUDGED`] must pass every case, and methods that follow rays in captures or
+        /// among triangles must pass the cases that try these. Other methods need only finish.
         #[serde(default)]
         pub judged: bool = figure(""),
-        /// No NaN, infinity, negative or exhausted pixel, and agreement (ties apart) of [`AGREEMENT`], or among hard
-        /// triangles of what [`trees`] asks for.
+        /// Whether no pixel is NaN, infinite, negative or exhausted, and enough compared pixels agree, with ties
+        /// counted as agreeing: a share of [`AGREEMENT`], or among hard triangles the share that [`trees`] asks for.
         pub pass: bool = figure(""),
     }
 }
@@ -123,8 +127,8 @@ impl WrongPixels {
     }
 }
 
-/// 0 for a NaN, 1 for an infinity, 2 for a number below 0, by the bits; `None` for a sound number.
-/// Minus zero is sound.
+/// Tells wrong numbers by the bits of an f32: 0 for a NaN, 1 for an infinity, 2 for a number below 0. `None` for any
+/// other number, including minus zero.
 fn kind(bits: u32) -> Option<usize> {
     let (exponent, mantissa) = (bits >> 23 & 0xff, bits & 0x7f_ffff);
     match (exponent, mantissa) {
@@ -135,7 +139,7 @@ fn kind(bits: u32) -> Option<usize> {
     }
 }
 
-/// Runs screen-space methods, which were made for the case's size, on a case.
+/// Runs screen-space methods, which were made for the case's size, on a case, and makes a record of each.
 pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<StressRecord>> {
     let data = case.gbuffer();
     let images = GBufferImages::upload_unsound(&mut lineup.context, &data)?;
@@ -159,6 +163,7 @@ struct Truth<'a> {
 }
 
 impl<'a> Truth<'a> {
+    /// Traces the mirror rays of the reflecting pixels, or of pixels drawn at random if there are too many.
     fn new(data: &'a GBufferData) -> Self {
         let hierarchy = Hierarchy::new(data);
         let mut pixels: Vec<u32> = (0..data.depth.len() as u32).filter(|i| data.reflects(*i as usize)).collect();
@@ -172,8 +177,8 @@ impl<'a> Truth<'a> {
         Self { hierarchy, pixels, hits }
     }
 
-    /// Compares a method's hits with the oracle's, if it has any. Ties are counted for [`JUDGED`] alone, since each takes
-    /// hundreds of rays to find.
+    /// Compares a method's hits with the oracle's; `None` for a method without hits. Ties are counted for [`JUDGED`]
+    /// alone, since each takes hundreds of rays to find.
     fn compare(&self, made: &FrameImages, method: &MethodInfo) -> Option<ComparedRays> {
         let hits = hit_positions(made.hits.as_ref()?);
         let verdict = |n: usize| HitVerdict::compare(hits[self.pixels[n] as usize], self.hits[n]);
@@ -204,6 +209,7 @@ impl ComparedRays {
         (self.rays > 0).then(|| (self.rays - self.wrong) as f64 / self.rays as f64)
     }
 
+    /// Whether enough of the rays are right, with ties counted as right.
     fn passes(&self) -> bool {
         (self.rays - self.wrong + self.ties.unwrap_or(0)) as f64 >= self.least * self.rays as f64
     }
@@ -219,6 +225,8 @@ struct JudgedFrame<'a> {
 }
 
 impl FrameImages {
+    /// Makes the record of a method's frame on the G-buffer `data`: counts its wrong pixels, and says whether it
+    /// passes.
     fn judge(
         &self,
         gpu: &Gpu,
@@ -265,6 +273,7 @@ impl FrameImages {
 pub struct Place {
     /// Name of the place in records.
     pub name: String,
+    /// The camera in the scene before the offset moves both.
     view: View,
     /// Offset of the whole scene along each axis, in metres.
     pub offset: f32,
@@ -309,8 +318,9 @@ pub fn moved(scene: &Scene, place: &Place) -> Scene {
     scene
 }
 
-/// Runs methods at an unusual place of the camera, as mirrors and as gloss. The methods were made with their hits for the
-/// [`moved`] scene. Hits of mirrors are compared on the G-buffer that the device drew.
+/// Runs methods at an unusual place of the camera, as mirrors and as gloss, and makes a record of each. The methods
+/// were made with their hits for the [`moved`] scene. Hits of mirrors are compared with the oracle's on the G-buffer
+/// that the device drew.
 pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<Vec<StressRecord>> {
     let mut view = place.view.clone();
     view.eye += place.offset;

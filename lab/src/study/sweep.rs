@@ -11,7 +11,7 @@ use ssct::passes::billboard::{Occlusion, Order};
 use ssct::passes::linear_trace::LinearMarch;
 use ssct_ground::parameter::Preset;
 
-/// The roughness values of the study.
+/// The roughness values of the error study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
 /// Every variant of some methods: each method's own sweep, around a base setup.
@@ -53,7 +53,7 @@ pub fn setups(method: &MethodInfo, base: &Setup) -> Vec<Setup> {
 /// Setups of a method that differ from a base in several parameters.
 fn combinations(method: &str, base: &Setup) -> Vec<Setup> {
     if method == stochastic::INFO.name {
-        // Rays of the pixel alone, as many as the filter would gather from neighbours.
+        // Each pixel traces as many rays itself as the filter would gather from neighbours, and gathers none.
         let alone = |rays| base.with(|p: &mut StochasticParams| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
         vec![alone(4), alone(16)]
     } else if method == dda::INFO.name {

@@ -16,19 +16,20 @@ pub struct Published {
     pub size: [u32; 2],
     /// Roughness, which is also the normal deviation.
     pub roughness: f32,
-    /// SSCT.
+    /// Time of SSCT in milliseconds.
     pub ssct: f64,
-    /// HZCT.
+    /// Time of HZCT in milliseconds.
     pub hzct: f64,
-    /// SSLR.
+    /// Time of SSLR in milliseconds.
     pub sslr: f64,
 }
 
+/// Makes a row of the table; the last three values are times in milliseconds.
 const fn row(width: u32, height: u32, roughness: f32, ssct: f64, hzct: f64, sslr: f64) -> Published {
     Published { size: [width, height], roughness, ssct, hzct, sslr }
 }
 
-/// Table 5.8.
+/// The rows of table 5.8, in the order of print.
 pub const TABLE_5_8: [Published; 10] = [
     row(640, 480, 0.0, 0.76, 0.69, 1.14),
     row(640, 480, 0.1, 0.81, 0.74, 0.68),
@@ -43,7 +44,7 @@ pub const TABLE_5_8: [Published; 10] = [
 ];
 
 impl Published {
-    /// The time of a method, if the table has it.
+    /// The time of a method in milliseconds; `None` for a method that is not in the table.
     pub fn time_ms(&self, method: &str) -> Option<f64> {
         match method {
             "ssct" => Some(self.ssct),
@@ -89,7 +90,8 @@ pub fn methods() -> Vec<&'static MethodInfo> {
     METHODS.iter().filter(|m| TABLE_5_8[0].time_ms(m.name).is_some()).collect()
 }
 
-/// A row with both times and both ratios. Ratios can be compared between machines; times cannot.
+/// A row with the times and ratios in print, and those measured here. Ratios can be compared between machines; times
+/// cannot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedRow {
     /// Width in pixels.
@@ -108,7 +110,7 @@ pub struct ComparedRow {
 /// A method in a row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Column {
-    /// Method.
+    /// Name of the method.
     pub method: String,
     /// Milliseconds in print; null for a size that is not in print.
     pub published_ms: Option<f64>,

@@ -12,6 +12,7 @@ pub fn is_tie(hierarchy: &Hierarchy, [x, y]: [u32; 2], hit: Option<[f64; 2]>) ->
     let rays = hierarchy.rays();
     let Some(direction) = rays.mirror(x, y) else { return hit.is_none() };
     let signs = [0.0, -1.0, 1.0];
+    // Three sizes of change are tried, each with three signs for x, y and z of the direction and for the start depth.
     (0..3 * 81).any(|n| {
         let few = [1.0, 4.0, 16.0][n / 81] * f64::from(f32::EPSILON);
         let off = DVec3::new(signs[n % 3], signs[n / 3 % 3], signs[n / 9 % 3]);

@@ -72,6 +72,7 @@ impl<'a> TimeSpec<'a> {
         self.sizes.iter().copied().flat_map(size_groups)
     }
 
+    /// The group of a size and a set of factors.
     fn group(&'a self, extent: [u32; 2], globals: Globals, scene_digest: &str) -> Group<'a> {
         let variants = recorded(&self.variants, extent);
         // The number of samples is left out, since a later run may add more.
@@ -90,6 +91,7 @@ impl Group<'_> {
         format!("time {scene} {view} {width}x{height} {} {variant} {method}", self.digest)
     }
 
+    /// The head of a variant's record.
     fn head(&self, variant: usize) -> Head {
         let Variant { method, setup } = &self.spec.variants[variant];
         let place = (self.spec.scene, self.spec.view);
@@ -191,7 +193,7 @@ fn recorded(variants: &[Variant], extent: [u32; 2]) -> Value {
     json!(variants.iter().map(entry).collect::<Vec<_>>())
 }
 
-/// The key of a sample in the journal; `prefix` stands for the variant.
+/// The key of a sample in the journal; `prefix` begins the keys of all samples of a variant.
 fn key(prefix: &str, sample: impl Display) -> String {
     format!("{prefix} {sample}")
 }

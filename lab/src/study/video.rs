@@ -66,7 +66,7 @@ pub struct VideoStudy {
     pub jitter: bool,
 }
 
-/// One size with one set of factors.
+/// The inputs of a film's measurement: one size with one set of factors.
 struct VideoSpec<'a> {
     gpu: &'a Gpu,
     study: &'a VideoStudy,
@@ -82,6 +82,7 @@ impl Study for VideoStudy {
         vec![&self.scene]
     }
 
+    /// A cell is a size with a set of factors.
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let digest = scene_digest(&self.scene);
         let Self { way, moving, frames, frames_per_second, rays, play, .. } = self;
@@ -104,6 +105,7 @@ impl Study for VideoStudy {
             .collect()
     }
 
+    /// Films all variants, and keeps the films and that of the world as animated pictures.
     fn measure(&mut self, &(extent, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<VideoRecord>> {
         let spec = VideoSpec { gpu: bench.gpu, study: self, extent, globals };
         let (records, films) = measure(&spec, bench.go_on)?;
@@ -129,6 +131,7 @@ struct VariantFilm {
     shot: Shot,
     /// A second shot that makes an image of the reflection; `None` if the timed shot makes one.
     seen: Option<Shot>,
+    /// Linear reflection colour of the last frame.
     before: Vec<Vec3>,
     frames: Vec<VideoFrame>,
     change: Change,
@@ -145,12 +148,14 @@ struct Change {
 }
 
 impl Change {
+    /// Adds the means over the pairs of one frame, weighted by the number of pairs.
     fn add(&mut self, pairs: usize, flicker: f64, error: f64) {
         self.pairs += pairs;
         self.flicker += flicker * pairs as f64;
         self.error += error * pairs as f64;
     }
 
+    /// The mean over all pairs, from one of the sums; 0 without pairs.
     fn mean(&self, sum: f64) -> f64 {
         if self.pairs == 0 { 0.0 } else { sum / self.pairs as f64 }
     }
@@ -212,6 +217,8 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
     Ok((records.collect::<Result<_>>()?, films))
 }
 
+/// Makes the shots of a variant, and a film without frames. The second shot is kept only if the timed one makes no
+/// separate image of the reflection.
 fn start_film(
     spec: &VideoSpec,
     stage: &mut Stage,
@@ -236,7 +243,7 @@ fn start_film(
     })
 }
 
-/// Draws a frame, and returns its milliseconds, its reflection and the finished image.
+/// Draws a frame, and returns the milliseconds of the method, the image of the reflection and the finished image.
 fn shoot(stage: &mut Stage, filmed: &mut VariantFilm, camera: Camera) -> Result<(f64, Pixels, Pixels)> {
     filmed.shot.camera = camera;
     let (report, _, output) = stage.output_in(Mode::Timed, &filmed.shot)?;
@@ -260,7 +267,9 @@ struct Truth {
     mask: Vec<bool>,
     /// Linear reflection colour of the current frame.
     color: Vec<Vec3>,
+    /// Pairs of pixels that show the same surface in the last frame and in this one.
     pairs: Vec<SamePlace>,
+    /// Change of the reflection colour over each pair.
     changes: Vec<Vec3>,
     change: Change,
     standard_error: f64,
@@ -310,11 +319,14 @@ impl Truth {
 /// Rays a pixel that are traced between two calls of `go_on`.
 const RAYS_AT_ONCE: u32 = 16;
 
+/// The display image of linear colours, 3 bytes a pixel.
 fn bytes(colors: &[Vec3]) -> Vec<u8> {
     display(&colors.iter().map(Vec3::to_array).collect::<Vec<_>>())
 }
 
 impl VariantFilm {
+    /// Adds a frame to the film: its time, its error, and its change from the last frame beside that of the world
+    /// reference.
     fn add(&mut self, world: &Truth, effect_ms: f64, reflection: &Pixels, image: &Pixels) {
         let colors = |pixels: &Pixels| -> Vec<Vec3> { pixels.texels().map(Vec3::from_slice).collect() };
         let made = colors(reflection);
@@ -335,6 +347,7 @@ impl VariantFilm {
     }
 }
 
+/// The record of a variant's film: means over its frames, and its quality beside the film of the world reference.
 fn record(
     spec: &VideoSpec,
     start: &View,

@@ -28,8 +28,8 @@ pub fn rmse(a: &[f32], b: &[f32]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-/// The nearest-rank percentile: the least of the sorted numbers that at least a `share` (0 < share ≤ 1) of them do not exceed;
-/// `None` without numbers.
+/// The nearest-rank percentile: the least number for which at least a `share` (0 < share ≤ 1) of all numbers are no
+/// greater. `sorted` must rise; `None` without numbers.
 pub fn percentile(sorted: &[f64], share: f64) -> Option<f64> {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.saturating_sub(1)).copied()

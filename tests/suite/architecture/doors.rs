@@ -1,12 +1,14 @@
-//! What goes through one door: files that are written, files of runs that are read, what is printed, and what knows flags.
+//! Things that go through one door: files that are written, files of runs that are read, and text that is printed.
+//! Command-line flags are known to the commands alone.
 
 use super::{SCENES, Source, VIEW, sources};
 
-/// Whether a source is of a program that reads arguments and prints.
+/// Whether a source belongs to a program that reads arguments and prints: the command or the window.
 fn is_command(s: &Source) -> bool {
     s.package == VIEW || s.is_of("app")
 }
 
+/// No source outside the command and the window prints or opens standard output.
 #[test]
 fn only_the_command_prints() {
     for s in sources().iter().filter(|s| !is_command(s)) {
@@ -16,20 +18,22 @@ fn only_the_command_prints() {
     }
 }
 
+/// Standard output is opened in `app/printed.rs` and, when the program ends, in `app.rs`; no source calls `println!`.
 #[test]
 fn one_module_prints_to_standard_output() {
-    // What ends the program sees to it that nothing is left unprinted.
+    // The code that ends the program flushes standard output, so that no text is left unprinted.
     const DOORS: [&str; 2] = ["app/printed.rs", "app.rs"];
     let sources = sources();
     let found: Vec<_> = sources.iter().filter(|s| s.code.contains("stdout()")).map(|s| s.path.as_str()).collect();
     assert!(found.len() == DOORS.len() && found.iter().all(|path| DOORS.contains(path)), "{found:?}");
     for s in sources.iter().filter(|s| !s.path.starts_with("tests/")) {
+        // The macro `eprintln!` has the same end and prints to standard error.
         let prints = s.code.match_indices("println!(").any(|(place, _)| !s.code[..place].ends_with('e'));
         assert!(!prints, "{} of {} prints past the door", s.path, s.package);
     }
 }
 
-/// Words that write files, and that only the door has.
+/// Words of code that writes files; only the door to files has them.
 const WRITING: [&str; 10] = [
     "fs::write",
     "File::create",
@@ -43,6 +47,7 @@ const WRITING: [&str; 10] = [
     "persist(",
 ];
 
+/// Only `inside.rs` of the package of scenes, the door to files, has code that writes files.
 #[test]
 fn one_module_writes_files() {
     let sources = sources();
@@ -55,9 +60,9 @@ fn one_module_writes_files() {
     assert!(["OpenOptions", "create_dir"].iter().all(|word| found.code.contains(word)));
 }
 
+/// Commands, reports and studies read files through the door `inside.rs`; the one other file opens a folder to lock it.
 #[test]
 fn files_of_runs_are_read_by_one_module() {
-    // A folder is opened to be locked.
     const LOCKS: [&str; 1] = ["report/run_folder.rs"];
     let reads = ["fs::read", "File::open", "read_to_string"];
     let of_runs = |s: &&Source| s.package == "lab/src" && (s.is_of("report") || s.is_of("app") || s.is_of("study"));
@@ -67,7 +72,8 @@ fn files_of_runs_are_read_by_one_module() {
     assert_eq!(paths, LOCKS, "inside.rs reads");
 }
 
-/// A flag in a string: two hyphens after its beginning or a blank, and a letter.
+/// Whether code names a flag in a string: two hyphens and a small letter, after a quotation mark, a blank or a
+/// backquote.
 fn names_a_flag(code: &str) -> bool {
     let flag = |(offset, _): (usize, &str)| {
         let before = code[..offset].chars().next_back();

@@ -2,6 +2,7 @@
 
 use super::{manifest, packages_of_the_map, texts};
 
+/// A package whose documentation has an example that rustdoc can run does not set `doctest = false`.
 #[test]
 fn examples_in_documentation_are_tested() {
     for (name, (folder, _)) in &packages_of_the_map() {
@@ -26,6 +27,8 @@ fn has_example(text: &str) -> bool {
     fences.step_by(2).any(is_run)
 }
 
+/// Blocks without a language, in Rust, or with an attribute of rustdoc count as examples; blocks of text, GLSL, or in
+/// plain comments do not.
 #[test]
 fn a_block_of_another_language_is_no_example() {
     let block = |language: &str| format!("/// ```{language}\n/// a\n/// ```\nfn a() {{}}\n");

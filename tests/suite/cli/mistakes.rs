@@ -1,8 +1,8 @@
-//! What users get wrong: each mistake gets one sentence and the exit status that belongs to it, and leaves no file.
+//! Mistakes of users: each gets one sentence and the exit status that belongs to it, and leaves no file.
 
 use super::{EYE, folder};
 
-/// A user's mistake: the arguments, the exit status, and words of the sentence.
+/// The users' mistakes, each with the arguments, the exit status, and words of the sentence.
 fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
     let render = |args: &[&'static str]| [&["render", "-o", "x.png"], args].concat();
     let room =
@@ -98,6 +98,8 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
     ]
 }
 
+/// Every mistake in the list ends with its status and its sentence on standard error, prints nothing on standard
+/// output, and leaves no file.
 #[test]
 fn a_mistake_gets_a_sentence_and_leaves_no_file() {
     let folder = folder();
@@ -108,7 +110,7 @@ fn a_mistake_gets_a_sentence_and_leaves_no_file() {
         assert_eq!(output.status.code(), Some(status), "{args:?}: {text}");
         assert!(text.contains(words), "{args:?}: {text:?} lacks {words:?}");
         assert!(output.stdout.is_empty(), "{args:?}: an error goes to standard error");
-        // Ours are one line; clap's begin with "error:" and may explain.
+        // A sentence of this program is one line; a message of clap begins with "error:" and may explain.
         let ours = text.starts_with("ssct: ") && text.trim_end().lines().count() == 1;
         assert!(ours || text.contains("error:") || text.contains("Usage"), "{args:?}: {text}");
     }

@@ -1,10 +1,11 @@
-//! Shaders as people have them: what OpenGL allows runs, and what does not fit its manifest gets a sentence before a driver
-//! sees it. Each shader is as small as it can be; where it runs, it halves the lit colour.
+//! Shaders as people have them: shaders that OpenGL allows run, and a shader that does not fit its manifest gets a
+//! sentence before a driver sees it. Each shader is as small as it can be; where it runs, it halves the lit colour.
 
 use super::*;
 use std::sync::OnceLock;
 
-/// A method of one pass in the folder `m`: a shader, and what its manifest has beyond the pass and its result.
+/// A method of one pass in the folder `m`: the file and the text of its shader, the sections of its manifest, and the
+/// format of its result.
 struct Small {
     file: &'static str,
     shader: String,
@@ -15,7 +16,7 @@ struct Small {
 }
 
 impl Small {
-    /// A fragment shader that looks `picture` up.
+    /// A fragment shader that reads the image `picture`.
     fn fragment(shader: &str) -> Self {
         Self {
             file: "a.frag",
@@ -27,7 +28,7 @@ impl Small {
         }
     }
 
-    /// A fragment shader with declarations, which computes `shown` of `colour`.
+    /// A fragment shader with some declarations that shows an expression of `colour`, the lit colour of the pixel.
     fn with(declarations: &str, shown: &str) -> Self {
         Self::fragment(&format!(
             "#version 330\nin vec2 at;\nout vec4 shown;\nuniform sampler2D picture;\n{declarations}\n\
@@ -35,20 +36,23 @@ impl Small {
         ))
     }
 
-    /// A compute shader that stores to `made`.
+    /// A compute shader that stores to the image `made`.
     fn compute(shader: &str) -> Self {
         let inputs = "picture = \"lit-colour\"\nmade = \"result\"\n".to_owned();
         Self { file: "a.comp", inputs, ..Self::fragment(shader) }
     }
 
+    /// The method with other lines in the section `[values]`.
     fn values(self, values: &str) -> Self {
         Self { values: values.to_owned(), ..self }
     }
 
+    /// The method with other lines in the section `[inputs]`.
     fn inputs(self, inputs: &str) -> Self {
         Self { inputs: inputs.to_owned(), ..self }
     }
 
+    /// A folder with the room and with the method in `m`.
     fn folder(&self) -> Folder {
         let Self { file, shader, inputs, values, rest, format } = self;
         let folder = Folder::new();
@@ -67,7 +71,7 @@ impl Small {
         folder
     }
 
-    /// The pixels of its reflection.
+    /// The values of the reflection that the method makes of the room.
     fn pixels(&self) -> Vec<f32> {
         let folder = self.folder();
         folder.succeed(&on_room("render", &["--method", "m", "--reflection-only", "-o", "r.exr"]));
@@ -80,7 +84,7 @@ impl Small {
     }
 }
 
-/// The lit colour, halved.
+/// Holds that the reflection of a method is the lit colour, halved.
 fn halves(small: &Small) {
     static WHOLE: OnceLock<Vec<f32>> = OnceLock::new();
     let whole = WHOLE.get_or_init(|| Small::with("", "colour").pixels());
@@ -91,6 +95,7 @@ fn halves(small: &Small) {
     }
 }
 
+/// In OpenGL, samplers, blocks and images have bindings of their own, so that one number may occur in each kind.
 #[test]
 fn bindings_are_counted_apart_as_opengl_does() {
     halves(
@@ -105,7 +110,7 @@ fn bindings_are_counted_apart_as_opengl_does() {
          layout(binding = 0, rgba16f) uniform writeonly image2D made;\n\
          void main() { ivec2 p = ivec2(gl_GlobalInvocationID.xy); imageStore(made, p, 0.5 * texelFetch(picture, p, 0)); }\n",
     ));
-    // Two samplers on one binding are two images, too; and so is an image of no format.
+    // Two samplers and a storage image without a format may share one binding number.
     halves(
         &Small::compute(
             "#version 450\nlayout(local_size_x = 8, local_size_y = 8) in;\nlayout(binding = 1) uniform sampler2D picture;\n\
@@ -117,6 +122,8 @@ fn bindings_are_counted_apart_as_opengl_does() {
     );
 }
 
+/// Uniforms outside of blocks are read as GLSL means them: with preprocessor conditions, default values, arrays,
+/// matrices, structs and comments.
 #[test]
 fn loose_uniforms_are_read_by_what_they_mean() {
     for (declarations, values) in [
@@ -160,6 +167,7 @@ fn loose_uniforms_are_read_by_what_they_mean() {
     }
 }
 
+/// A uniform may stand in an included file, and an error has the line of the file in which the mistake stands.
 #[test]
 fn loose_uniforms_may_be_in_includes() {
     let small = Small::with("uniform float gain;\n#include \"b.glsl\"", "colour * gain * twice()");
@@ -167,7 +175,8 @@ fn loose_uniforms_may_be_in_includes() {
     let folder = small.folder();
     folder.write("m/b.glsl", "uniform float other;\nfloat twice() { return 2.0 * other; }\n");
     folder.succeed(&on_room("render", &["--method", "m", "-o", "a.png"]));
-    // A mistake in what is included has its file and line, and one behind it the line of the file.
+    // A mistake in an included file has that file's name and line. A mistake behind the include has the line of the
+    // including file.
     folder.write("m/b.glsl", "uniform float other;\nfloat twice() { return 2.0 * here; }\n");
     let render = on_room("render", &["--method", "m", "-o", "a.png"]);
     assert!(sentence(&folder, &render).contains("m/b.glsl:2: 'here' : undeclared identifier"));
@@ -175,6 +184,8 @@ fn loose_uniforms_may_be_in_includes() {
     assert!(sentence(&folder, &render).contains("m/a.frag:7: 'twice'"), "{}", sentence(&folder, &render));
 }
 
+/// A default value that is an expression must be given by the manifest. A uniform without a value, or with too few
+/// numbers, is refused.
 #[test]
 fn values_of_their_own_that_are_more_than_numbers_are_asked_for() {
     let small = Small::with("uniform float gain = sin(0.5);", "colour * gain");
@@ -189,6 +200,8 @@ fn values_of_their_own_that_are_more_than_numbers_are_asked_for() {
     assert!(few.contains("m/method.toml:12: ") && few.contains("the field has 4 numbers"), "{few}");
 }
 
+/// A sampler that is fed an image of another kind (cube, integers, array, three dimensions) is refused with both kinds
+/// in the sentence.
 #[test]
 fn images_of_another_kind_are_refused() {
     let look = |sampler: &str, expression: &str, image: &str| {
@@ -238,6 +251,7 @@ fn images_of_another_kind_are_refused() {
     assert!(array.contains("more of a.frag is an array of images or blocks"), "{array}");
 }
 
+/// A storage image whose declared format is not that of the manifest is refused.
 #[test]
 fn images_for_storage_of_another_kind_are_refused() {
     let store = |layout: &str, what: &str, format: &'static str| {
@@ -256,6 +270,8 @@ fn images_for_storage_of_another_kind_are_refused() {
     assert!(unknown.contains("declared of another format, and result is r32i"), "{unknown}");
 }
 
+/// A fragment shader may read one `in vec2` of texture coordinates; other inputs that it reads are refused, and unread
+/// ones are not.
 #[test]
 fn inputs_of_other_names_and_kinds_are_refused() {
     let with = |inputs: &str, shown: &str| {
@@ -271,7 +287,7 @@ fn inputs_of_other_names_and_kinds_are_refused() {
     assert!(said.contains("a.frag reads `at`; only texture coordinates are given, as one `in vec2`"), "{said}");
     let said = with("flat in int which;", "vec4(which) * texture(picture, vec2(0.5))").refused();
     assert!(said.contains("a.frag reads `which`"), "{said}");
-    // An input of any location that is texture coordinates, and what a shader declares and does not read.
+    // Texture coordinates may have any location, and inputs that a shader declares and does not read are allowed.
     halves(&with(
         "#extension GL_ARB_separate_shader_objects : enable\nlayout(location = 5) in vec2 at;",
         "0.5 * texture(picture, at)",
@@ -280,6 +296,8 @@ fn inputs_of_other_names_and_kinds_are_refused() {
     halves(&with("", "0.5 * texelFetch(picture, ivec2(gl_FragCoord.xy), 0)"));
 }
 
+/// Outputs of a wrong type or location are refused, and so are shaders beyond limits: threads, shared memory, doubles,
+/// push constants and block size.
 #[test]
 fn outputs_and_limits_are_checked() {
     let integers =
@@ -319,6 +337,7 @@ fn outputs_and_limits_are_checked() {
     assert!(large.contains("has a block in which many lies beyond the 65536 bytes"), "{large}");
 }
 
+/// Versions of GLSL from 140 on and 310 es run; older ones are refused.
 #[test]
 fn versions_are_what_the_page_says() {
     for version in ["140", "150", "330 core", "460", "310 es"] {
@@ -337,6 +356,7 @@ fn versions_are_what_the_page_says() {
     }
 }
 
+/// A buffer that is smaller than the shader's block is refused, and one of the same size is not.
 #[test]
 fn storage_blocks_must_fit_their_buffers() {
     let small = Small::compute(
@@ -352,6 +372,7 @@ fn storage_blocks_must_fit_their_buffers() {
     folder.succeed(&on_room("render", &["--method", "m", "-o", "a.png"]));
 }
 
+/// A copy of a method.
 fn small_of(small: &Small) -> Small {
     let Small { file, shader, inputs, values, rest, format } = small;
     Small { file, shader: shader.clone(), inputs: inputs.clone(), values: values.clone(), rest: rest.clone(), format }

@@ -1,6 +1,6 @@
-//! The published methods as folders: each is its built-in method to the bit, wherever the folder lies, and a change of one
-//! constant or of one file of its shaders changes the image. If a manifest lacks fields, the error names all of them, with the values
-//! that they may have.
+//! The published methods as folders: each is its built-in method to the bit, wherever the folder lies. A change of one
+//! constant or of one file of its shaders changes the image. If a manifest lacks fields, the error names all of them,
+//! with the values that they may have.
 
 use super::*;
 use std::collections::BTreeMap;
@@ -8,13 +8,14 @@ use std::collections::BTreeMap;
 /// Built-in methods whose shaders a folder of `examples/methods` names.
 const METHODS: [&str; 5] = ["ssct", "hzct", "sslr", "ssr", "linear"];
 
-/// Renders a method at a roughness and returns the files that must agree.
+/// Renders a method at a roughness and returns three files that must agree: reflection, hits and finished image.
 fn drawn(folder: &Folder, method: &str, roughness: &str) -> [Vec<u8>; 3] {
     let options = ["--roughness", roughness, "--size", "97x55", "--view", "corridor"];
     folder.succeed(&[&["render", "--method", method, "--dump", "dump"], &options[..]].concat());
     ["reflection.exr", "hits.exr", "composite.exr"].map(|file| std::fs::read(folder.path("dump").join(file)).unwrap())
 }
 
+/// Each of five published methods gives the same three files from its folder as built in.
 #[test]
 fn a_published_method_from_its_folder_is_the_built_in_one_to_the_bit() {
     for method in METHODS {
@@ -25,6 +26,7 @@ fn a_published_method_from_its_folder_is_the_built_in_one_to_the_bit() {
     }
 }
 
+/// `ssr` names the built-in method although there is a folder `ssr`; `./ssr` names the folder.
 #[test]
 fn a_name_of_a_built_in_method_is_no_folder() {
     let folder = with_example("march");
@@ -34,6 +36,7 @@ fn a_name_of_a_built_in_method_is_no_folder() {
     assert!(passes("./ssr").contains("recorded  march"), "the folder");
 }
 
+/// One other value in the manifest of each method changes an image.
 #[test]
 fn one_constant_changes_the_image() {
     let changes = [
@@ -50,6 +53,8 @@ fn one_constant_changes_the_image() {
     }
 }
 
+/// A shader file in the method's folder replaces the built-in file of that path, and a mistake in the file is reported
+/// with its line.
 #[test]
 fn a_file_of_the_folder_stands_in_the_place_of_the_built_in_one() {
     let folder = with_example("ssct");
@@ -60,13 +65,13 @@ fn a_file_of_the_folder_stands_in_the_place_of_the_built_in_one() {
     assert!(text.contains("return 1.0 - max"));
     folder.write("m/thesis/border_fade.glsl", text.replace("return 1.0 - max", "return 0.5 - 0.5 * max"));
     assert!(drawn(&folder, "ssct", "0") != drawn(&folder, "./m", "0"), "the folder's text is taken");
-    // A mistake in it has its line, and one in a built-in text would have the path of that.
+    // The error of a mistake has the path in the folder, and not that of the built-in file.
     folder.write("m/thesis/border_fade.glsl", text.replace("return 1.0", "return one"));
     let said = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
     assert!(said.starts_with("./m/thesis/border_fade.glsl:9: 'one'"), "{said}");
 }
 
-/// The manifest of an example without one of its sections.
+/// Removes a section from the manifest of an example, and returns the removed table.
 fn without_section(folder: &Folder, section: &str) -> toml::Table {
     let text = folder.text("m/method.toml");
     let (before, rest) = text.split_once(&format!("[{section}]\n")).unwrap();
@@ -75,13 +80,15 @@ fn without_section(folder: &Folder, section: &str) -> toml::Table {
     toml::from_str(removed).unwrap()
 }
 
-/// What the sentence about fields that nothing feeds says of each of them: the words in brackets behind its name.
+/// By field, the words in brackets behind the name of each field that nothing feeds, as the sentence has them.
 fn hints(said: &str) -> BTreeMap<String, String> {
     let fields = said.split("the field ").skip(1).filter_map(|field| field.split_once(" ("));
     let name = |full: &str| full.rsplit('.').next().unwrap_or(full).to_owned();
     fields.map(|(full, rest)| (name(full), rest.split(')').next().unwrap_or_default().to_owned())).collect()
 }
 
+/// Without its section `[values]`, each example is refused with one sentence, which names every field, its option, and
+/// its published value as in the removed section.
 #[test]
 fn fields_that_are_missing_are_all_named_with_their_options_and_published_values() {
     for method in METHODS {
@@ -90,12 +97,12 @@ fn fields_that_are_missing_are_all_named_with_their_options_and_published_values
         let said = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
         let hints = hints(&said);
         for (name, value) in &values {
-            // What is no field is a specialization constant, which has a value of its own.
+            // A value without a hint is that of a specialization constant, which has a default.
             let Some(hint) = hints.get(name) else { continue };
             let (option, number) = hint.split_once(", published ").unwrap_or(("", hint));
             match value {
                 toml::Value::String(source) => assert_eq!(number, format!("{source:?}"), "{name}"),
-                // A field that another method reads alone.
+                // Only another method reads this field.
                 value if value.as_integer() == Some(0) && !option.is_empty() => {}
                 value => {
                     let given = value.as_float().or(value.as_integer().map(|n| n as f64));

@@ -6,12 +6,13 @@ use serde_json::Value;
 /// A name that a terminal, a table, a page and a program for tables would each obey.
 const BAD: &str = "=1+1\u{1b}[31m\u{7}|<img src=x onerror=alert(1)>\r\nforged: line\u{9b}2J\u{202e}";
 
-/// The characters of [`BAD`] that are shown by nobody.
+/// Whether a terminal obeys a character instead of showing it: control characters, and U+202E, which reverses the
+/// direction of text.
 fn is_obeyed(c: char) -> bool {
     (c.is_control() && c != '\n' && c != '\t') || c == '\u{202e}'
 }
 
-/// A scene whose name and whose view's name are bad: a floor before a wall, which is given a path of its own.
+/// A folder with a scene whose own name and whose view's name are bad: a floor before a wall.
 fn scene() -> Folder {
     let folder = Folder::new();
     let room = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
@@ -26,22 +27,25 @@ fn scene() -> Folder {
     folder
 }
 
-/// What a command prints, on both streams; it may fail, and does not crash.
+/// The text that a command prints on both streams; the command may fail, but not crash.
 fn printed(folder: &Folder, args: &[&str]) -> String {
     let output = folder.run(args);
     let [out, said] = [&output.stdout, &output.stderr].map(|text| String::from_utf8(text.clone()).unwrap());
     out + &said
 }
 
+/// Holds that a text has no character that a terminal obeys, and no line that begins with `forged`.
 fn assert_safe(what: &str, text: &str) {
     let found = text.chars().find(|c| is_obeyed(*c));
     assert!(found.is_none(), "{what} has {found:?}: {text:?}");
-    // In a page the end of a line is a blank.
+    // In a page, the end of a line counts as a blank.
     let is_page = text.starts_with("<!DOCTYPE html>") || text.starts_with("<svg");
     let forged = !is_page && text.lines().any(|line| line.starts_with("forged"));
     assert!(!forged, "{what} has a line of its own: {text}");
 }
 
+/// A scene with a bad name goes through every command that prints: no printed text and no written file has a character
+/// that a terminal, a page or a spreadsheet would obey.
 #[test]
 fn a_bad_name_is_obeyed_by_nobody() {
     let folder = scene();
@@ -77,7 +81,7 @@ fn a_bad_name_is_obeyed_by_nobody() {
     for command in &commands {
         assert_safe(&format!("{command:?}"), &printed(&folder, command));
     }
-    // Every file that is text, but for the scene itself.
+    // All files with text that the commands wrote.
     let mut left = vec![folder.root().to_owned()];
     let (mut seen, mut is_in_tables) = (Vec::new(), false);
     while let Some(path) = left.pop() {

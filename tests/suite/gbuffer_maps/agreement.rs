@@ -1,5 +1,5 @@
-//! A frame that is read by wrong conventions contradicts itself: its normals are not those of the slopes of its depth. The check
-//! finds the convention that was wrong.
+//! A frame that is read by wrong conventions contradicts itself: its normals are not those of the slopes of its depth.
+//! The check finds the wrong convention.
 
 use super::files::{Part, floats, write_exr};
 use super::named;
@@ -10,14 +10,17 @@ use exr::prelude::WritableImage;
 use glam::DVec3;
 use ssct_scenes::gbuffer_map::GBufferMap;
 
+/// Size of the frame in pixels.
 const SIZE: [u32; 2] = [96, 54];
 
 /// A camera that looks along z, 40 degrees from top to bottom.
 const FOV_Y_DEG: f64 = 40.0;
 
+/// Distance of the near plane in metres.
 const NEAR: f64 = 0.5;
 
-/// What a pixel sees of a tilted floor, a wall and a ball: its place and its normal in a left-handed view space with y up.
+/// The place and the normal that the image point (x, y), in pixels, shows of a tilted floor, a wall and a ball. Both
+/// are in a left-handed view space with y up.
 fn seen(x: f64, y: f64, aspect: f64) -> (DVec3, DVec3) {
     let tan = (0.5 * FOV_Y_DEG).to_radians().tan();
     let ray = DVec3::new(
@@ -41,7 +44,7 @@ fn seen(x: f64, y: f64, aspect: f64) -> (DVec3, DVec3) {
     (t * ray, normal)
 }
 
-/// The frame with a kind of depth, in the channels Z, N.X … and P.X ….
+/// The channels of the frame, in the order of `CHANNELS`, with a kind of depth that is computed from a place.
 fn frame(depth: impl Fn(DVec3) -> f64, aspect: f64) -> Vec<FlatSamples> {
     let pixels: Vec<(DVec3, DVec3)> = (0..SIZE[1])
         .flat_map(|y| (0..SIZE[0]).map(move |x| seen(f64::from(x) + 0.5, f64::from(y) + 0.5, aspect)))
@@ -59,13 +62,15 @@ fn frame(depth: impl Fn(DVec3) -> f64, aspect: f64) -> Vec<FlatSamples> {
     ]
 }
 
+/// Names of the channels: depth, normal, place, and a colour.
 const CHANNELS: [&str; 8] = ["Z", "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z", "R"];
 
+/// Width over height of the frame.
 fn aspect() -> f64 {
     f64::from(SIZE[0]) / f64::from(SIZE[1])
 }
 
-/// A map of the frame, right but for what is replaced.
+/// A map that is right for the frame, with some pieces replaced and more text behind it.
 fn map(changes: &[(&str, &str)], more: &str) -> String {
     let right = format!(
         "[camera]\nfov-y-deg = {FOV_Y_DEG:.1}\nnear = {NEAR}\nfar = 100.0\neye = [0, 0, 0]\nlook-at = [0, 0, 1]\n[depth]\n\
@@ -78,19 +83,22 @@ fn map(changes: &[(&str, &str)], more: &str) -> String {
     })
 }
 
-/// What the check says of a file by a map.
+/// The sentence of the check about the file `f.exr` read by a map; none if the check finds nothing wrong.
 fn said(folder: &Folder, map: &str) -> Option<String> {
     folder.write("map.toml", map);
     let (map, file) = (GBufferMap::load(&folder.path("map.toml")).unwrap(), folder.path("f.exr"));
     map.check(&file, &map.read(&file).unwrap()).unwrap()
 }
 
+/// Writes the channels to the file `f.exr`.
 fn write(folder: &Folder, samples: Vec<FlatSamples>) {
     write_exr(&folder.path("f.exr"), SIZE, vec![Part::new(named(&CHANNELS, samples))]);
 }
 
+/// The section of a map that reads the places of surfaces.
 const POSITION: &str = "[position]\nspace = \"view\"\nchannels = [\"P.X\", \"P.Y\", \"P.Z\"]\n";
 
+/// The check finds nothing wrong with the right map, with places of surfaces and without.
 #[test]
 fn a_right_map_is_not_doubted() {
     let folder = Folder::new();
@@ -99,6 +107,7 @@ fn a_right_map_is_not_doubted() {
     assert_eq!(said(&folder, &map(&[], POSITION)), None);
 }
 
+/// Six frames are read by maps that are wrong in one convention each: the check names the convention that would fit.
 #[test]
 fn each_wrong_convention_is_found() {
     let from_near = |p: DVec3| p.length() - NEAR * p.length() / p.z;
@@ -121,6 +130,7 @@ fn each_wrong_convention_is_found() {
     }
 }
 
+/// A map says 20 degrees where the lens has 40: the check estimates the angle within 2 degrees.
 #[test]
 fn a_wrong_lens_is_estimated() {
     let folder = Folder::new();
@@ -130,10 +140,12 @@ fn a_wrong_lens_is_estimated() {
     assert!((fov - FOV_Y_DEG).abs() < 2.0, "{said}");
 }
 
+/// For each quarter of a picture that is read as a whole one, the check names the shift within 2 pixels and the angle
+/// of half the height.
 #[test]
 fn a_cropped_picture_is_told_apart_from_a_whole_one() {
     let folder = Folder::new();
-    // Each quarter of the picture, as a border render with crop leaves it.
+    // Each quarter of the picture alone, as a renderer writes it that crops to a border.
     for [right, down] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
         let middle = |pixel: u32, cropped: f64, side: u32| 0.5 * (f64::from(pixel) + 0.5 + cropped * f64::from(side));
         let quarter = |x: u32, y: u32| seen(middle(x, right, SIZE[0]), middle(y, down, SIZE[1]), aspect());
@@ -151,6 +163,7 @@ fn a_cropped_picture_is_told_apart_from_a_whole_one() {
     }
 }
 
+/// With places of surfaces in the file, the check finds a wrong angle of view by them.
 #[test]
 fn places_of_surfaces_are_held_against_the_camera() {
     let folder = Folder::new();
@@ -159,6 +172,7 @@ fn places_of_surfaces_are_held_against_the_camera() {
     assert!(said.contains("places of [position] with depth and camera in ") && said.contains("fov-y"), "{said}");
 }
 
+/// A frame whose header says that pixels are twice as wide as high is read with the right aspect.
 #[test]
 fn pixels_that_are_not_square_are_read_from_the_header() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! What is wrong with a map, or with the files that it names, gets one sentence that says what and where.
+//! Mistakes in a map, or in the files that it names, get one sentence that says the mistake and its place.
 
 use super::files::{Part, floats, halves, write_exr, write_png};
 use super::named;
@@ -33,9 +33,10 @@ value = 0.5
 channels = ["R", "G", "B"]
 "#;
 
+/// Size of the frame in pixels.
 const SIZE: [u32; 2] = [4, 3];
 
-/// A frame of 4×3 pixels, and files that do not go with it.
+/// A folder with a frame of 4×3 pixels, and with files that do not fit the frame.
 pub fn folder() -> Folder {
     let folder = Folder::new();
     let flat = |v: f64| floats(vec![v; 12]);
@@ -76,6 +77,8 @@ pub fn said(folder: &Folder, changes: &[(&str, &str)]) -> String {
     error.replace(&format!("{}/", folder.root().display()), "")
 }
 
+/// The good map is read. Each replacement of one piece, (old text, new text, beginning of the sentence), is refused
+/// with one sentence that has the line.
 #[test]
 fn a_mistake_in_the_map_has_its_line() {
     let folder = folder();
@@ -247,10 +250,12 @@ fn a_mistake_in_the_map_has_its_line() {
     }
 }
 
+/// A matrix of projection that contradicts a convention of the map is refused with the name of that convention.
 #[test]
 fn a_projection_that_does_not_go_with_the_conventions_is_named() {
     let folder = folder();
-    // Near 1, far 10, a right angle of view: reversed, left-handed, y up.
+    // A matrix with near plane 1, far plane 10 and a right angle of view, for reversed depth, a left-handed view and y
+    // up.
     let reversed = "projection = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -0.1111111, 1, 0, 0, 1.1111111, 0]";
     let planes = "near = 1.0\nfar = 10.0\n";
     for (projection, others, sentence) in [
@@ -284,6 +289,8 @@ fn a_projection_that_does_not_go_with_the_conventions_is_named() {
     }
 }
 
+/// A channel, part, file or attribute that does not exist is refused with the names that exist, and so are files of
+/// another size or with lossy depth.
 #[test]
 fn what_the_files_lack_is_named_with_what_they_have() {
     let folder = folder();
@@ -365,6 +372,8 @@ fn what_the_files_lack_is_named_with_what_they_have() {
     assert!(said.contains("map.toml: the map takes nothing from ") && said.ends_with("without `file`"), "{said}");
 }
 
+/// A value that is not allowed is refused with its section, value, pixel, channel and file. In pixels of sky, materials
+/// are not read.
 #[test]
 fn values_that_cannot_be_are_named_with_their_pixel() {
     let folder = folder();
@@ -428,6 +437,7 @@ fn values_that_cannot_be_are_named_with_their_pixel() {
     assert!(read.reflecting().iter().all(|r| !r) && read.depth.iter().all(|d| *d > 0.0));
 }
 
+/// `gbuffer reflect` and `gbuffer convert` end with status 1 and the sentence about the map, and write no image.
 #[test]
 fn the_command_ends_with_the_sentence() {
     let folder = folder();

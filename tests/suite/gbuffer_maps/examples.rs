@@ -1,5 +1,5 @@
 //! The maps under `examples/gbuffer-maps` read files of the layouts that they are for. The files show a floor and a
-//! ball, which the tests trace in the renderer's own world; the surfaces that the maps read must lie on them.
+//! ball, which the tests trace in the world of the renderer; the surfaces that the maps read must lie on them.
 
 use super::files::{Part, floats, halves, write_exr, write_png};
 use super::named;
@@ -10,19 +10,21 @@ use glam::{DMat4, DVec3, DVec4, Vec3};
 use ssct_scenes::GBufferData;
 use ssct_scenes::gbuffer_map::GBufferMap;
 
+/// Size of the frame in pixels.
 const SIZE: [u32; 2] = [160, 90];
 
-/// What the camera sees in a pixel.
+/// The surface that the camera sees in a pixel.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// The depth along the view; `None` for sky.
+    /// The depth along the view, in the renderer's units; none for sky.
     z: Option<f64>,
-    /// In the renderer's world.
+    /// The normal in the renderer's world.
     normal: DVec3,
     is_ball: bool,
 }
 
-/// A floor where z is 0 and a ball on it, in a world with z up, through a camera whose view looks along `forward` z.
+/// Traces a floor at z = 0 and a ball on it, in a world with z up. The camera's view looks along `forward` z, [x, y]
+/// are the scales of its projection, and `middle` is the centre of the ball.
 fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, middle: DVec3) -> Vec<Seen> {
     let to_world = world_to_view.inverse();
     let eye = to_world.w_axis.truncate();
@@ -46,9 +48,9 @@ fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, midd
     (0..SIZE[0] as usize * SIZE[1] as usize).map(pixel).collect()
 }
 
-/// Asserts that every pixel that was read lies on the floor or on the ball. `of_world` takes a place of the renderer's
-/// world to ours, in metres; `near` is how far a place may be off, as a share of its depth, and `turn` how far a normal
-/// may be.
+/// Holds that every pixel that was read lies on the floor or on the ball. `of_world` takes a place of the renderer's
+/// world to this program's world, in metres. A place may be off by the share `near` of its depth, and a normal by the
+/// length `turn`.
 fn lies_on(
     data: &GBufferData,
     seen: &[Seen],
@@ -87,6 +89,7 @@ fn lies_on(
     assert!(floors > 3000 && balls > 500, "{floors} {balls}");
 }
 
+/// A map of the examples, and its text as a table.
 fn example(name: &str) -> (GBufferMap, toml::Table) {
     let path = repository().join("examples/gbuffer-maps").join(name);
     (GBufferMap::load(&path).unwrap(), std::fs::read_to_string(&path).unwrap().parse().unwrap())
@@ -94,6 +97,7 @@ fn example(name: &str) -> (GBufferMap, toml::Table) {
 
 /// The numbers of a key of `[camera]`.
 fn camera_numbers(map: &toml::Table, key: &str) -> Vec<f64> {
+    /// All numbers of a value, of nested lists one after another.
     fn numbers(value: &toml::Value) -> Vec<f64> {
         match value {
             toml::Value::Array(list) => list.iter().flat_map(numbers).collect(),
@@ -104,6 +108,8 @@ fn camera_numbers(map: &toml::Table, key: &str) -> Vec<f64> {
     numbers(&map["camera"][key])
 }
 
+/// Blender's passes in many parts, in one part and from the compositor's node give one G-buffer. Its places, normals,
+/// colours and materials are those of the traced scene.
 #[test]
 fn the_map_of_blender_reads_one_part_and_many() {
     let (map, text) = example("blender.toml");
@@ -140,7 +146,7 @@ fn the_map_of_blender_reads_one_part_and_many() {
     let data = map.read(&folder.path("many.exr")).unwrap();
     assert!(data == map.read(&folder.path("one.exr")).unwrap(), "in one part as in many");
     assert_eq!(map.check(&folder.path("many.exr"), &data).unwrap(), None, "it does not contradict itself");
-    // The compositor's node writes the same without a layer, and numbers as the component V.
+    // The compositor's node names channels without the layer, and gives single numbers the component V.
     let of_node = |(pass, suffixes, samples): &(&str, &str, Vec<FlatSamples>)| {
         let is_number = ["Depth", "roughness", "metallic"].contains(pass);
         let names: Vec<String> =
@@ -154,7 +160,8 @@ fn the_map_of_blender_reads_one_part_and_many() {
     for (i, seen) in seen.iter().enumerate() {
         let colour = if seen.z.is_some() { Vec3::new(1.5, 0.625, 0.09375) } else { Vec3::new(0.25, 0.5, 1.0) };
         assert_eq!(data.color[i], colour, "diffuse light times colour, emission, and the background");
-        // A dielectric has its F0 and a metal its colour; 0.1 and 0.3 give ϱ by docs/definitions.md, "glTF".
+        // A dielectric has the reflectivity of its F0, and a metal that of its colour. The perceptual roughnesses 0.1
+        // and 0.3 give ϱ by docs/definitions.md, "glTF".
         let (reflectivity, roughness) = match (seen.z, seen.is_ball) {
             (None, _) => (0.0, 0.0),
             (_, true) => (0.04, 0.511),
@@ -167,10 +174,12 @@ fn the_map_of_blender_reads_one_part_and_many() {
     }
 }
 
+/// Textures as RenderDoc saves them from Unreal (depth, normals of ten bits, material bytes) give the places, normals
+/// and materials of the traced scene.
 #[test]
 fn the_map_of_an_unreal_capture_reads_its_textures() {
     let (map, text) = example("renderdoc-unreal.toml");
-    // Row vectors in memory are column vectors by columns.
+    // The matrix of row vectors, read row by row, is the matrix of column vectors, read column by column.
     let [to_view, to_clip] =
         ["world-to-view", "projection"].map(|key| DMat4::from_cols_slice(&camera_numbers(&text, key)));
     assert_eq!(to_clip.row(3), DVec4::Z);
@@ -185,8 +194,8 @@ fn the_map_of_an_unreal_capture_reads_its_textures() {
         SIZE,
         vec![rgba([each(&|s| f64::from(u8::from(s.is_ball))), one(), one(), one()])],
     );
-    // Infinite far plane: the near plane's distance over z. RenderDoc writes the one component of a depth buffer into
-    // R.
+    // With a far plane at infinity, depth is the distance of the near plane over z. RenderDoc writes the one component
+    // of a depth buffer into R.
     let near = to_clip.w_axis.z;
     let depth = floats(seen.iter().map(|s| s.z.map_or(0.0, |z| near / z)));
     let zero = || floats(seen.iter().map(|_| 0.0));
@@ -203,8 +212,8 @@ fn the_map_of_an_unreal_capture_reads_its_textures() {
     write_png(&folder.path("GBufferB.png"), SIZE, |i| if seen[i].is_ball { [0.0, 0.5, 0.3] } else { [1.0, 0.5, 0.1] });
     write_png(&folder.path("GBufferC.png"), SIZE, |_| [0.5; 3]);
     let data = map.read(&folder.path("SceneColor.exr")).unwrap();
-    // Ten bits, then the half float of a number in ½…1: a component is off by twice the half of either step at most, a
-    // direction by √3 of that, and twice that once it is normalised.
+    // A component is rounded to ten bits and then to a 16-bit float from ½ to 1, and the map doubles it: its error is
+    // one step of either. A direction is off by √3 times that, and by twice that once it is normalised.
     let turn = 2.0 * 3_f64.sqrt() * (1.0 / 1023.0 + 1.0 / 2048.0);
     lies_on(&data, &seen, |v| DVec3::new(v.y, v.z, v.x) * 0.01, ball, 3e-6, turn);
     let grey = ((128.0 / 255.0 + 0.055_f64) / 1.055).powf(2.4);

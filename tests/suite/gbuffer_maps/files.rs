@@ -7,57 +7,63 @@ use exr::prelude::{Compression, LineOrder, Vec2, WritableImage};
 use half::f16;
 use std::path::Path;
 
-/// A part that is to be written.
+/// A part of an OpenEXR file that is to be written.
 pub struct Part {
     pub name: Option<String>,
     pub channels: Vec<(String, FlatSamples)>,
     pub compression: Compression,
-    /// The side of tiles; without it, scan lines.
+    /// The side of square tiles in pixels; none for scan lines.
     pub tiles: Option<usize>,
     pub attributes: LayerAttributes,
 }
 
 impl Part {
+    /// An unnamed part of scan lines with these channels and a lossless compression.
     pub fn new(channels: Vec<(String, FlatSamples)>) -> Self {
         let (compression, attributes) = (Compression::ZIP16, LayerAttributes::default());
         Self { name: None, channels, compression, tiles: None, attributes }
     }
 
+    /// The part with a name.
     pub fn named(self, name: &str) -> Self {
         Self { name: Some(name.to_owned()), ..self }
     }
 
+    /// The part with another compression.
     pub fn compressed(self, compression: Compression) -> Self {
         Self { compression, ..self }
     }
 
+    /// The part in tiles of a side in pixels.
     pub fn tiled(self, side: usize) -> Self {
         Self { tiles: Some(side), ..self }
     }
 
+    /// The part with one more attribute.
     pub fn with(mut self, name: &str, value: AttributeValue) -> Self {
         self.attributes.other.insert(name.into(), value);
         self
     }
 }
 
-/// Channels of 32-bit floats, of any numbers.
+/// A channel of 32-bit floats.
 pub fn floats(values: impl IntoIterator<Item = f64>) -> FlatSamples {
     FlatSamples::F32(values.into_iter().map(|v| v as f32).collect())
 }
 
-/// Channels of 16-bit floats.
+/// A channel of 16-bit floats.
 pub fn halves(values: impl IntoIterator<Item = f64>) -> FlatSamples {
     FlatSamples::F16(values.into_iter().map(f16::from_f64).collect())
 }
 
-/// Channels of integers.
+/// A channel of 32-bit integers.
 pub fn integers(values: impl IntoIterator<Item = u32>) -> FlatSamples {
     FlatSamples::U32(values.into_iter().collect())
 }
 
 /// Turns a channel upside down: the lowest row comes first.
 pub fn flipped(samples: FlatSamples, width: usize) -> FlatSamples {
+    /// The rows of a channel in opposite order.
     fn flip<T: Copy>(values: &[T], width: usize) -> Vec<T> {
         values.chunks(width).rev().flatten().copied().collect()
     }
@@ -87,7 +93,7 @@ pub fn write_exr(path: &Path, [width, height]: [u32; 2], parts: Vec<Part>) {
     image.write().non_parallel().to_file(path).unwrap();
 }
 
-/// Writes a PNG of 8 bits from values of 0 to 1, rounded, and returns what it holds, divided by 255.
+/// Writes a PNG of 8 bits from values of 0 to 1, and returns the rounded values that the file holds, from 0 to 1.
 pub fn write_png(path: &Path, [width, height]: [u32; 2], texel: impl Fn(usize) -> [f64; 3]) -> Vec<[f64; 3]> {
     let bytes: Vec<[u8; 3]> = (0..width as usize * height as usize)
         .map(|i| texel(i).map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8))

@@ -1,4 +1,4 @@
-//! Files as other programs write them: compressions that keep some channels, and images with overscan.
+//! Files as other programs write them: compressions that keep some channels exactly, and images with overscan.
 
 use super::errors::{self, MAP};
 use super::files::{Part, floats, halves, write_exr};
@@ -12,34 +12,38 @@ use glam::Vec3;
 use ssct_scenes::GBufferData;
 use ssct_scenes::gbuffer_map::GBufferMap;
 
+/// Size of the image in pixels.
 const SIZE: [u32; 2] = [8, 4];
+/// The channels of the frame.
 const NAMES: [&str; 8] = ["Z", "N.X", "N.Y", "N.Z", "rough", "R", "G", "B"];
 
-/// The values of each channel in a place of the image.
+/// The values of all channels at a pixel; pixels outside the image have values, too.
 fn values(x: i32, y: i32) -> [f64; 8] {
     let depth = 2.0 + 0.01 * f64::from(x) + 0.13 * f64::from(y);
     let [red, green] = [12.9, 78.2].map(|rate| 0.5 + 0.4 * (rate * f64::from(x) + 4.1 * f64::from(y)).sin());
     [depth, 0.6, 0.0, -0.8, 0.25, red, green, 0.5]
 }
 
-/// A channel for each name, over a window of the image.
+/// The samples of each channel over a window that begins at `position`.
 fn channels(position: [i32; 2], [width, height]: [u32; 2]) -> Vec<FlatSamples> {
     let places = || (0..height as i32).flat_map(|y| (0..width as i32).map(move |x| (x + position[0], y + position[1])));
     (0..NAMES.len()).map(|k| floats(places().map(|(x, y)| values(x, y)[k]))).collect()
 }
 
+/// The G-buffer of a file by the map without mistakes, or the error.
 fn read(folder: &Folder, name: &str) -> Result<GBufferData, String> {
     folder.write("map.toml", MAP);
     let map = GBufferMap::load(&folder.path("map.toml")).unwrap();
     map.read(&folder.path(name)).map_err(|e| e.to_string())
 }
 
-/// The frame as it is without compression or overscan.
+/// The frame without compression or overscan.
 fn plain(folder: &Folder) -> GBufferData {
     write_exr(&folder.path("plain.exr"), SIZE, vec![Part::new(named(&NAMES, channels([0, 0], SIZE)))]);
     read(folder, "plain.exr").unwrap()
 }
 
+/// The compressions B44 round 16-bit floats alone, so that a frame of 32-bit floats is read exactly.
 #[test]
 fn floats_survive_b44_to_the_bit() {
     let folder = Folder::new();
@@ -51,6 +55,8 @@ fn floats_survive_b44_to_the_bit() {
     }
 }
 
+/// Colours of 16-bit floats in a B44 file are read with their rounding, and depth of 16-bit floats in such a file is
+/// refused.
 #[test]
 fn colours_may_be_rounded_by_b44_and_depth_may_not() {
     let folder = Folder::new();
@@ -80,6 +86,7 @@ fn write_overscan(folder: &Folder, name: &str, position: [i32; 2], stored: [u32;
     Image::from_layers(ImageAttributes::new(window), [layer].to_vec()).write().to_file(folder.path(name)).unwrap();
 }
 
+/// Files whose stored window is larger than the image give the frame without overscan.
 #[test]
 fn overscan_is_cut_to_the_image() {
     let folder = Folder::new();
@@ -92,6 +99,7 @@ fn overscan_is_cut_to_the_image() {
     assert_eq!(expected.color[1], Vec3::new(red, green, blue));
 }
 
+/// Files whose stored window does not cover the image are refused with a sentence.
 #[test]
 fn data_that_leave_a_part_of_the_image_out_are_refused() {
     let folder = Folder::new();

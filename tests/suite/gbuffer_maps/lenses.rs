@@ -1,4 +1,4 @@
-//! Cameras of maps: the same lens said in every way, in the conventions of the graphics interfaces, with a shift.
+//! Cameras of maps: one lens said in every way, in the conventions of the graphics interfaces, with a shift.
 
 use super::files::{Part, floats, write_exr};
 use super::named;
@@ -7,21 +7,25 @@ use glam::{DMat4, DVec3, DVec4, Mat4};
 use ssct_scenes::gbuffer_map::GBufferMap;
 use ssct_scenes::{Camera, Lens};
 
+/// Size of the frame in pixels.
 const SIZE: [u32; 2] = [8, 4];
+/// Distance of the near plane in metres.
 const NEAR: f64 = 0.5;
+/// Distance of the far plane in metres.
 const FAR: f64 = 40.0;
 /// The angle of view from top to bottom, in radians.
 const FOV: f64 = 0.9;
+/// Width over height of the image.
 const ASPECT: f64 = 2.0;
 /// Pixels to the right and down by which the picture is shifted.
 const SHIFT: [f64; 2] = [0.75, -0.5];
 
-/// The depths of the pixels of a frame, in metres.
+/// The view depths of the 32 pixels, in metres. The pixel 5 lies beyond the far plane, so that it is sky.
 fn depths() -> Vec<f64> {
     (0..32).map(|i| if i == 5 { FAR * 2.0 } else { NEAR + 0.9 * f64::from(i) }).collect()
 }
 
-/// Reads a frame whose depth channel has these values with a map of these keys.
+/// Reads a frame whose depth channel has some values by a map of some keys. Returns the camera and the reversed depths.
 fn read(conventions: &str, camera: &str, depth: &str, values: impl Iterator<Item = f64>) -> (Camera, Vec<f32>) {
     let folder = Folder::new();
     let flat = |v: f64| floats(vec![v; 32]);
@@ -47,10 +51,13 @@ fn same(a: &Camera, b: &Camera) {
     assert!(a.world_to_view.abs_diff_eq(b.world_to_view, 1e-5), "{} {}", a.world_to_view, b.world_to_view);
 }
 
+/// The values of a channel that holds view depths in metres.
 fn view_z() -> impl Iterator<Item = f64> {
     depths().into_iter()
 }
 
+/// Angles in degrees and radians, along either axis, and focal lengths give one camera and the same depths. So do
+/// centimetres, and depths with the other sign.
 #[test]
 fn a_lens_can_be_said_in_every_way() {
     let planes = format!("near = {NEAR}\nfar = {FAR}");
@@ -83,6 +90,8 @@ fn a_lens_can_be_said_in_every_way() {
     assert!(there == depth);
 }
 
+/// Matrices of projection for four kinds of depth, three view spaces and two directions of clip space give the camera
+/// that a lens with a shift gives.
 #[test]
 fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
     let planes = format!("near = {NEAR}\nfar = {FAR}");
@@ -95,8 +104,8 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
     assert!((pixel[0] - 4.0 - SHIFT[0]).abs() < 1e-6 && (pixel[1] - 2.0 - SHIFT[1]).abs() < 1e-6, "{pixel:?}");
     let y = 1.0 / (0.5 * FOV).tan();
     let (u, v) = (2.0 * SHIFT[0] / w, -2.0 * SHIFT[1] / h);
-    // Kinds of depth: M_22 and M_23 of the matrix, the depth of z in the files, and whether the map must give the
-    // planes.
+    // Kinds of depth: the name, the elements M_22 and M_23 of the matrix, the stored depth as a function of z, and
+    // whether the map must give the planes.
     let standard = |z: f64| FAR * (z - NEAR) / (z * (FAR - NEAR));
     type Depth<'a> = (&'a str, [f64; 2], Box<dyn Fn(f64) -> f64 + 'a>, bool);
     let kinds: [Depth; 4] = [
@@ -114,7 +123,8 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
     for (kind, [a, b], of_z, says_far) in &kinds {
         for (view, forward, up) in [("left", 1.0, 1.0), ("right", -1.0, 1.0), ("right-y-down", 1.0, -1.0)] {
             for clip_y in ["up", "down"] {
-                // y of clip space over y of our view space, and over that of theirs.
+                // `flip` is the sign of y in clip space relative to this program's view space, and flip · up that
+                // relative to theirs.
                 let flip = if clip_y == "up" { 1.0 } else { -1.0 };
                 let clip = DMat4::from_cols(
                     DVec4::new(y / ASPECT, 0.0, 0.0, 0.0),
@@ -140,16 +150,18 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
             }
         }
     }
-    // Reversed depth between the camera's own planes is taken to the bit, also with a shift.
+    // Reversed depth between the camera's own planes is read without any change of bits, also with a shift.
     let values = || (0..32).map(|i| f64::from(i) / 32.0);
     let (_, there) = read("", &shifted, "kind = \"reversed\"", values());
     assert!(there.iter().map(|d| f64::from(*d)).eq(values()), "{there:?}");
-    // Planes of the buffer that are not the camera's.
+    // The depth buffer has other planes than the camera.
     let other = format!("fov-y-rad = {FOV}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
     let (_, there) = read("", &other, "kind = \"reversed\"\nnear = 0.25\nfar = inf", view_z().map(|z| 0.25 / z));
     assert!(there.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6), "{there:?} {depth:?}");
 }
 
+/// One camera, said by its eye with a target or a direction, in worlds of other handedness, with z up and in
+/// centimetres. Another up vector gives another camera.
 #[test]
 fn a_camera_can_stand_and_be_upright_in_every_world() {
     let lens = format!("fov-y-rad = {FOV}\nnear = {NEAR}\nfar = {FAR}");
@@ -173,6 +185,8 @@ fn a_camera_can_stand_and_be_upright_in_every_world() {
 /// Metres from the lower to the upper side of an orthographic image.
 const HEIGHT: f64 = 6.0;
 
+/// Height, width and matrices of an orthographic lens give one camera and the same depths, in metres and in
+/// centimetres.
 #[test]
 fn an_orthographic_lens_can_be_said_in_every_way() {
     let planes = format!("near = {NEAR}\nfar = {FAR}");
@@ -190,7 +204,8 @@ fn an_orthographic_lens_can_be_said_in_every_way() {
     let (camera, there) = read("metres-per-unit = 0.01", &centimetres, "kind = \"view-z\"\nscale = 100", view_z());
     same(&camera, &plain);
     assert!(there.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6));
-    // By its matrix, in either handedness and kind of depth, with a window off the axis; in metres and in centimetres.
+    // By the matrix of projection: two handednesses, three kinds of depth, a shifted window, in metres and in
+    // centimetres.
     let shifted = format!("orthographic-height = {HEIGHT}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
     let (expected, _) = read("", &shifted, linear, view_z());
     let [w, h] = SIZE.map(f64::from);

@@ -1,5 +1,5 @@
 //! Materials and colours in the terms of engines: roughness and reflectivity in bytes, sRGB, constants, sums of
-//! colours, and compressions that round.
+//! colours, and lossy compressions.
 
 use super::files::{Part, floats, write_exr, write_png};
 use super::{SIZE, axis, each, named, numbers, original, read, same_images};
@@ -27,6 +27,8 @@ fn perceptual_of_lobe(rho: f64) -> f64 {
     (half / 2.0).tan().sqrt()
 }
 
+/// Smoothness, perceptual roughness and α of GGX in bytes give ϱ within half a step of a byte. Metal has the
+/// reflectivity of its base colour; constants and colours are read as such.
 #[test]
 fn roughness_and_reflectivity_of_engines_in_bytes() {
     let data = original();
@@ -77,7 +79,8 @@ fn roughness_and_reflectivity_of_engines_in_bytes() {
             held.reflectivity[i] = decode(base[i][0]) as f32;
             assert!((got.roughness[i] - held.roughness[i]).abs() < 1e-6, "{i}");
             assert!((got.reflectivity[i] - held.reflectivity[i]).abs() < 1e-6, "{i}");
-            // Half a step of a byte; ϱ rises with the roughness, so that the ends of the step bound it.
+            // A byte rounds by half a step. As ϱ rises with the roughness, the values of ϱ at both ends of the step
+            // bound it.
             let rho = f64::from(data.roughness[i]);
             let ends = if roughness.contains("alpha") {
                 [-step, step].map(|s| lobe_of_perceptual((r[i] * r[i] + s).max(0.0).sqrt()))
@@ -118,6 +121,8 @@ fn roughness_and_reflectivity_of_engines_in_bytes() {
     assert!((0..data.depth.len()).filter(there).all(|i| (got.reflectivity[i] - 0.2126 - 0.5 * 0.7152).abs() < 1e-6));
 }
 
+/// Entries of [[color]] are added, scaled and multiplied, and negative sums become 0. Lossy compressions are allowed
+/// for colours and refused for normals.
 #[test]
 fn colours_are_sums_of_products_and_only_they_may_be_rounded() {
     let folder = Folder::new();

@@ -7,9 +7,11 @@ use crate::common::repository;
 use glam::DVec3;
 use ssct_scenes::gbuffer_map::GBufferMap;
 
+/// Size of the frame in pixels.
 const SIZE: [u32; 2] = [160, 90];
 
-/// What a pixel sees: the distance from the eye over that of the near plane along the ray, place, normal and shape.
+/// The surface that a pixel sees. `from_near` is the distance along the ray from the near plane, 0 for sky; place and
+/// normal are in the renderer's world. The number `shape` is 1 for the ball, 2 for the floor and 0 for sky.
 #[derive(Clone, Copy)]
 struct Seen {
     from_near: f64,
@@ -18,7 +20,7 @@ struct Seen {
     shape: f64,
 }
 
-/// The scene of `mitsuba_scene.py` in its own right-handed world, through the camera of the map.
+/// Traces the scene of `mitsuba_scene.py` in its own right-handed world, through the camera of the map.
 fn seen(x: u32, y: u32) -> Seen {
     let (eye, target, near) = (DVec3::new(2.5, 1.6, -5.0), DVec3::new(0.0, 0.6, 0.0), 0.5);
     let forward = (target - eye).normalize();
@@ -43,6 +45,8 @@ fn seen(x: u32, y: u32) -> Seen {
     Seen { from_near: (z - near) * ray.length(), place, normal, shape }
 }
 
+/// The frame read by the map agrees with its own places of surfaces. With another kind of depth, the check names the
+/// right one.
 #[test]
 fn the_map_of_mitsuba_counts_depth_from_the_near_plane() {
     let pixels: Vec<Seen> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| seen(x, y))).collect();
@@ -65,7 +69,7 @@ fn the_map_of_mitsuba_counts_depth_from_the_near_plane() {
     let map = GBufferMap::load(&repository().join("examples/gbuffer-maps/mitsuba.toml")).unwrap();
     let file = folder.path("frame.exr");
     let data = map.read(&file).unwrap();
-    // The map has the places of surfaces, which depth and camera must give.
+    // The file has the places of surfaces, and the check computes them from depth and camera, too.
     assert_eq!(map.check(&file, &data).unwrap(), None);
     let [floor, ball] = [data.index(80, 80), data.index(80, 45)];
     assert!((data.reflectivity[floor] - 0.8).abs() < 1e-6 && data.reflectivity[ball] == 0.0);

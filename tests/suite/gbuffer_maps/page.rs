@@ -3,6 +3,7 @@
 use super::errors::{folder, said};
 use crate::common::repository;
 
+/// For each section of a map, the table on the page has the keys that the error about an unknown key lists.
 #[test]
 fn the_page_has_every_key() {
     let page = std::fs::read_to_string(repository().join("docs/gbuffer-maps.md")).unwrap();

@@ -1,4 +1,4 @@
-//! Files of several views, as of both eyes: each in parts of its own, or all in one part.
+//! Files of several views, as for both eyes: each view in parts of its own, or all in one part.
 
 use super::errors::MAP;
 use super::files::{Part, floats, write_exr};
@@ -7,10 +7,13 @@ use crate::common::folder::Folder;
 use ssct_scenes::GBufferData;
 use ssct_scenes::gbuffer_map::GBufferMap;
 
+/// Size of the frame in pixels.
 const SIZE: [u32; 2] = [4, 3];
+/// The passes of a view, with the names of their components.
 const PASSES: [(&str, &[&str]); 4] =
     [("Depth", &["Z"]), ("Normal", &["X", "Y", "Z"]), ("rough", &["V"]), ("Light", &["R", "G", "B"])];
 
+/// The value of a component of a pass; depth and light differ between the left and the right view.
 fn values(pass: &str, component: &str, is_left: bool) -> f64 {
     match (pass, component) {
         ("Depth", _) => {
@@ -33,7 +36,7 @@ fn values(pass: &str, component: &str, is_left: bool) -> f64 {
     }
 }
 
-/// A map of the passes as they are named in a layer, with what stands before it.
+/// A map whose channels are the passes in a layer `L`, with the text `top` before it.
 fn map(top: &str) -> String {
     let named = [
         ("\"Z\"", "\"L.Depth.Z\""),
@@ -48,12 +51,13 @@ fn map(top: &str) -> String {
     format!("{top}{map}")
 }
 
+/// The G-buffer of a file by a map, or the error.
 fn read(folder: &Folder, map: &str, file: &str) -> Result<GBufferData, String> {
     folder.write("map.toml", map);
     GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(file)).map_err(|e| e.to_string())
 }
 
-/// A part for each pass and view, as `L.Depth-left` with the channel `L.Depth.Z`.
+/// Writes a part for each pass and view: the part `L.Depth-left` has the channel `L.Depth.Z`.
 fn write_parts(folder: &Folder) {
     let part = |(pass, components): &(&str, &[&str]), view: &str| {
         let names: Vec<String> = components.iter().map(|c| format!("L.{pass}.{c}")).collect();
@@ -67,7 +71,7 @@ fn write_parts(folder: &Folder) {
     write_exr(&folder.path("parts.exr"), SIZE, parts.collect());
 }
 
-/// All in one part, with channels as `L.Depth.left.Z`.
+/// Writes all passes and views in one part, with channels such as `L.Depth.left.Z`.
 fn write_one(folder: &Folder) {
     let mut channels = Vec::new();
     for (pass, components) in PASSES {
@@ -79,6 +83,7 @@ fn write_one(folder: &Folder) {
     write_exr(&folder.path("one.exr"), SIZE, vec![Part::new(channels)]);
 }
 
+/// For either view, the file of many parts and the file of one part give one G-buffer, with the colour of that view.
 #[test]
 fn a_view_is_read_from_parts_and_from_one_part() {
     let folder = Folder::new();
@@ -92,6 +97,7 @@ fn a_view_is_read_from_parts_and_from_one_part() {
     }
 }
 
+/// A map without a view, or with an unknown one, is refused with the names of the views.
 #[test]
 fn a_file_of_several_views_says_which_there_are() {
     let folder = Folder::new();
@@ -102,6 +108,7 @@ fn a_file_of_several_views_says_which_there_are() {
     assert!(other.contains("there is no view \"middle\" in ") && other.ends_with("which has left, right"), "{other}");
 }
 
+/// A file without views is read by a map that asks for a view.
 #[test]
 fn parts_without_a_view_belong_to_every_view() {
     let folder = Folder::new();

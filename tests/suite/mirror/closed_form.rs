@@ -1,4 +1,5 @@
-//! Hits and colours of the Hi-Z methods against the closed form, pixel by pixel, near and far.
+//! Hits and colours of the Hi-Z methods against the closed form of the mirror and the wall, pixel by pixel, near and
+//! far.
 
 use super::{CELL, CELLS, Case, EYE, WALL_Z, bytes, cell_color, is_near, mirror_ray, on_screen, path, reflecting};
 use crate::common::{Builder, Shown, camera, gpu, show, unfaded};
@@ -8,19 +9,20 @@ use ssct::passes::PathCode;
 use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
-/// What a case's pixels were compared with.
+/// The result of the comparison for one case.
 struct Compared {
     /// Pixels whose mirror ray meets the wall on screen.
     expected: usize,
     /// Expected pixels without a hit.
     missed: usize,
-    /// Distances of the hits from where they should be, in pixels, in the worse direction; sorted.
+    /// Distances of the hits from the expected places, in pixels, in the axis where they are larger; sorted.
     errors: Vec<f64>,
-    /// Expected pixels far enough from the border of a cell to say which colour they must have.
+    /// Expected pixels so far from the border of a cell that their colour is certain.
     colored: usize,
 }
 
 impl Compared {
+    /// The error below which a share of the hits lies: 0.5 gives the median.
     fn error_at(&self, share: f64) -> f64 {
         self.errors[((self.errors.len() - 1) as f64 * share) as usize]
     }
@@ -47,10 +49,10 @@ fn compare(case: &Case, shown: &Shown, margin: f64) -> Compared {
         }
         let error = (DVec2::new(f64::from(hit[0]), f64::from(hit[1])) - expected) * size;
         found.errors.push(error.abs().max_element());
-        // In cells: bottom left is (0, 0).
+        // The place on the wall in cells, counted from the lower left corner.
         let cell = DVec2::new(wall.x / CELL + f64::from(CELLS[0]) / 2.0, (wall.y + EYE.y + 3.0) / CELL);
         let inside = cell.fract().min(DVec2::ONE - cell.fract()).min_element() * CELL * pixels_a_metre;
-        // The mirror cuts the wall's lowest cells.
+        // The height above the mirror's plane, which cuts the lowest cells, in pixels.
         let above = (wall + EYE).dot(case.normal()) * pixels_a_metre;
         if inside.min(above) > margin {
             let right = cell_color(cell.x as u32, cell.y as u32);
@@ -67,6 +69,8 @@ fn compare(case: &Case, shown: &Shown, margin: f64) -> Compared {
     found
 }
 
+/// For three rolls, two sizes, two methods and two presets, hits of the Hi-Z traversal lie where the closed form has
+/// them, with the errors that the published formulas explain.
 #[test]
 fn mirror_rays_meet_the_wall_where_they_should() {
     let gpu = gpu();
@@ -83,14 +87,14 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                 let what = format!("{method}, {preset:?}, roll {roll}, {extent:?}");
                 let setup = unfaded(extent).of_preset(preset);
                 let shown = show(&gpu, &scene, case.camera(extent), method, &setup, &Globals::default());
-                // A ray is pushed half a pixel past each boundary that it crosses (erratum), so one
-                // that meets the wall within its first cells stands behind it when it is first
-                // compared: by the cell and half a pixel. The first step is over a cell of the start
-                // level and may be followed by one of level 1, before the ray has seen the wall's
-                // depth; cells of an odd size are a little larger.
+                // A ray is pushed half a pixel past each boundary that it crosses (erratum). A ray that meets the wall
+                // within its first cells is thus behind the wall when it is first compared, by the size of the cell and
+                // half a pixel. The first step is over a cell of the start level; a step of level 1 may follow before
+                // the ray sees the depth of the wall. Cells of images with odd sides are up to 2 % larger.
                 let start = if preset == Preset::Author { 4.0 } else { 2.0 };
                 let farthest = start * 1.02 + 0.5;
-                // Bilinear lookup of the colour, and of the pattern's own mip level: 1 and 2 pixels.
+                // The margin for colours has one pixel for the bilinear lookup, and two for the mip level of the
+                // pattern.
                 let found = compare(&case, &shown, farthest + 3.0);
                 println!(
                     "{what}: {} pixels, {} missed, {} with colour; error median {:.3}, 90 % {:.3}, 99 % {:.3}, worst {:.3} px",
@@ -104,24 +108,26 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                 );
                 assert!(found.expected > extent[0] as usize * extent[1] as usize / 4, "{what}");
                 assert!(found.colored > found.expected / 4, "{what}");
-                // All other rays are as good as Alg. 2's finite difference, whose slope is wrong by
-                // 3e-2 at 20 m in the worst twentieth (docs/numerics.md, "Errata of the thesis"), thus by 3e-3 at 6 m,
-                // as its cancellation grows with the square of the distance; times 30 pixels that a ray
-                // typically drifts across before the depth plane stops it.
+                // All other rays have the error of Alg. 2's finite difference. Its slope is wrong by 3e-2 at 20 m in
+                // the worst twentieth (docs/numerics.md, "Errata of the thesis"). Its cancellation grows with the
+                // square of the distance, so that it is wrong by 3e-3 at 6 m. A ray typically crosses 30 pixels before
+                // the depth plane stops it: the error is 0.1 pixels.
                 assert!(found.error_at(0.5) < 0.02 && found.error_at(0.9) < 0.1, "{what}");
                 assert!(found.error_at(0.97) < 1.5, "{what}");
                 assert!(found.error_at(1.0) < farthest, "{what}");
-                // A first step that ends outside the screen.
+                // Rays whose first step ends outside the screen miss: at most one in 5000.
                 assert!(found.missed * 5_000 <= found.expected, "{what}");
             }
         }
     }
 }
 
+/// Rays that start nearer than 25 m are traced by Hi-Z. Beyond 40 m, `ssct` falls back to the linear march and `hzct`
+/// traces nothing, as their erratum has it.
 #[test]
 fn far_rays_fall_back_as_published() {
-    // V_z is that of one near-plane length (Alg. 2): n · n f / (f − n) / z² · R_z, with n = 0.1 and R_z
-    // nearly 1. It falls below ε = 1e-5 at about 32 m (an erratum of Alg. 6 that is kept).
+    // Alg. 2 gives V_z for a length of the near plane's distance: n · n f / (f − n) / z² · R_z, with n = 0.1 and R_z
+    // nearly 1. V_z falls below ε = 1e-5 at about 32 m (an erratum of Alg. 6 that is kept).
     let gpu = gpu();
     let mut b = Builder::new("far");
     let mirror = b.mirror();

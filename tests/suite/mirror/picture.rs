@@ -1,4 +1,4 @@
-//! The picture as a whole: which way round it is, what options change in it and what they don't, sky and windows.
+//! The picture as a whole: which way round it is, which options change it and which do not, sky and windows.
 
 use super::{Case, EYE, bytes, mirror_ray, on_screen, path};
 use crate::common::{
@@ -28,6 +28,7 @@ fn quarters(colors: [[u8; 3]; 4]) -> Scene {
     b.0
 }
 
+/// The reflection of `linear` is the same at roughness 0 and 0.6, to the bit.
 #[test]
 fn a_mirror_lookup_knows_no_roughness() {
     let gpu = gpu();
@@ -39,6 +40,8 @@ fn a_mirror_lookup_knows_no_roughness() {
     assert_eq!(mirror.get("reflection"), rough.get("reflection"));
 }
 
+/// A wall of four coloured quarters over a mirror floor: in ten variants of methods, left and right stay in the
+/// reflection, and up and down change places.
 #[test]
 fn right_is_right_and_down_is_up() {
     const RED: [u8; 3] = [255, 0, 0];
@@ -49,8 +52,8 @@ fn right_is_right_and_down_is_up() {
     let scene = quarters([BLUE, RED, GREEN, WHITE]);
     let extent = [320, 240];
     let view = camera(EYE.as_vec3(), EYE.as_vec3() + Vec3::Z, extent);
-    // With no roughness SSLR reaches a fifth of the screen only. The poster as published loses rays whose
-    // step leaves the screen.
+    // At roughness 0, SSLR reaches only a fifth of the screen. The published poster loses rays whose step leaves the
+    // screen, so that the author's values are used.
     let usual = unfaded(extent);
     let author = usual.of_preset(Preset::Author);
     let volume = author.with(|p: &mut PosterParams| p.poster_filter = PosterFilter::Volume);
@@ -71,13 +74,13 @@ fn right_is_right_and_down_is_up() {
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         let shown = show(&gpu, &scene, view, method, &setup, &globals);
         let (lit, reflection) = (shown.get("color"), shown.get("reflection"));
-        // Directly: rows from the top, so the top quarters are seen in the top rows.
+        // The direct view: rows count from the top, so that the top rows show the top quarters.
         assert_eq!(bytes(lit.texel(40, 10)), GREEN);
         assert_eq!(bytes(lit.texel(280, 10)), WHITE);
         assert_eq!(bytes(lit.texel(40, 130)), BLUE);
         assert_eq!(bytes(lit.texel(280, 130)), RED);
-        // Mirrored in the floor: sides stay, up and down change places. SSLR's blur may mix in a hundredth
-        // of the next quarter, which sRGB shows as 25.
+        // In the floor, up and down change places. SSLR's blur may mix in a hundredth of the next quarter, which is 25
+        // in sRGB.
         let slack = if roughness > 0.0 { 25 } else { 0 };
         for (x, y, color) in [(40, 160, BLUE), (280, 160, RED), (40, 235, GREEN), (280, 235, WHITE)] {
             let found = bytes(reflection.texel(x, y));
@@ -88,13 +91,15 @@ fn right_is_right_and_down_is_up() {
     }
 }
 
-/// The number of pixels of two images, and of those that differ in a bit.
+/// The number of pixels of two images, and the number of those that differ in a bit.
 fn differing(a: &Pixels, b: &Pixels) -> [f64; 2] {
     let bits = |pixel: &[f32]| pixel.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     let off = a.texels().zip(b.texels()).filter(|(a, b)| bits(a) != bits(b)).count();
     [a.texels().count() as f64, off as f64]
 }
 
+/// Each screen-space method makes one image whether its trace is split in two passes, combined in one, or also stores
+/// hits.
 #[test]
 fn split_combined_and_with_hits_give_the_same_reflection() {
     let gpu = gpu();
@@ -118,6 +123,8 @@ fn split_combined_and_with_hits_give_the_same_reflection() {
     }
 }
 
+/// At roughness 0.3, reflections of the two cone methods have less than 0.8 of the contrast of a mirror, and about the
+/// same mean.
 #[test]
 fn roughness_changes_the_reflection() {
     let gpu = gpu();
@@ -131,7 +138,7 @@ fn roughness_changes_the_reflection() {
         assert_eq!(mirror.get("color"), rough.get("color"), "the lit colour does not change");
         let difference = rmse(&mirror.get("reflection").values, &rough.get("reflection").values);
         assert!(difference > 0.02, "{method}: {difference}");
-        // Blurring keeps the mean colour, roughly, and takes contrast away.
+        // A blur roughly keeps the mean colour and lowers the contrast.
         let spread = |shown: &Shown| {
             let rows: Vec<f32> = (120..200).map(|x| shown.get("reflection").texel(x, 220)[0]).collect();
             let mean = rows.iter().sum::<f32>() / rows.len() as f32;
@@ -143,6 +150,8 @@ fn roughness_changes_the_reflection() {
     }
 }
 
+/// At reflectivity 0, every screen-space method leaves the lit colour unchanged to the bit, and traces no ray; at
+/// reflectivity 1 the image changes.
 #[test]
 fn without_reflectivity_the_composite_is_the_lit_colour() {
     let gpu = gpu();
@@ -169,6 +178,8 @@ fn without_reflectivity_the_composite_is_the_lit_colour() {
     }
 }
 
+/// Pixels of sky and of windows do not reflect. Rays that meet a window hit it within 2.54 pixels and show the colour
+/// at the hit.
 #[test]
 fn sky_does_not_reflect_but_windows_are_hit() {
     let gpu = gpu();
@@ -207,7 +218,7 @@ fn sky_does_not_reflect_but_windows_are_hit() {
                 assert!(error.abs().max_element() < 2.54, "{method}, ({x}, {y}): {error} pixels off");
                 let seen = bilinear(lit, hit[0], hit[1]);
                 for c in 0..3 {
-                    // 8 bits of a filter's weights, and f16.
+                    // The bound has 8 bits of a filter's weights, and the rounding of 16-bit floats.
                     assert!((reflection[c] - seen[c]).abs() < 0.003, "({x}, {y}): {reflection:?} {seen:?}");
                 }
                 in_mirror += 1;

@@ -1,4 +1,4 @@
-//! A mirror ramp, whose rays go towards the camera too: who traces them, and how hits fade.
+//! A mirror ramp, whose rays go away from the camera and towards it: which methods trace them, and how hits fade.
 
 use super::{Case, EYE, bytes, mirror_ray, on_screen, path, reflecting};
 use crate::common::{Builder, Shown, camera, gpu, show};
@@ -8,18 +8,22 @@ use ssct::methods::{EffectParams, Setup};
 use ssct::passes::PathCode;
 use ssct_lab::stage::Globals;
 
-/// A mirror ramp under a red ceiling: its rays go up, at its top away from the camera and at its
-/// foot towards it. All else is black.
+/// A mirror ramp under a red ceiling: its rays go up, at its top away from the camera and at its foot towards the
+/// camera. All else is black.
 struct Ramp;
 
 impl Ramp {
+    /// The angle of the ramp, in radians.
     const TILT: f64 = 0.635;
+    /// The middle of the ramp's lower edge, in metres.
     const FOOT: DVec3 = DVec3::new(0.0, 0.0, 3.2);
 
+    /// The unit normal of the ramp.
     fn normal() -> DVec3 {
         DVec3::new(0.0, Self::TILT.cos(), -Self::TILT.sin())
     }
 
+    /// Shows the ramp with a method.
     fn show(gpu: &Gpu, method: &str, fade: bool) -> Shown {
         let mut b = Builder::new("ramp");
         let mirror = b.mirror();
@@ -36,13 +40,15 @@ impl Ramp {
         show(gpu, &b.0, view, method, &setup, &Globals::default())
     }
 
-    /// Direction of a pixel's mirror ray, and whether it meets the ceiling on screen.
+    /// The direction of a pixel's mirror ray, and whether the ray meets the ceiling where the screen shows it.
     fn ray(shown: &Shown, uv: DVec2) -> (DVec3, bool) {
         let (p, r) = mirror_ray(shown, uv, Self::FOOT - EYE, Self::normal());
         (r, on_screen(shown, p + r * ((3.0 - EYE.y - p.y) / r.y)).is_some())
     }
 }
 
+/// Both methods trace rays away from the camera by Hi-Z. Of rays towards the camera, `ssct` marches linearly and finds
+/// the ceiling in 98 % of the cases, and `hzct` leaves them black.
 #[test]
 fn rays_towards_the_camera_are_traced_by_ssct_alone() {
     let gpu = gpu();
@@ -52,7 +58,8 @@ fn rays_towards_the_camera_are_traced_by_ssct_alone() {
         let (r, meets) = Ramp::ray(&ssct, uv);
         let paths = [&ssct, &hzct].map(|s| path(s.get("hits").texel(x, y)));
         let colors = [&ssct, &hzct].map(|s| s.get("reflection").texel(x, y));
-        // The threshold is not at 0 but at a V_z of 1e-5, for a ray of one near-plane length.
+        // The threshold between the two kinds of ray is not at R_z = 0. It is at a V_z of 1e-5, where V_z belongs to a
+        // ray whose length is the distance of the near plane.
         if r.z > 0.03 {
             away += 1;
             assert_eq!(paths.map(PathCode::by_hi_z), [Some(true); 2], "({x}, {y}), {r}");
@@ -74,6 +81,8 @@ fn rays_towards_the_camera_are_traced_by_ssct_alone() {
     assert!(red * 100 > on_ceiling * 98, "{red} of {on_ceiling}");
 }
 
+/// The fade of each hit is that of Eq. 4.7 with the distance from the middle of the screen; in `hzct` it also falls
+/// with R_z of the ray.
 #[test]
 fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
     let gpu = gpu();
@@ -91,7 +100,7 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
                 if !path(hit).is_hit() {
                     continue;
                 }
-                // Eq. 4.7 with I_start = 0.8 and I_end = 1.
+                // The expected fade is that of Eq. 4.7 with I_start = 0.8 and I_end = 1.
                 let distance = (DVec2::new(f64::from(hit[0]), f64::from(hit[1])) - 0.5).length() * 2.0;
                 let mut fade = 1.0 - ((distance - 0.8) / 0.2).clamp(0.0, 1.0);
                 let mut tolerance = 1.0 / 1024.0;
@@ -99,7 +108,8 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
                     let z = Ramp::ray(shown, uv).0.z;
                     fade *= (10.0 * z).clamp(0.0, 1.0);
                     grazing += usize::from(z < 0.09);
-                    // The normal is stored in f16: 5e-4 at most, twice that in R, ten times in the fade.
+                    // A normal in 16-bit floats is off by at most 5e-4, the direction R by twice that, and the fade by
+                    // ten times that.
                     tolerance = 0.012;
                 }
                 let found = f64::from(reflection.texel(x, y)[3]);
@@ -120,6 +130,7 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
     }
 }
 
+/// With the fade off, every hit has a fade of 1 and every other pixel one of 0.
 #[test]
 fn without_fade_nothing_fades() {
     let gpu = gpu();

@@ -1,5 +1,5 @@
-//! What glTF 2.0 allows, and what other programs write that has one obvious reading: it loads, with a warning where the
-//! specification is not kept.
+//! Files that glTF 2.0 allows, and files that other programs write and that have one obvious reading. They load, with a
+//! warning where the file breaks the specification.
 
 use super::gltf::{Square, binary, close, error, picture, pictured, scene, sentences, square};
 use super::*;
@@ -8,7 +8,7 @@ use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 use ssct_scenes::{Light, gltf};
 
-/// The square is there as it always is: side 2 by 1 in the xy plane.
+/// Holds that the scene is the square as it always is: sides of 2 by 1 in the xy plane.
 fn is_the_square(scene: &Scene) {
     assert!(close(area(scene), 2.0) && scene.triangle_count() == 2, "{}", area(scene));
     let bounds = scene.bounds();
@@ -18,13 +18,14 @@ fn is_the_square(scene: &Scene) {
     );
 }
 
-/// The square with a change loads as the square does, and says something or nothing.
+/// Holds that the square with a change loads as the square does, with exactly the warnings in `said`.
 fn loads(said: &[&str], change: impl FnOnce(&mut Value)) {
     let scene = scene(&square(json!({}), change));
     is_the_square(&scene);
     assert_eq!(sentences(&scene), said);
 }
 
+/// Attributes whose names begin with `_` are the application's own; other unknown names get a sentence.
 #[test]
 fn attributes_of_applications_are_passed_over() {
     let add = |name: &'static str| move |d: &mut Value| d["meshes"][0]["primitives"][0]["attributes"][name] = 2.into();
@@ -38,6 +39,7 @@ fn attributes_of_applications_are_passed_over() {
     });
 }
 
+/// An animation with an unknown target, too few values or no content is left out with a sentence, and the scene loads.
 #[test]
 fn animations_that_cannot_be_played_are_passed_over() {
     for (target, said) in [
@@ -60,6 +62,7 @@ fn animations_that_cannot_be_played_are_passed_over() {
     loads(&[], |d| d["animations"] = json!([]));
 }
 
+/// An accessor without bytes has zeros, as glTF says; too large a count is refused.
 #[test]
 fn accessors_without_a_view_are_zeros() {
     loads(&[], |d| {
@@ -82,6 +85,7 @@ fn accessors_without_a_view_are_zeros() {
     assert_eq!(claims, "accessor 3 has 4000000000 elements without bytes, more than 1048576");
 }
 
+/// A sparse accessor replaces the elements that its indices name, over bytes or over zeros.
 #[test]
 fn sparse_accessors_change_some_elements() {
     let with = |base: bool| {
@@ -103,6 +107,8 @@ fn sparse_accessors_change_some_elements() {
     assert_eq!((area(&with(false)), with(false).triangle_count()), (2.0, 1));
 }
 
+/// A further scene without nodes, and a file without scenes, load; if the shown scene has no nodes, the file is
+/// refused.
 #[test]
 fn scenes_without_nodes_are_allowed() {
     loads(&[], |d| d["scenes"] = json!([{"nodes": [0]}, {"name": "empty"}]));
@@ -115,6 +121,7 @@ fn scenes_without_nodes_are_allowed() {
     assert_eq!(shown, "has no triangle with an area in its scene");
 }
 
+/// Whole numbers that are written as floats, nulls, strides of 0 and missing bounds have their obvious reading.
 #[test]
 fn numbers_nulls_and_distances_are_read_as_they_are_meant() {
     loads(&[], |d| {
@@ -146,6 +153,7 @@ fn numbers_nulls_and_distances_are_read_as_they_are_meant() {
     assert!(half.starts_with("is not glTF 2.0: ") && half.contains("3.5"), "{half}");
 }
 
+/// An unknown mode of wrapping textures is read as repetition, with a warning.
 #[test]
 fn unknown_ways_of_repeating_are_plain() {
     let sampled = |wrap: u32| {
@@ -160,6 +168,8 @@ fn unknown_ways_of_repeating_are_plain() {
     assert_eq!((sampled(10497), sampled(7)), (0, 1));
 }
 
+/// Data addresses in base64 or percent codes, with any case, line breaks and missing padding are read; broken ones are
+/// refused.
 #[test]
 fn data_addresses_are_read_as_rfc_2397_says() {
     let bytes = Square::new().bytes;
@@ -189,6 +199,8 @@ fn data_addresses_are_read_as_rfc_2397_says() {
     assert_eq!((scene.warnings.len(), &scene.textures[0].rgba[..]), (0, &[0, 255, 0, 255][..]));
 }
 
+/// Network addresses, folders and devices are refused as buffers or images; a file name with a percent sign is found as
+/// it is written.
 #[test]
 fn addresses_that_are_no_files_are_refused() {
     let refusal = |uri: &str| error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
@@ -212,7 +224,7 @@ fn addresses_that_are_no_files_are_refused() {
     let image = json!({"uri": "https://example.org/a.png"});
     let remote = scene(&pictured(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}), &[image]));
     assert!(sentences(&remote)[0].contains("of the kind https:"), "{:?}", remote.warnings);
-    // A name that is not encoded is found as it is written.
+    // The file has the name with its percent sign, which is no code here.
     let folder = Folder::new(&[]);
     folder.write("100%41.bin", &Square::new().bytes);
     let document = square(json!({}), |d| d["buffers"][0]["uri"] = "100%41.bin".into());
@@ -220,7 +232,7 @@ fn addresses_that_are_no_files_are_refused() {
     is_the_square(&gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap());
 }
 
-/// The square with a skin of two joints: `weights` of each, and the joints' own nodes.
+/// The square with a skin of two joints. Every vertex has the two weights; the joints are nodes of their own.
 fn skinned(weights: [f32; 2], change: impl FnOnce(&mut Value)) -> Value {
     let mut square = Square::new();
     square.accessor("VEC4", 5121, 4, &[0, 1, 0, 0].repeat(4));
@@ -245,6 +257,7 @@ fn skinned(weights: [f32; 2], change: impl FnOnce(&mut Value)) -> Value {
     document
 }
 
+/// A mesh with a skin stands where its joints place it, and not where its own node does.
 #[test]
 fn skins_are_placed_by_their_joints() {
     let placed = |weights, change: fn(&mut Value)| scene(&skinned(weights, change));
@@ -259,13 +272,13 @@ fn skins_are_placed_by_their_joints() {
     assert_eq!(placed([0.0, 1.0], moved).bounds().min.x, 4.0);
     assert_eq!(placed([0.5, 0.5], moved).bounds().min.x, 2.0);
     assert_eq!(placed([1.0, 0.0], moved).bounds().min.x, 0.0);
-    // A scale above the joints, which the inverse bind undoes or not.
+    // A node above scales everything by 100, and the joint scales by 0.01.
     let scaled = |d: &mut Value| {
         d["nodes"] = json!([{"mesh": 0, "skin": 0}, {"scale": [0.01, 0.01, 0.01]}, {}, {"children": [0, 1, 2], "scale": [100, 100, 100]}]);
         d["scenes"] = json!([{"nodes": [3]}]);
     };
     is_the_square(&placed([1.0, 0.0], scaled));
-    // Joints beside the scene that is shown.
+    // The joints are no nodes of the shown scene.
     is_the_square(&placed([0.5, 0.5], |d| d["scenes"] = json!([{"nodes": [0]}])));
     // Without matrices, joints are taken as they stand.
     let plain = placed([0.0, 1.0], |d| {
@@ -291,6 +304,7 @@ fn skins_that_cannot_be_are_named() {
     );
 }
 
+/// A morph target moves positions by its weight; the weights of the node go before those of the mesh.
 #[test]
 fn morph_targets_count_by_their_weights() {
     let morphed = |mesh: Value, node: Value| {
@@ -310,6 +324,8 @@ fn morph_targets_count_by_their_weights() {
     assert_eq!(morphed(json!([0, 1]), Value::Null), 0.0);
 }
 
+/// A scene that is loaded at an eighth of its size has all lengths scaled: bounds, views, planes, and energies of point
+/// lights as squares of lengths.
 #[test]
 fn the_scale_is_of_every_length() {
     let document = square(json!({}), |d| {
@@ -344,6 +360,7 @@ fn the_scale_is_of_every_length() {
     assert_eq!(sentences(&whole), ["ranges of lights are not supported; lights reach as far as they fade"]);
 }
 
+/// Old glTF, other JSON, empty, truncated and wide texts, and damaged binary files each get a sentence of their own.
 #[test]
 fn files_of_other_kinds_are_told_apart() {
     let said = |name: &str, bytes: &[u8]| {
@@ -404,7 +421,7 @@ fn primitives_without_positions_are_not_drawn() {
     });
 }
 
-/// The square with floats of its own in place of an accessor's.
+/// The square's document in which one accessor has other floats.
 fn with_floats(accessor: usize, kind: &str, floats: &[f32]) -> Value {
     let mut square = Square::new();
     square.floats(kind, floats);
@@ -413,6 +430,8 @@ fn with_floats(accessor: usize, kind: &str, floats: &[f32]) -> Value {
     document
 }
 
+/// Normals and texture coordinates of NaN or infinity are replaced with a sentence; a position of NaN is refused if a
+/// triangle has it.
 #[test]
 fn values_that_are_no_numbers_have_a_reading_unless_they_are_places() {
     let nan = f32::NAN;
@@ -429,12 +448,13 @@ fn values_that_are_no_numbers_have_a_reading_unless_they_are_places() {
     let place =
         error(&with_floats(0, "VEC3", &[[nan, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]].concat()));
     assert_eq!(place, "mesh square: the position of vertex 0 is not a number");
-    // A vertex that no triangle has may be anything.
+    // A vertex that no triangle uses may have any values.
     let mut unused = with_floats(0, "VEC3", &[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [nan; 3]].concat());
     unused["accessors"][3]["count"] = 3.into();
     assert_eq!(super::gltf::scene(&unused).triangle_count(), 1);
 }
 
+/// Normals that lean 8 degrees behind their face stay, and normals that point to the back are turned with a sentence.
 #[test]
 fn normals_of_an_author_stay_unless_they_point_to_the_back() {
     // Eight degrees behind the face, as seen from its front at +z of the file.

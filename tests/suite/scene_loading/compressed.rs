@@ -1,5 +1,5 @@
-//! glTF whose bytes are stored in fewer: meshes of meshopt, images of WebP; and what is refused with the command of a tool that
-//! makes it readable.
+//! glTF with compressed content: meshes of meshopt and images of WebP. Other compressions are refused with the command
+//! of a tool that makes the file readable.
 
 use super::gltf::{Square, error, load, picture, pictured, scene, sentences, square};
 use super::*;
@@ -10,12 +10,13 @@ use serde_json::{Value, json};
 const EXT: &str = "EXT_meshopt_compression";
 const KHR: &str = "KHR_meshopt_compression";
 
+/// Bytes as a data address.
 fn data(bytes: &[u8]) -> Value {
     format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(bytes)).into()
 }
 
-/// The square with all of its views stored by meshopt, under either name of the extension, as optimisers write it: the buffer
-/// that the views name has no bytes.
+/// The square with all of its views stored by meshopt, under either name of the extension, as optimisers write it: the
+/// buffer that the views name has no bytes.
 fn compressed(name: &str, change: impl FnOnce(&mut Value)) -> Value {
     let made = Square::new();
     let mut document = made.document(json!({}));
@@ -47,6 +48,7 @@ fn compressed(name: &str, change: impl FnOnce(&mut Value)) -> Value {
     document
 }
 
+/// The square in views of meshopt has the vertices and indices of the plain square, under both names of the extension.
 #[test]
 fn views_of_meshopt_hold_what_they_held_before() {
     let plain = scene(&square(json!({}), |_| ()));
@@ -58,6 +60,8 @@ fn views_of_meshopt_hold_what_they_held_before() {
     }
 }
 
+/// Normals in octahedral filters of 8 and 16 bits and in exponential filters are decoded within the rounding of each
+/// filter.
 #[test]
 fn filters_of_meshopt_are_undone() {
     let with = |filter: &'static str, kind: &'static str, component: u32, stride: usize, stored: Vec<u8>| {
@@ -99,6 +103,7 @@ fn filters_of_meshopt_are_undone() {
     }
 }
 
+/// A view of meshopt with a wrong count, place, stride, mode or filter is refused with its number and the cause.
 #[test]
 fn damaged_views_of_meshopt_get_a_sentence() {
     let view =
@@ -128,6 +133,7 @@ fn webp(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> Value {
     json!({"uri": uri, "mimeType": "image/webp"})
 }
 
+/// An image in lossless WebP has the texels of the PNG.
 #[test]
 fn images_may_be_webp() {
     let material = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0}});
@@ -141,6 +147,7 @@ fn images_may_be_webp() {
     assert_eq!((&webp.textures[0].rgba, sentences(&webp)), (&png.textures[0].rgba, vec![]));
 }
 
+/// A large image in few bytes is not refused as an attack.
 #[test]
 fn a_webp_image_of_one_colour_may_be_large() {
     let material = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0}});
@@ -148,6 +155,7 @@ fn a_webp_image_of_one_colour_may_be_large() {
     assert_eq!((scene.textures[0].width, &scene.textures[0].rgba[..3]), (2048, &[9, 8, 7][..]), "{:?}", scene.warnings);
 }
 
+/// Required extensions that are not supported are refused with a command that converts the file.
 #[test]
 fn what_is_refused_says_which_command_makes_it_readable() {
     for (name, command) in [
@@ -189,6 +197,7 @@ fn extras_may_be_any_value_of_any_object() {
     }
 }
 
+/// A value of a wrong type is refused with its path in the document and the type that belongs there.
 #[test]
 fn wrong_types_are_said_in_the_words_of_gltf() {
     for (path, key, value, said) in [
@@ -229,6 +238,7 @@ fn wrong_types_are_said_in_the_words_of_gltf() {
     assert!(load(&square(json!({"emissiveTexture": {}}), |_| ())).is_err());
 }
 
+/// A roughness of 900 counts as 1 and a metalness of −0.5 as 0, with a sentence each.
 #[test]
 fn factors_out_of_range_are_named_and_clamped() {
     let scene =

@@ -1,11 +1,12 @@
-//! The coordinates of the places in a scene file: those of its files, right-handed as OBJ and glTF are, unless it says otherwise;
-//! and the warnings about views that see next to nothing, as they do where the places were meant in other coordinates.
+//! The coordinates of the places in a scene file: those of its files, right-handed as in OBJ and glTF, unless the scene
+//! file says otherwise. Also the warnings about views that see next to nothing, which often come from wrong
+//! coordinates.
 
 use super::*;
 use crate::common::repository;
 use ssct_scenes::{AreaShape, Light, scene_file};
 
-/// Everything that has a place or a direction.
+/// A scene file with everything that has a place or a direction.
 const PLACES: &str = "[[mesh]]\nfile = 'a.obj'\n[[light]]\nkind = 'point'\nposition = [1, 2, 3]\nenergy = 1\n[[light]]\n\
     kind = 'directional'\ndirection = [0, 0, -2]\nenergy = 1\n[view.v]\neye = [0, 1, 5]\nlook_at = [0, 0, -1]\n\
     [[path.p.key]]\neye = [0, 1, 5]\nlook_at = [0, 0, -1]\n[[path.p.key]]\neye = [0, 1, 6]\nlook_at = [0, 0, -2]\n\
@@ -15,7 +16,7 @@ const PLACES: &str = "[[mesh]]\nfile = 'a.obj'\n[[light]]\nkind = 'point'\nposit
     a = [0, 1, 2]\nb = [0, 1, 3]\nradius = 1\n[[capture]]\nplace = [0, 1, 2]\n[motion.turn]\nmesh = 'a'\npivot = [0, 0, 1]\n\
     [[motion.turn.key]]\ntime = 0\n[[motion.turn.key]]\ntime = 1\noffset = [0, 0, 2]\nturn_deg = 90\n";
 
-/// The scene of a square `a.obj`, named `a`, and a scene file that begins with some lines.
+/// Loads a scene file that begins with some lines, in a folder with a square `a.obj` that is named `a`.
 fn placed(first: &str, rest: &str) -> Scene {
     let folder = square("o a\nf 1 2 3\nf 1 3 4\n");
     folder.image("sign.png", 4, 2, |_, _| [200, 0, 0, 255]);
@@ -23,6 +24,8 @@ fn placed(first: &str, rest: &str) -> Scene {
     scene_file::load(&folder.path("a.scene.toml"), &LoadOptions::default()).unwrap()
 }
 
+/// Places are mirrored in z for right-handed files and kept for left-handed ones; `coordinates` overrides `handedness`.
+/// Every kind of place is checked.
 #[test]
 fn places_are_in_the_coordinates_of_the_files_unless_a_file_says_otherwise() {
     let right = placed("", PLACES);
@@ -31,7 +34,7 @@ fn places_are_in_the_coordinates_of_the_files_unless_a_file_says_otherwise() {
     for same in [placed("coordinates = 'right'\n", PLACES), placed("handedness = 'right'\n", PLACES)] {
         assert_eq!((&same.views, &same.lights, &same.captures), (&right.views, &right.lights, &right.captures));
     }
-    // Files that are left-handed have left-handed places.
+    // A scene file with left-handed meshes has left-handed places, too.
     assert_eq!(placed("handedness = 'left'\n", PLACES).views, left.views);
     assert_eq!(placed("handedness = 'left'\ncoordinates = 'right'\n", PLACES).views, right.views);
     let written = &left.views[0];
@@ -48,16 +51,18 @@ fn places_are_in_the_coordinates_of_the_files_unless_a_file_says_otherwise() {
     assert_eq!(right.captures[0].position, Vec3::new(0.0, 1.0, -2.0));
     let AreaShape::Capsule { a, b, .. } = right.area_lights[1].shape else { panic!("a capsule") };
     assert_eq!((a, b), (Vec3::new(0.0, 1.0, -2.0), Vec3::new(0.0, 1.0, -3.0)));
-    // It shines down in the file, to the side of half_u × half_v, and so it does in the scene.
+    // The light shines down, to the side of half_u × half_v, in the file and in the scene.
     for scene in [&left, &right] {
         let AreaShape::Rectangle { half_u, half_v, .. } = scene.area_lights[0].shape else { panic!("a rectangle") };
         assert!(half_u.cross(half_v).y < 0.0, "{half_u} {half_v}");
     }
 }
 
+/// A turn and an offset of a motion have the direction of the file's coordinates, right-handed and left-handed.
 #[test]
 fn a_motion_turns_as_its_coordinates_do() {
-    // A quarter turn about +y brings x to -z in either hand's file, about a pivot at z = 1, and then all moves by 2 along z.
+    // In a file of either handedness, a quarter turn about +y takes +x to −z, about a pivot at z = 1. Then everything
+    // moves by 2 along z.
     let corner =
         |scene: &Scene, z: f32| scene.motions[0].placements_at(1.0).next().unwrap().1.place(Vec3::new(1.0, 0.0, z));
     let right = corner(&placed("", PLACES), -1.0);
@@ -66,6 +71,7 @@ fn a_motion_turns_as_its_coordinates_do() {
     assert!(left.distance(Vec3::new(0.0, 0.0, 2.0)) < 1e-5, "{left}");
 }
 
+/// A view in front of the square, in the coordinates of its file, sees the front of the square, for OBJ and for glTF.
 #[test]
 fn a_view_in_front_of_an_obj_and_of_a_gltf_file_sees_its_front() {
     let view = "[view.v]\neye = [0.5, 0.5, 3]\nlook_at = [0.5, 0.5, 0]\n";
@@ -82,7 +88,7 @@ fn a_view_in_front_of_an_obj_and_of_a_gltf_file_sees_its_front() {
     }
 }
 
-/// The example `two-rooms`, with lines before its scene file and others behind it.
+/// Loads the example `two-rooms` with some lines before its scene file and others behind it. Returns the folder, too.
 fn two_rooms(first: &str, last: &str) -> (Folder, Scene) {
     let folder = Folder::new(&[]);
     let example = repository().join("examples/scene");
@@ -108,6 +114,7 @@ fn the_example_loads_without_a_warning_and_places_in_other_coordinates_get_one()
     assert_eq!(folder.warnings(&mirrored), [said]);
 }
 
+/// Views of a wall from 0.5 m, from above the roof, and past the only square each get a warning with the likely cause.
 #[test]
 fn views_that_see_next_to_nothing_get_a_warning() {
     let hint = "; the file's places are read as right-handed: if they are not, write coordinates = \"left\"";
@@ -118,7 +125,8 @@ fn views_that_see_next_to_nothing_get_a_warning() {
     let roof =
         format!("two-rooms.scene.toml: [view.roof] stands outside of the room and sees no front of its walls{hint}");
     assert_eq!(folder.warnings(&scene), [wall, roof]);
-    // Around one square there is no room, and a view may look at it from anywhere; but not past it.
+    // One square makes no room, so that a view may look at the square from anywhere. A view past the square gets a
+    // warning.
     let one = "[[mesh]]\nfile = 'a.obj'\n[view.near]\neye = [0.5, 0.5, 0.2]\nlook_at = [0.5, 0.5, 0]\n";
     assert!(placed("", one).warnings.is_empty(), "it has no other surface");
     let past = format!("{one}[view.past]\neye = [0, 0, 2]\nlook_at = [0, 0, 5]\n");
@@ -129,6 +137,8 @@ fn views_that_see_next_to_nothing_get_a_warning() {
     );
 }
 
+/// A file with `handedness = 'right'` and places gets a note about their coordinates, and a file that says its
+/// coordinates does not.
 #[test]
 fn a_file_that_calls_its_obj_files_right_handed_is_told_what_that_means_for_places() {
     let view = "[view.v]\neye = [0, 0, 3]\nlook_at = [0, 0, 0]\n";
@@ -139,6 +149,8 @@ fn a_file_that_calls_its_obj_files_right_handed_is_told_what_that_means_for_plac
     assert_eq!((notes("", &format!("{mesh}{view}")), notes("handedness = 'right'\n", mesh)), (0, 0));
 }
 
+/// The script `left_handed.sh` makes a copy of an old scene file whose places mean the same as before, unless the file
+/// already says its coordinates.
 #[test]
 fn the_script_makes_copies_whose_places_stay_where_they_were() {
     let folder = square("f 1 2 3\nf 1 3 4\n");
@@ -156,6 +168,7 @@ fn the_script_makes_copies_whose_places_stay_where_they_were() {
     assert_eq!(loaded_copy("coordinates = \"right\"\n").views[0].eye, Vec3::new(0.0, 0.0, 3.0));
 }
 
+/// A view into an open box, from outside through its missing front, gets no warning.
 #[test]
 fn a_view_into_a_box_without_a_front_gets_no_warning() {
     let folder = square("");

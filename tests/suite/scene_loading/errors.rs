@@ -2,6 +2,7 @@
 
 use super::*;
 
+/// Each faulty line behind the square, whose own lines end at line 8, is refused with this sentence.
 #[test]
 fn errors_name_file_line_and_cause() {
     let cases = [
@@ -48,6 +49,7 @@ fn missing_empty_and_huge_files_are_refused() {
     assert_eq!(folder.error(), "a.obj: a file of 3221225472 bytes is too large; at most 1073741824 bytes are read");
 }
 
+/// Folders and devices are refused as OBJ files.
 #[test]
 fn only_regular_files_are_read() {
     let folder = square("f 1 2 3\n");

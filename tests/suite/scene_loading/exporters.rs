@@ -1,5 +1,5 @@
-//! One scene as each exporter writes it: glTF, OBJ, and OBJ with PBR keys give the same material
-//! (docs/definitions.md, "Exporters of MTL").
+//! One scene as each exporter writes it: glTF, OBJ, and OBJ with PBR keys give the same material (docs/definitions.md,
+//! "Exporters of MTL").
 
 use super::gltf::square as gltf_square;
 use super::*;
@@ -10,7 +10,7 @@ use ssct_scenes::{Encoding, texture as sampling};
 /// The header that Blender gives its MTL files.
 const BLENDER: &str = "# Blender 5.2.3 LTS MTL File: 'None'\n# www.blender.org\n\n";
 
-/// What Blender writes behind every material with PBR extensions.
+/// The lines that Blender writes behind every material with PBR extensions; they say that there is no coat.
 const NO_COATS: &str = "Ps 0.000000\nPc 0.000000\nPcr 0.030000\naniso 0.000000\nanisor 0.000000\n";
 
 /// A textured square in the material `m` of a library, in a folder with the pictures of [`pictures`].
@@ -21,6 +21,7 @@ fn with_library(text: &str) -> Folder {
     folder
 }
 
+/// Writes the pictures that the libraries name.
 fn pictures(folder: &Folder) {
     folder.image("base.png", 2, 2, |x, _| if x == 0 { [200, 120, 60, 255] } else { [90, 200, 220, 255] });
     let grey = |value: u32| [value as u8, value as u8, value as u8, 255];
@@ -30,7 +31,8 @@ fn pictures(folder: &Folder) {
     folder.image("emitted.png", 2, 2, |_, y| if y == 0 { [0, 0, 0, 255] } else { [90, 40, 20, 255] });
 }
 
-/// What a material is in the middle of each texel: albedo, emission, reflectivity, roughness.
+/// The values of the first material in the middle of each of the four texels: albedo (three channels), emission,
+/// reflectivity, roughness.
 fn texels(scene: &Scene) -> Vec<[f32; 6]> {
     let m = &scene.materials[0];
     let image = |map: Option<usize>, x: usize, y: usize| {
@@ -48,7 +50,7 @@ fn texels(scene: &Scene) -> Vec<[f32; 6]> {
     [(0, 0), (1, 0), (0, 1), (1, 1)].map(texel).to_vec()
 }
 
-/// A material in three files of Blender's.
+/// One material in three files of Blender's: OBJ, OBJ with PBR keys, and glTF.
 struct Exported {
     name: &'static str,
     obj: &'static str,
@@ -139,6 +141,7 @@ fn gltf_scene(material: Value) -> Scene {
     ssct_scenes::gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap()
 }
 
+/// Seven materials from Blender have the same texels from each of the three files, within a step of 8 bits.
 #[test]
 fn obj_and_gltf_of_one_exporter_are_one_material() {
     for Exported { name, obj, pbr, gltf } in exported() {
@@ -156,6 +159,7 @@ fn obj_and_gltf_of_one_exporter_are_one_material() {
     }
 }
 
+/// An image of the specular level gives a reflectivity of 0.08 times the level in each texel.
 #[test]
 fn the_level_of_specular_may_be_an_image() {
     let keys = "Kd 0.8 0.8 0.8\nNi 1.5\nillum 2\nmap_Ks level.png\n";
@@ -169,6 +173,8 @@ fn the_level_of_specular_may_be_an_image() {
     }
 }
 
+/// The version in Blender's header decides what `Ks` means: newer versions count the index of refraction, version 3
+/// only the level, and other headers are read as a reflectivity.
 #[test]
 fn older_versions_of_blender_have_the_level_alone() {
     let reflectivity = |header: &str| {
@@ -178,11 +184,12 @@ fn older_versions_of_blender_have_the_level_alone() {
     let near = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} {b}");
     near(reflectivity("# Blender 4.1.0 MTL File: 'x.blend'"), 1.0 / 9.0);
     near(reflectivity("# Blender 3.6.5 MTL File: 'x.blend'"), 0.04);
-    // Versions that write no number have other laws.
+    // Without a version number in the right form, `Ks` is the reflectivity itself.
     near(reflectivity("# Blender MTL File: 'x.blend'"), 0.5);
     near(reflectivity("# Blender 4.1.0 made the scene"), 0.5);
 }
 
+/// The keys `Pr`, `Pm` and `Ni` of any exporter mean what glTF means by roughness, metalness and index of refraction.
 #[test]
 fn pbr_keys_of_other_exporters_are_those_of_gltf() {
     let folder =
@@ -195,7 +202,7 @@ fn pbr_keys_of_other_exporters_are_those_of_gltf() {
     assert_eq!(folder.warnings(&scene), [said]);
     let plastic = with_library("newmtl m\nKd 0.9 0.7 0.3\nPr 0.2\n").scene();
     assert!((plastic.materials[0].reflectivity - 0.04).abs() < 1e-6);
-    // A roughness and what is reflected, without metalness: both are meant.
+    // With a roughness and a specular colour but no metalness, both count.
     let stated = with_library("newmtl m\nKd 0.9 0.7 0.3\nKs 0.5 0.5 0.5\nPr 0.2\nNs 10\n").scene();
     let m = &stated.materials[0];
     assert!((m.reflectivity - 0.5).abs() < 1e-6 && m.roughness == roughness_of_perceptual(0.2));
@@ -204,6 +211,7 @@ fn pbr_keys_of_other_exporters_are_those_of_gltf() {
     assert!((glossy.materials[0].roughness - 0.334).abs() < 1e-3);
 }
 
+/// Values of the images of roughness and metalness are multiplied by the factors beside them.
 #[test]
 fn images_of_roughness_and_metalness_have_factors() {
     let scene = with_library("newmtl m\nKd 1 1 1\nPr 0.5\nmap_Pr rough.png\nPm 0.5\nmap_Pm metal.png\n").scene();
@@ -216,6 +224,7 @@ fn images_of_roughness_and_metalness_have_factors() {
     assert!((got[2][0] - (1.0 - metal)).abs() < 0.01, "{got:?}");
 }
 
+/// Emission as a colour and as an image becomes albedo and the emitted share.
 #[test]
 fn emission_is_read_by_every_law() {
     let scene = with_library("newmtl m\nKd 0 0 0\nKs 0 0 0\nKe 0.5 0.25 0\n").scene();
@@ -227,6 +236,7 @@ fn emission_is_read_by_every_law() {
     assert_eq!(image.textures[image.materials[0].albedo_map.unwrap()].encoding, Encoding::Srgb);
 }
 
+/// A coat of strength 0 gets no warning, and other coats and transparency get one each.
 #[test]
 fn only_coats_that_are_there_are_lost() {
     let said = |keys: &str| {

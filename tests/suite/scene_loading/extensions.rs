@@ -1,4 +1,4 @@
-//! Extensions of glTF that place geometry, hide it or store it in another way.
+//! Extensions of glTF that place geometry, hide it, or store it in another way.
 
 use super::gltf::{Square, close, error, scene, sentences, square};
 use super::*;
@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// The square, placed by the attributes of an extension that the document uses and does not require.
+/// The square, placed by the attributes of the instancing extension, which the document uses and does not require.
 fn copies(mut made: Square, attributes: Value) -> Value {
-    // A file has what each of the square's accessors says, and copies behind it.
+    // The accessors of the copies have no bounds, as real files have none there.
     made.accessors.iter_mut().skip(4).for_each(|a| {
         a.as_object_mut().unwrap().retain(|key, _| key != "min" && key != "max");
     });
@@ -25,6 +25,7 @@ fn bounds(scene: &Scene) -> Vec<[Vec3; 2]> {
     scene.meshes.iter().map(|m| [m.bounds.min, m.bounds.max]).collect()
 }
 
+/// Three copies of the square stand where translation, rotation and scale of the extension place them below their node.
 #[test]
 fn copies_stand_where_their_node_places_them() {
     let mut made = Square::new();
@@ -45,6 +46,7 @@ fn copies_stand_where_their_node_places_them() {
     }
 }
 
+/// Rotations of copies in normalised 16-bit integers place the copies as rotations in floats do.
 #[test]
 fn rotations_of_copies_may_be_quantised() {
     let mut made = Square::new();
@@ -73,10 +75,11 @@ fn copies_that_cannot_be_placed_are_refused() {
     );
     let wrong = error(&copies(Square::new(), json!({"TRANSLATION": 2})));
     assert!(wrong.contains("must have 3 components"), "{wrong}");
-    // Without attributes, the node places its mesh as any other.
+    // Without attributes, the node places its mesh once, as any node does.
     assert_eq!(scene(&copies(Square::new(), json!({}))).triangle_count(), 2);
 }
 
+/// A node that is not visible hides the nodes below it as well.
 #[test]
 fn hidden_nodes_and_what_hangs_from_them_are_not_drawn() {
     let document = square(json!({}), |d| {

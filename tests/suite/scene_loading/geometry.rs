@@ -1,8 +1,9 @@
-//! Faces, normals, tangents, winding, groups.
+//! Faces, normals, tangents, winding and groups of OBJ files, and the default view.
 
 use super::*;
 use ssct_scenes::Light;
 
+/// A square and a concave polygon are cut into triangles of the same area in all.
 #[test]
 fn polygons_are_triangulated() {
     let scene = square("f 1 2 3 4\n").scene();
@@ -52,6 +53,7 @@ fn texture_coordinates_start_at_the_top_left() {
     }
 }
 
+/// A right-handed file is mirrored in z: positions and normals change sign, and the front stays the front.
 #[test]
 fn right_handed_files_are_mirrored_with_their_winding() {
     let folder = square("vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4\n");
@@ -67,6 +69,7 @@ fn right_handed_files_are_mirrored_with_their_winding() {
     assert!(normal(&left.meshes[0].vertices[0]).z > 0.0 && normal(&right.meshes[0].vertices[0]).z < 0.0);
 }
 
+/// A face whose corners run against its stated normal is turned, and the normal stays.
 #[test]
 fn the_winding_follows_the_stated_normals() {
     let scene = square("vn 0 0 -5\nf 1//1 2//1 3//1 4//1\n").scene();
@@ -74,9 +77,10 @@ fn the_winding_follows_the_stated_normals() {
     assert_eq!(scene.meshes[0].vertices[0].normal, [0.0, 0.0, -1.0]);
 }
 
+/// A normal that leans 8 degrees behind its face, as smooth normals do at a silhouette, is kept, and so is the order of
+/// the corners.
 #[test]
 fn normals_that_lean_behind_their_face_stay_as_they_are() {
-    // By 8 degrees, as smooth normals do at a silhouette: the front stays where the corners' order says.
     let scene = square("vn 0 0.99 -0.14\nf 1//1 2//1 3//1\n").scene();
     assert_sound(&scene);
     let [a, b, c] = triangles(&scene.meshes[0]).next().unwrap();
@@ -87,6 +91,7 @@ fn normals_that_lean_behind_their_face_stay_as_they_are() {
 /// Two squares at a right angle along the edge x = 1.
 const FOLD: &str = "v 1 0 -1\nv 1 1 -1\nf 1 2 3 4\nf 2 5 6 3\n";
 
+/// Two squares at a right angle without normals have the normals of their faces, for three ways to turn smoothing off.
 #[test]
 fn without_smoothing_groups_missing_normals_are_flat() {
     for switch in ["", "s off\n", "s 0\n"] {
@@ -98,6 +103,7 @@ fn without_smoothing_groups_missing_normals_are_flat() {
     }
 }
 
+/// In one smoothing group, the normal at the common edge of two squares is the bisector; two groups keep the edge.
 #[test]
 fn in_a_smoothing_group_missing_normals_are_means() {
     let scene = square(&format!("s 1\n{FOLD}")).scene();
@@ -106,7 +112,7 @@ fn in_a_smoothing_group_missing_normals_are_means() {
     assert_sound(&scene);
     // Both squares have a right angle here, however they are cut: the mean is the bisector.
     assert!((normal(at_edge) - Vec3::new(0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt())).length() < 1e-6);
-    // Two groups keep their edge.
+    // In two groups, the edge between the squares stays sharp.
     let two = square("v 1 0 -1\nv 1 1 -1\ns 1\nf 1 2 3 4\ns 2\nf 2 5 6 3\n").scene();
     assert_eq!(two.meshes[0].vertices.len(), 8);
 }
@@ -133,6 +139,8 @@ fn corners_without_texture_coordinates_do_not_shift_the_others() {
     assert_sound(&scene);
 }
 
+/// For plain, mirrored and turned texture coordinates in files of both handednesses, tangent and bitangent are the
+/// directions in which u and −v grow.
 #[test]
 fn tangents_run_along_u_and_bitangents_up_in_the_image() {
     let mirrored = "f 2/1 1/2 4/3 3/4\n";
@@ -173,7 +181,7 @@ fn a_mesh_is_a_group_of_one_material() {
     assert_eq!(names, ["red", "blue"]);
 }
 
-/// A grid of n × n squares in the xz plane, each in its own group if asked.
+/// A grid of n × n squares in the xz plane, each in a group of its own if `groups` is true.
 fn grid(n: usize, groups: bool) -> Folder {
     use std::fmt::Write;
     let mut text = String::new();
@@ -194,6 +202,8 @@ fn grid(n: usize, groups: bool) -> Folder {
     Folder::new(&[("a.obj", &text)])
 }
 
+/// A mesh of 20 000 triangles becomes four meshes, each of a part of the plane. 2500 groups of one square become one
+/// mesh, and 100 such groups stay apart.
 #[test]
 fn large_meshes_are_split_in_space_and_tiny_groups_are_pooled() {
     let scene = grid(100, false).scene();
@@ -225,6 +235,8 @@ fn several_files_are_one_scene_with_their_own_surfaces() {
 const BOX: &str = "v -3 -1 -2\nv 3 -1 -2\nv 3 1 -2\nv -3 1 -2\nv -3 -1 2\nv 3 -1 2\nv 3 1 2\nv -3 1 2\n\
     f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
 
+/// A box seen from outside is viewed from in front of it. With its faces turned round, the box is a room, and the view
+/// stands inside.
 #[test]
 fn the_default_view_stands_outside_of_things_and_inside_of_rooms() {
     let folder = Folder::new(&[("a.obj", BOX)]);
@@ -250,6 +262,7 @@ fn the_default_view_stands_outside_of_things_and_inside_of_rooms() {
     assert!(huge.lens.far_m > huge.views[0].eye.length() + 7000.0);
 }
 
+/// Two boxes side by side, with ground and without, are viewed from in front of both.
 #[test]
 fn the_default_view_sees_things_that_stand_around_an_empty_place() {
     let moved_box = |x: f32, y: f32, first: usize| {
@@ -273,6 +286,7 @@ fn the_default_view_sees_things_that_stand_around_an_empty_place() {
     }
 }
 
+/// Moving or scaling a scene moves or scales every kind of place in it; energies of point lights scale with the square.
 #[test]
 fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
     let before = with_a_path(crate::common::built_in("street"));
@@ -296,13 +310,14 @@ fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
         assert!(is.distance(was + offset) < 1e-4, "{was} became {is}");
         assert!(large.distance(factor * was) < 1e-4, "{was} became {large}");
     }
-    // What lies between the key frames goes along as well.
+    // Places of a path between its key frames are moved and scaled, too.
     for share in [0.0, 0.3, 0.5, 0.9] {
         let [was, is, large] = [&before, &moved, &scaled].map(|s| s.paths[0].eye_and_look_at(share).0);
         assert!(is.distance(was + offset) < 1e-4 && large.distance(factor * was) < 1e-4, "{share}");
     }
 }
 
+/// The scene with a path, a point light and a capture, so that no kind of place is missing.
 fn with_a_path(mut scene: Scene) -> Scene {
     let path = ssct_scenes::CameraPath::through_views(&scene).unwrap();
     scene.paths.push(path);

@@ -1,5 +1,5 @@
-//! glTF files: geometry, materials, images, cameras and lights as glTF 2.0 defines them, a sentence for what is not
-//! supported, and damaged files.
+//! glTF files: geometry, materials, images, cameras and lights as glTF 2.0 defines them, a sentence for each thing that
+//! is not supported, and damaged files.
 
 use super::*;
 use base64::Engine;
@@ -11,7 +11,7 @@ use ssct_ground::Result;
 use ssct_scenes::{Lens, Light, Material, Texture};
 use ssct_scenes::{gltf, material_terms::roughness_of_perceptual};
 
-/// A square in the xy plane from (0, 0) to (2, 1), seen from +z, with texture coordinates as images have them: (0, 0) at
+/// A square in the xy plane from (0, 0) to (2, 1), seen from +z. Its texture coordinates are those of images: (0, 0) at
 /// the upper left.
 pub struct Square {
     pub bytes: Vec<u8>,
@@ -140,7 +140,7 @@ fn a_right_handed_square_faces_the_same_side() {
     assert_eq!(scene.meshes[0].name, "square");
     assert!(close(area(&scene), 2.0));
     for v in &scene.meshes[0].vertices {
-        // It was seen from +z, which is now −z.
+        // The file's square is seen from +z, which becomes −z.
         assert_eq!(normal(v), Vec3::NEG_Z);
         let [u, w] = v.uv;
         assert_eq!(position(v), Vec3::new(2.0 * u, 1.0 - w, 0.0));
@@ -304,7 +304,7 @@ fn texture_transforms_turn_as_their_words_say() {
         let right = scene.meshes[0].vertices.iter().find(|v| position(v) == Vec3::new(2.0, 1.0, 0.0)).unwrap();
         (Vec2::from(right.uv), scene.warnings.len())
     };
-    // That corner has (1, 0). Counter-clockwise, with v downwards, a quarter turn takes it to (0, −1).
+    // The corner has (1, 0). Counter-clockwise, with v downwards, a quarter turn takes it to (0, −1).
     let quarter = json!({"rotation": std::f32::consts::FRAC_PI_2});
     assert!(turned(quarter).0.abs_diff_eq(Vec2::new(0.0, -1.0), 1e-6));
     let all = json!({"rotation": std::f32::consts::FRAC_PI_2, "scale": [3, 1], "offset": [0.5, 0.25]});
@@ -437,7 +437,7 @@ fn missing_images_leave_the_factor_and_large_ones_become_smaller() {
     let scene = gltf::load(&folder.path("a.gltf"), &small).unwrap();
     let texture = &scene.textures[0];
     assert_eq!((texture.width, texture.height), (2, 1));
-    // The left texel is as wide as four: a triangle filter gives 1 / 7 to the white beyond them, of which 106 is the sRGB.
+    // The left texel covers four: a triangle filter gives 1 / 7 to the white beyond, and 106 is the sRGB of that.
     assert_eq!([texture.rgba[0], texture.rgba[4]], [106, 255 - 17]);
 }
 

@@ -1,9 +1,9 @@
-//! Texts as other programs write them: encodings, names, lines of maps, values that are no numbers; and one warning for
-//! each kind of thing in an OBJ or MTL file that is not read.
+//! Texts as other programs write them: encodings, names, lines of maps, and values that are no numbers. Each kind of
+//! unread content in an OBJ or MTL file gets one warning.
 
 use super::*;
 
-/// The square in the material `m` of a library.
+/// The square in the material `m` of a library with this text.
 fn with_mtl(mtl: &[u8]) -> Folder {
     let folder = square("mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
     folder.write("a.mtl", mtl);
@@ -33,6 +33,7 @@ fn byte_order_marks_are_skipped() {
     assert_eq!(ssct_scenes::scene_file::load(&path, &LoadOptions::default()).unwrap().triangle_count(), 1);
 }
 
+/// UTF-16 and UTF-32 texts, with marks and without, are refused with the name of their encoding.
 #[test]
 fn wide_texts_are_named() {
     let folder = with_mtl(b"newmtl m\n");
@@ -70,6 +71,8 @@ fn names_in_latin_1_stay_apart() {
     assert_eq!((albedos, scene.warnings.len()), (vec![Vec3::X, Vec3::Y], 0));
 }
 
+/// A line of a map may have options before and behind the file name, blanks in the name, and a comment; the named image
+/// is found without a warning.
 #[test]
 fn lines_of_maps_have_options_before_and_behind_blanks_and_comments() {
     for (line, name) in [
@@ -121,6 +124,8 @@ fn keywords_may_be_capitals() {
     assert_eq!((scene.triangle_count(), scene.warnings.len()), (1, 0));
 }
 
+/// NaN and infinity in normals, texture coordinates and materials, and indices of missing normals, get a warning and a
+/// default.
 #[test]
 fn values_that_are_no_numbers_are_left_out_with_a_warning() {
     let flat = |text: &str| {
@@ -147,6 +152,8 @@ fn values_that_are_no_numbers_are_left_out_with_a_warning() {
     }
 }
 
+/// Each kind of statement that is not supported gets one warning, even if it occurs twice; statements that say nothing
+/// get none.
 #[test]
 fn each_kind_of_loss_is_one_warning() {
     let said = |mtl: &str| albedo(&with_mtl(format!("newmtl m\n{mtl}\n").as_bytes())).1;

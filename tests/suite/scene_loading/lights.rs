@@ -1,15 +1,17 @@
-//! What is chosen for a glTF file without lights or cameras, and the exposure of those that it has.
+//! The lights and views that are chosen for a glTF file without lights or cameras, and the exposure of the lights that
+//! a file has.
 
 use super::gltf::{close, scene, square};
 use super::*;
 use serde_json::{Value, json};
 use ssct_scenes::Light;
 
-/// The notes without the name of the file.
+/// The notes about a document, without the name of the file.
 fn notes(document: &Value) -> Vec<String> {
     scene(document).notes.iter().map(|n| n.split_once("a.gltf: ").expect("the file's name").1.to_owned()).collect()
 }
 
+/// Adds a camera to the document of the square.
 fn camera(document: &mut Value) {
     document["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1, "zfar": 100.0}}]);
     document["nodes"].as_array_mut().unwrap().push(json!({"camera": 0, "translation": [0, 0, 5]}));
@@ -42,6 +44,8 @@ fn a_file_without_lights_or_cameras_says_what_was_chosen() {
     assert_eq!(notes(&square(json!({}), camera)), ["it has no lights; one directional light shines from above"]);
 }
 
+/// A sun and a lamp, which give different illuminances, are both exposed so that the brightest gives 1 at the centre of
+/// the scene.
 #[test]
 fn suns_and_lamps_of_any_strength_give_one_exposure() {
     // A sun of 3 W/m² as Blender exports it, and a lamp of 1000 W, 2 m in front of the square's centre.
@@ -59,11 +63,12 @@ fn suns_and_lamps_of_any_strength_give_one_exposure() {
         _ => panic!("one light"),
     };
     assert!(close(energy(&sun), 1.0) && close(energy(&lamp), 4.0), "{} {}", energy(&sun), energy(&lamp));
-    // Neither black nor white: what faces the light is lit, and less than fully by a lamp.
+    // The lamp lights the square that faces it, but less than fully.
     let lit_by = scene(&lamp).lights[0].shading(Vec3::new(1.0, 0.5, 0.0), Vec3::NEG_Z);
     assert!(lit_by > 0.2 && lit_by < 1.0, "{lit_by}");
 }
 
+/// Lamps of 0.5 and 5 000 000 candela at one place give the same exposed light.
 #[test]
 fn a_dim_lamp_is_exposed_as_a_bright_one_is() {
     let dim = lit(json!({"type": "point", "intensity": 0.5}), [1.0, 0.5, 2.0]);

@@ -30,17 +30,19 @@ fn colours_give_albedo_and_reflectivity() {
     assert_eq!(silent.surface, Surface::Lit);
 }
 
+/// `Pr` is a perceptual roughness and goes before the exponent `Ns`; values out of range are clamped.
 #[test]
 fn roughness_is_pr_or_the_exponent() {
-    // What docs/definitions.md, "glTF", says of r = 0.3.
+    // The value for r = 0.3 stands in docs/definitions.md, "glTF".
     assert_eq!((material(&with_mtl("Pr 0.3\nNs 10")).roughness * 1e3).round(), 511.0);
     assert_eq!(material(&with_mtl("Ns 0")).roughness, 0.0);
     assert_eq!(material(&with_mtl("Ns -1")).roughness, 0.0);
     assert_eq!(material(&with_mtl("Pr 7")).roughness, 1.0);
-    // 2 arccos(0.244^(1/101)).
+    // An exponent α gives ϱ = 2 arccos(0.244^(1/(α + 1))).
     assert!((material(&with_mtl("Ns 100")).roughness - 0.333_94).abs() < 1e-3);
 }
 
+/// Six spellings of a path, and one that leads out of the folder of the file, find the image without a warning.
 #[test]
 fn images_are_found_through_backslashes_wrong_case_and_strange_folders() {
     for name in [
@@ -124,6 +126,7 @@ fn an_image_of_absurd_size_is_refused_before_it_is_allocated() {
     assert_eq!((scene.warnings.len(), scene.textures.len()), (1, 0), "{:?}", scene.warnings);
 }
 
+/// The five statements for bumps take a normal map as it is. A grey image is a height field and becomes a normal map.
 #[test]
 fn bump_is_a_normal_map_or_a_height_field_by_its_content() {
     for statement in ["bump n.png", "map_bump n.png", "map_Bump n.png", "norm n.png", "bump -bm 1 n.png"] {
@@ -141,6 +144,7 @@ fn bump_is_a_normal_map_or_a_height_field_by_its_content() {
     assert!(map.rgba[4 * 3] < 120 && map.rgba[4 * 3 + 2] > 200, "the rise to the right leans to the left");
 }
 
+/// The option `-bm` scales the tilt of a normal map: half of it at 0.5, and none at 0.
 #[test]
 fn bm_scales_the_tilt() {
     let red = |statement: &str| {
@@ -164,6 +168,8 @@ fn one_image_in_two_roles_is_two_textures_and_in_two_materials_one() {
     assert_ne!(scene.materials[0].albedo_map, scene.materials[0].normal_map);
 }
 
+/// A mask takes the alpha or the brightness of its image, and an image of specular colour is decoded from sRGB to one
+/// linear channel.
 #[test]
 fn masks_and_specular_maps_are_linear_grey() {
     let folder = with_mtl("map_d alpha.png\nmap_Ks spec.png\nKs 0.5 0.5 0.5");

@@ -1,4 +1,4 @@
-//! Motions: animations of glTF files, and those that scene files name.
+//! Motions: animations of glTF files, and motions that scene files name.
 
 use super::gltf::{Square, scene, sentences};
 use super::*;
@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 use ssct_scenes::{Motion, scene_file};
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// The square as it hangs from an arm: `channels` are node, path, interpolation and the numbers of a key frame at 0 s and at 1 s.
+/// Two squares, one of which hangs from an arm. Each channel has a node, a path, an interpolation, and the numbers of
+/// the key frames at 0 s and 1 s.
 fn animated(channels: &[(usize, &str, &str, &[f32])]) -> Value {
     let mut square = Square::new();
     square.floats("SCALAR", &[0.0, 1.0]);
@@ -28,7 +29,7 @@ fn animated(channels: &[(usize, &str, &str, &[f32])]) -> Value {
     document
 }
 
-/// Where the lower left corner of the square that moves is at a time; in the file it is at (1, 5, 0).
+/// The place of the moving square's lower left corner at a time; in the file it is at (1, 5, 0).
 fn corner(scene: &Scene, time_s: f32) -> Vec3 {
     let moved: Vec<_> = scene.motions[0].placements_at(time_s).collect();
     assert_eq!(moved.len(), 1, "one of the two squares moves");
@@ -36,6 +37,8 @@ fn corner(scene: &Scene, time_s: f32) -> Vec3 {
     moved[0].1.place(Vec3::new(1.0, 5.0, 0.0))
 }
 
+/// Rotation by linear, translation by spline and scale by stepped interpolation place the square as computed by hand.
+/// The other square does not move, and a scaled scene has a scaled motion.
 #[test]
 fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
     let none = [0.0; 3];
@@ -68,7 +71,7 @@ fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
         posed.meshes.iter().find(|m| m.name == "square 2").unwrap().bounds,
         moved.meshes.iter().find(|m| m.name == "square 2").unwrap().bounds
     );
-    // Everything is as much larger, and so is the way.
+    // In a scene that is twice as large, the motion is twice as long.
     let mut doubled = moved.clone();
     doubled.scale(2.0);
     let position = doubled.motions[0].placements_at(1.0).next().unwrap().1.place(Vec3::new(2.0, 10.0, 0.0));
@@ -94,12 +97,15 @@ fn animations_that_cannot_be_played_leave_the_scene_with_a_sentence() {
 
 const MESH: &str = "[[mesh]]\nfile = \"a.obj\"\n";
 
+/// Loads a scene file with the square as a mesh named `flag`.
 fn of_file(text: &str) -> ssct_ground::Result<Scene> {
     let folder = square("o flag\nf 1 2 3\nf 1 3 4\n");
     folder.write("test.scene.toml", format!("{MESH}{text}").as_bytes());
     scene_file::load(&folder.path("test.scene.toml"), &LoadOptions::default())
 }
 
+/// A motion of a scene file moves and turns its mesh between key frames; wrong motions are refused with a line or a
+/// name.
 #[test]
 fn scene_files_name_motions() {
     let keys = "[[motion.fly.key]]\ntime = 1\n[[motion.fly.key]]\ntime = 2\noffset = [0, 2, 0]\nturn_deg = 90\n";

@@ -1,4 +1,4 @@
-//! Random damage to small files: an error or a sound scene, never a panic.
+//! Random damage to small files leads to an error or a sound scene, and never to a panic.
 
 use super::*;
 use proptest::prelude::*;
@@ -19,18 +19,20 @@ const SCENE: &str = "name = \"n\"\nscale = 0.5\n[[mesh]]\nfile = \"a.obj\"\nsurf
     radiance = [1, 1, 1]\ncentre = [0, 0, 0]\nradius = 1.0\n[[capture]]\nplace = [0, 1.5, 0]\nresolution = 64\n\
     near = 0.1\n[[capture]]\nplace = [0, 1, 0]\nresolution = 64\n";
 
-/// A place as a share of the text, what to do there, and a byte for it.
+/// A place as a share of the text, a number that chooses the change, and a byte for the change.
 pub type Mutation = (prop::sample::Index, u8, u8);
 
+/// Applies mutations to a text.
 pub fn mutate(text: &str, mutations: &[Mutation]) -> Vec<u8> {
     mutate_bytes(text.as_bytes(), mutations)
 }
 
+/// Applies mutations to bytes: replaces, inserts or removes a byte, or repeats some bytes.
 pub fn mutate_bytes(bytes: &[u8], mutations: &[Mutation]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for (place, action, byte) in mutations {
         let index = place.index(bytes.len());
-        // Mostly bytes that numbers and statements are made of, so that much still parses.
+        // The byte is mostly one of which numbers and statements consist, so that many damaged texts still parse.
         let byte = if action & 8 == 0 { b"0123456789-./ \n\\e#fvnt"[usize::from(*byte) % 22] } else { *byte };
         match action % 4 {
             0 => bytes[index] = byte,
@@ -46,6 +48,7 @@ pub fn mutate_bytes(bytes: &[u8], mutations: &[Mutation]) -> Vec<u8> {
     bytes
 }
 
+/// A strategy for at most five mutations.
 pub fn mutations() -> impl Strategy<Value = Vec<Mutation>> {
     prop::collection::vec(any::<Mutation>(), 0..6)
 }
@@ -76,7 +79,7 @@ proptest! {
         image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([x as u8 * 30, y as u8 * 30, 200])).save(folder.path(name)).unwrap();
         let mut bytes = std::fs::read(folder.path(name)).unwrap();
         for (place, action, byte) in &damage {
-            // Half of the damage goes to the header.
+            // Half of the changes are within the first 32 bytes, the header.
             let reach = if action & 1 == 0 { bytes.len() } else { bytes.len().min(32) };
             let index = place.index(reach);
             bytes[index] = *byte;

@@ -1,9 +1,10 @@
-//! `NAME.scene.toml`.
+//! Scene files, `NAME.scene.toml`: every key, defaults, and errors with their line.
 
 use super::*;
 use ssct_ground::Result;
 use ssct_scenes::{Aabb, AreaLight, AreaShape, Capture, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file};
 
+/// A folder with the scene file, an OBJ file of two materials and a picture.
 fn folder(text: &str) -> Folder {
     let folder = square("mtllib a.mtl\nusemtl floor\nf 1 2 3\nusemtl wall\nf 1 3 4\n");
     folder.write("a.mtl", b"newmtl floor\nKs 0.5 0.5 0.5\nNs 100\nnewmtl wall\nKs 0.25 0.25 0.25\n");
@@ -12,10 +13,12 @@ fn folder(text: &str) -> Folder {
     folder
 }
 
+/// Loads the scene file with an additional scale.
 fn load(folder: &Folder, extra_scale: f32) -> Result<Scene> {
     scene_file::load(&folder.path("test.scene.toml"), &scaled(extra_scale))
 }
 
+/// A scene file with every key.
 const FULL: &str = r#"
 name = "both"
 handedness = "left"
@@ -131,6 +134,7 @@ place = [3, 1.5, 2]
 resolution = 256
 "#;
 
+/// The full file gives exactly the meshes, materials, lens, lights and views that its keys say.
 #[test]
 fn every_key_arrives() {
     let scene = load(&folder(FULL), 1.0).unwrap();
@@ -220,6 +224,8 @@ fn captures_arrive_and_can_be_written_again() {
     assert_eq!(bare.captures, [scaled]);
 }
 
+/// A view's own materials replace those of the scene in that view alone; `default` counts for materials that are not
+/// named.
 #[test]
 fn views_change_materials_only_for_themselves() {
     let scene = load(&folder(FULL), 1.0).unwrap();
@@ -256,7 +262,7 @@ fn views_may_be_orthographic() {
                 look_at = [0, 0, 0]\n[view.detail]\neye = [0, 9, 0]\nlook_at = [0, 0, 0]\northographic_height_m = 1.5\n\
                 [view.eye]\neye = [0, 1, -5]\nlook_at = [0, 1, 0]\nfov_y_deg = 90\n";
     let scene = load(&folder(text), 2.0).unwrap();
-    // Lengths are scaled, and the height is one.
+    // The height of an orthographic lens is a length, so that it is scaled, too.
     assert_eq!(scene.lens, Lens::orthographic(8.0, 1.0, 2000.0));
     let lenses: Vec<_> = scene.views.iter().map(|v| v.lens).collect();
     let perspective = Lens::perspective(90_f32.to_radians(), 1.0, 2000.0);
@@ -271,6 +277,7 @@ fn views_may_be_orthographic() {
     refused("height_m = 4", "height_m = 0", "4: orthographic_height_m must be a number > 0, not 0");
 }
 
+/// A file that names one mesh has defaults for everything else: a view, a light, a lens and a probe.
 #[test]
 fn little_suffices() {
     let scene = load(&folder("[[mesh]]\nfile = 'A.OBJ'\n"), 1.0).unwrap();
@@ -300,6 +307,7 @@ fn unknown_materials_are_warnings() {
     );
 }
 
+/// Each faulty piece behind two lines of a good file is refused with its line and this sentence.
 #[test]
 fn errors_name_the_line() {
     let impostor = |file: &str, half_v: &str| {

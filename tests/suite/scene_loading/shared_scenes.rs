@@ -1,4 +1,4 @@
-//! The scenes in `../shared/scenes`, where they are there.
+//! The large scenes in `../shared/scenes`, if they are there.
 
 use super::*;
 use crate::common::repository;
@@ -6,7 +6,7 @@ use ssct_scenes::{Light, LoadOptions, Surface, gltf, scene_file, texture};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// The folder of the scenes, or a line that says why the test does nothing.
+/// The folder of the large scenes; without it, a line says that the test does nothing.
 fn shared() -> Option<PathBuf> {
     let folder = repository().join("../shared/scenes");
     if !folder.is_dir() {
@@ -20,7 +20,7 @@ fn assert_near(a: Vec3, b: Vec3) {
     assert!((a - b).length() < 1e-3, "{a} {b}");
 }
 
-/// What warnings say is missing.
+/// The names of images that the warnings call missing.
 fn missing(scene: &Scene) -> Vec<&str> {
     let found = scene.warnings.iter().filter_map(|w| w.split_once(": image ")?.1.split_once(" is missing; "));
     found.map(|(name, _)| name).collect()
@@ -53,7 +53,7 @@ fn sponza_loads_as_its_scene_file_says() {
     assert_eq!(maps.len(), 9);
     assert!(maps.iter().all(|&i| texture::is_normal_map(&scene.textures[i])));
     assert_eq!(scene.lights.len(), 1);
-    // The views stand where they stood before scene files said how their places are meant.
+    // The views have the places of an older file format, which had left-handed places.
     assert_near(scene.views[2].eye, Vec3::new(-11.5, 1.6, -4.2));
 }
 
@@ -89,6 +89,8 @@ fn the_rooms_load_as_their_scene_file_says() {
     assert_eq!(scene.warnings.len(), expected.len(), "{:?}", scene.warnings);
 }
 
+/// The OBJ files alone load with their triangles. The default view stands inside of the two rooms and outside of the
+/// windows.
 #[test]
 fn the_bare_files_load_and_show_something() {
     let Some(folder) = shared() else { return };
@@ -106,6 +108,7 @@ fn the_bare_files_load_and_show_something() {
     }
 }
 
+/// The roughness of the five spheres of the lower row does not fall along the row, from a mirror to the widest lobe.
 #[test]
 fn lobes_of_the_shared_spheres_widen_as_their_roughness_says() {
     let Some(folder) = shared() else { return };

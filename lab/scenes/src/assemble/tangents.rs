@@ -4,10 +4,12 @@ use super::Triangle;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 
-/// Sets the tangents of triangles that have normals and matching winding.
+/// Computes the tangents of triangles that have normals and matching winding. Triangles whose texture coordinates are
+/// all 0 get arbitrary tangents.
 pub(super) fn generate(triangles: &mut [Triangle]) {
     if triangles.iter().flatten().any(|v| v.uv != [0.0; 2]) {
-        // If the call fails, for which it gives no reason, there are no tangents, and `settle` chooses some.
+        // If the call fails, for which it gives no reason, the tangents stay as they were, and `settle` makes them
+        // usable.
         generate_tangents(&mut Triangles(triangles)).unwrap_or_default();
     }
     settle(triangles);
@@ -28,6 +30,7 @@ pub(super) fn settle(triangles: &mut [Triangle]) {
     }
 }
 
+/// Triangles in the interface that MikkTSpace reads vertices from and writes tangents to.
 struct Triangles<'a>(&'a mut [Triangle]);
 
 impl Geometry for Triangles<'_> {
@@ -53,6 +56,7 @@ impl Geometry for Triangles<'_> {
         [u, -v]
     }
 
+    /// Stores the tangent of a corner, with the sign of the bitangent as the fourth number, or zeros if there is none.
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
         self.0[face][corner].tangent = space.map_or([0.0; 4], |s| s.tangent_encoded());
     }

@@ -1,39 +1,43 @@
 //! Checks whether the normals of a G-buffer agree with the slopes of its depth.
 //!
-//! A wrong lens, wrong axes or a wrong kind of depth give a picture whose reflections float. Each of these mistakes also tilts
-//! the surfaces that follow from depth, but not the normals, which are stored separately, so that both disagree. Pixels are
-//! compared where the depth is smooth in both directions. Normal maps make single pixels disagree; a wrong convention is
-//! recognised because another reading agrees much better.
+//! A wrong lens, wrong axes or a wrong kind of depth give a picture whose reflections float. Each of these mistakes
+//! also tilts the slopes, which follow from depth, but not the normals, which are stored separately. Slopes and normals
+//! then disagree. Pixels are compared where the depth is smooth in both directions. Normal maps make single pixels
+//! disagree; a wrong convention is recognised because another reading of the map makes normals and slopes agree much
+//! better.
 
 use crate::{Camera, FieldOfView, GBufferData};
 use glam::{DVec2, DVec3};
 
-/// Greatest angle between a normal and a slope that agree.
+/// Greatest angle between the normal of a pixel and the normal of its slope at which both count as equal.
 const TOLERATED_DEGREES: f64 = 8.0;
 
 /// Angle between normal and slope from which both are unrelated, even with a normal map.
 const GROSS_DEGREES: f64 = 45.0;
 
-/// Mean angle between normals and slopes that leaves nothing to improve.
+/// Greatest mean angle between normals and slopes at which a lens counts as right, so that no other lens is tried.
 const RIGHT_DEGREES: f64 = 0.1;
 
 /// Greatest angle that counts in means; larger angles count as this.
 const MOST_COUNTED_DEGREES: f64 = 30.0;
 
-/// Greatest number of pixels that are compared, and the least number for a meaningful comparison.
+/// Number of pixels that are compared, or little more.
 const MOST_SAMPLES: usize = 20_000;
+
+/// Least number of compared pixels for a meaningful comparison.
 const FEWEST_SAMPLES: usize = 100;
 
 /// Number of samples in the search for a lens.
 const LENS_SAMPLES: usize = 1500;
 
-/// Greatest bend of the depth between a pixel and its neighbours, as a share of the rise.
+/// Greatest bend of the depth between a pixel and its neighbours, as a share of the rise. A pixel with a greater bend
+/// is not compared.
 const MOST_BENT: f64 = 0.1;
 
-/// A place in the image, with its depth.
+/// A place in the image, in normalised device coordinates, with its view-space z.
 type ImagePoint = (DVec2, f64);
 
-/// A pixel that is compared, with its neighbours.
+/// A pixel that is compared: its place, the places of four neighbours, and its view-space normal.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     middle: ImagePoint,
@@ -54,6 +58,7 @@ pub(super) struct LensMapping {
 }
 
 impl LensMapping {
+    /// The mapping of a camera, from its projection matrix.
     pub(super) fn new(camera: &Camera) -> Self {
         let clip = camera.view_to_clip_reversed().as_dmat4();
         let is_orthographic = camera.kind().is_orthographic();
@@ -68,6 +73,7 @@ impl LensMapping {
         ((ndc - self.shift) / self.scale * w).extend(z)
     }
 
+    /// The angle, in degrees, between the normal of a pixel and the normal of the surface through its four neighbours.
     fn degrees_apart(&self, sample: &Sample) -> f64 {
         let along = |a: ImagePoint, b: ImagePoint| self.point(b) - self.point(a);
         let across = along(sample.left, sample.right).cross(along(sample.down, sample.up));
@@ -93,7 +99,7 @@ pub(super) struct Slopes {
 }
 
 impl Slopes {
-    /// Collects the pixels of a G-buffer that can be compared.
+    /// Collects the pixels of a G-buffer that can be compared; `depth` is reversed, and `normals` are in view space.
     pub(super) fn new(camera: &Camera, size: [u32; 2], depth: &[f32], normals: &[glam::Vec3]) -> Self {
         let [width, height] = size.map(|side| side as usize);
         // Farther neighbours keep the rounding of 16-bit depth below the slope in large images.
@@ -122,6 +128,7 @@ impl Slopes {
         Self { opened: LensMapping::new(camera), size, samples }
     }
 
+    /// Collects the pixels of `data` that can be compared.
     pub(super) fn of_data(data: &GBufferData) -> Self {
         Self::new(&data.camera, [data.width, data.height], &data.depth, &data.normal)
     }
@@ -141,13 +148,16 @@ impl Slopes {
         mean_degrees(&self.opened, &self.samples)
     }
 
+    /// The share of the compared pixels whose normals and slopes are more than `degrees` apart; `None` for fewer than
+    /// [`FEWEST_SAMPLES`] pixels.
     fn share_beyond(&self, degrees: f64) -> Option<f64> {
         let is_near = |sample: &&Sample| self.opened.degrees_apart(sample) <= degrees;
         let near = self.samples.iter().filter(is_near).count();
         (self.samples.len() >= FEWEST_SAMPLES).then(|| 1.0 - near as f64 / self.samples.len() as f64)
     }
 
-    /// The lens with which normals and slopes agree best, in words, and the comparison with this lens.
+    /// The lens with which normals and slopes agree best, in words of the map, and the comparison with this lens;
+    /// `None` if no pixel can be compared.
     pub(super) fn best_lens(&self, camera: &Camera) -> Option<(String, Self)> {
         let few: Vec<Sample> = {
             let step = (self.samples.len() / LENS_SAMPLES).max(1);
@@ -222,12 +232,13 @@ impl LensChange {
     }
 }
 
-/// Searches for the lens of the least badness. Each round takes the best of all combinations of steps, and halves the steps if
-/// none is better. Combinations are needed since one change can compensate another, so that each alone raises the badness, and
-/// only both together lower it.
+/// Searches for the lens of the least badness. Each round takes the best of all combinations of steps, and halves the
+/// steps if no combination is better. Combinations are needed since two changes can compensate each other: each alone
+/// raises the badness, and only both together lower it.
 fn search(start: LensMapping, badness: &impl Fn(&LensMapping) -> f64, changes: &[LensChange]) -> LensMapping {
     /// Greatest number of rounds, far more than a search that converges takes.
     const MOST_ROUNDS: usize = 60;
+    /// The search ends as soon as steps are smaller than this.
     const LEAST_STEP: f64 = 1.0 / 512.0;
     let mut best = (start, badness(&start));
     let mut size = 1.0;

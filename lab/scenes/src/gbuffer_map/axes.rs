@@ -21,6 +21,7 @@ pub(super) struct MapConventions {
 }
 
 impl MapConventions {
+    /// Takes the keys of the section `[conventions]`.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let mut axes = |name| Ok::<_, Error>(keys.word(name, &Axes::NAMES)?.unwrap_or_default().to_ours());
         let (world, view) = (axes("world")?, axes("view")?);

@@ -26,6 +26,7 @@ pub(super) struct MapCamera {
     place: MapPlace,
 }
 
+/// The ways in which a map gives the lens; `Matrix` is the matrix from view to clip space.
 #[derive(Debug, Clone)]
 enum MapLens {
     /// An angle of view along an axis of the image (0 is x, 1 is y); `to_radians` is the factor to radians.
@@ -55,6 +56,7 @@ enum MapOpening {
     Extent(f64),
 }
 
+/// The ways in which a map gives the place and the direction of the camera.
 #[derive(Debug, Clone)]
 enum MapPlace {
     /// The map gives no place, so that world space is view space.
@@ -80,6 +82,7 @@ const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, orthographic-h
                       focal-length-mm with sensor-width-mm or sensor-height-mm";
 
 impl MapCamera {
+    /// Takes the keys of the section `[camera]`, and checks that the keys go together.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let lens = lens(&mut keys)?;
         let place = place(&mut keys)?;
@@ -142,7 +145,7 @@ impl MapCamera {
         other_lens.into_iter().chain(other_place).collect()
     }
 
-    /// The camera, with the coding of depth in the files.
+    /// Makes the camera, and returns it with the coding of depth in the files.
     ///
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) with the line of numbers that give no camera; the errors of
@@ -192,7 +195,8 @@ impl MapCamera {
         Ok((camera, coding))
     }
 
-    /// The camera of a lens that is given by its opening along an axis of the image.
+    /// The camera of a lens with an opening `seen` along an axis of the image (0 is x, 1 is y), in its own view space,
+    /// and the coding of depth between its planes.
     fn by_opening(
         &self,
         axis: usize,
@@ -231,6 +235,7 @@ impl MapCamera {
         Ok((Camera { projection: Some(projection), ..camera }, coding))
     }
 
+    /// The matrix from world to view space, in this program's axes and in metres.
     fn world_to_view(&self, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
         let (numbers, is_inverse) = match &self.place {
             MapPlace::Origin => return Ok(Mat4::IDENTITY),
@@ -253,7 +258,8 @@ impl MapCamera {
     }
 }
 
-/// The camera of a matrix from view to clip space, with other planes if some are given.
+/// The camera of a matrix from view to clip space, with other planes if `near` or `far`, in metres, is given. Also
+/// returns the coding of depth that the matrix states.
 fn by_matrix(
     matrix: &MapNumbers,
     [near, far]: [Option<f32>; 2],
@@ -265,7 +271,7 @@ fn by_matrix(
     let numbers = matrix.get(files)?;
     let mut clip = conventions.matrix(&numbers) * DMat4::from_mat3(conventions.view.transpose());
     if depth.is_minus_one_to_one() {
-        // z is replaced by (z + w) / 2.
+        // The clip-space z is replaced by (z + w) / 2, which turns −1…1 into 0…1.
         clip = DMat4::from_cols(DVec4::X, DVec4::Y, 0.5 * DVec4::Z, DVec4::new(0.0, 0.0, 0.5, 1.0)) * clip;
     }
     let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y == ClipY::Up)
@@ -290,7 +296,7 @@ fn by_matrix(
     let own_near = (f64::from(read.near) * metres) as f32;
     let own_far = (f64::from(read.far) * metres) as f32;
     let (kind, [a, b]) = (read.projection.kind, read.projection.depth.map(f64::from));
-    // The numbers are converted to metres, which the planes are in.
+    // The numbers are converted to metres, the unit of the planes.
     let (scale, b) = match kind {
         ProjectionKind::Perspective => (read.projection.scale, b * metres),
         ProjectionKind::Orthographic => (read.projection.scale.map(|v| (f64::from(v) / metres) as f32), b / metres),
@@ -313,7 +319,7 @@ fn by_matrix(
     Ok((camera, coding))
 }
 
-/// World to view space of a camera that looks from a point to another or in a direction.
+/// The matrix from world to view space of a camera that looks from a point to another point or in a direction.
 fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
     let three = |numbers: &MapNumbers, files: &mut MapFiles| -> Result<[f64; 3]> {
         let n = numbers.get(files)?;
@@ -336,8 +342,10 @@ fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFi
     })
 }
 
+/// Checks that a matrix is a rotation, with or without a mirroring, and a translation.
+///
 /// # Errors
-/// Why a matrix is not a rotation, with or without a mirroring, and a translation.
+/// The reason for which the matrix is something else, as the end of a sentence.
 fn rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
     if matrix.row(3) != DVec4::W {
         return Err("is no rotation and translation: is it in the other order (matrices of [conventions])?");

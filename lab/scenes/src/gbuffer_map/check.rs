@@ -1,5 +1,6 @@
-//! Checks a frame for consistency: normals against the slopes of the depth, and against the positions of surfaces if the map
-//! has them. The check also tries the possible conventions of the map, and finds those with which they agree best.
+//! Checks a frame for consistency: normals against the slopes of the depth and, if the map has positions of surfaces,
+//! these against depth and camera. The check also tries the possible conventions of the map, and finds the conventions
+//! with which the frame agrees best.
 
 use super::GBufferMap;
 use super::agreement::{LensMapping, Slopes, view_z};
@@ -16,24 +17,26 @@ use std::path::Path;
 /// Share of pixels that may disagree without a message, as at edges and with normal maps.
 const LITTLE: f64 = 0.05;
 
-/// Greatest remaining share of the disagreement with which another reading is believed.
+/// Another reading of the map is believed only if it leaves at most this share of the disagreement.
 const MUCH_BETTER: f64 = 0.5;
 
 /// Share of unrelated normals or wrong positions from which a message is given even if no other reading is better.
 const MOST: f64 = 0.4;
 
-/// Greatest distance of a position from its pixel's, as a share of the pixel's distance; it exceeds the rounding of 16-bit
-/// floats.
+/// Greatest distance of a position from the point that depth and camera give for its pixel, as a share of the distance
+/// of that point from the camera. The share exceeds the rounding of 16-bit floats.
 const MOST_OFF: f64 = 0.01;
 
 /// The channels of a map with the positions of surfaces.
 #[derive(Debug, Clone)]
 pub(super) struct MapPosition {
     source: MapSource,
+    /// Whether the positions are in world space, and not in view space.
     is_world: bool,
 }
 
 impl MapPosition {
+    /// Takes the keys of the section `[position]`.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let is_world = keys.required_word("space", &[("view", false), ("world", true)])?;
         let source = MapSource::take(&mut keys, SourceRules { counts: &[3], ..SourceRules::EXACT })?;
@@ -80,11 +83,13 @@ struct Frame {
 /// Shares of a frame that disagree: normals with slopes, and positions with pixels.
 #[derive(Debug, Clone, Copy)]
 struct Disagreement {
+    /// Share of the normals that disagree with the slopes.
     slopes: f64,
     /// Share of the normals that are unrelated to the slopes.
     unrelated: f64,
     /// The mean angle between normals and slopes in degrees.
     degrees: f64,
+    /// Share of the positions that disagree with depth and camera; 0 if the map has no positions.
     places: f64,
 }
 
@@ -98,16 +103,19 @@ impl Disagreement {
         }
     }
 
-    /// Whether this reading is to be preferred.
+    /// Whether this reading agrees better than another: fewer wrong positions or, if these are equal, a smaller mean
+    /// angle.
     fn is_before(self, other: Self) -> bool {
         // Two readings that mirror the same axes differ by rounding alone; the first of them is kept.
         self.places < other.places || self.places == other.places && self.degrees < 0.99 * other.degrees
     }
 
+    /// The sum of the shares of wrong normals and wrong positions.
     fn sum(self) -> f64 {
         self.slopes + self.places
     }
 
+    /// The larger of the shares of wrong normals and wrong positions.
     fn worst(self) -> f64 {
         self.slopes.max(self.places)
     }
@@ -135,7 +143,8 @@ pub fn disagreement(data: &GBufferData) -> Option<String> {
     describe_disagreement(own, lens, false)
 }
 
-/// The message about a disagreement, if another reading is much better or almost everything is wrong.
+/// The message about a disagreement, if another reading is much better or more than [`MOST`] is wrong. `best` is the
+/// best other reading, in words, with its own disagreement; `has_places` says that the map has positions.
 fn describe_disagreement(own: Disagreement, best: Option<(String, Disagreement)>, has_places: bool) -> Option<String> {
     let is_better = |other: &Disagreement| other.sum() <= MUCH_BETTER * own.sum();
     let what = own.words(has_places);
@@ -152,9 +161,9 @@ fn describe_disagreement(own: Disagreement, best: Option<(String, Disagreement)>
 }
 
 impl GBufferMap {
-    /// Checks a frame that was read for consistency. Returns a message if more than a few normals disagree with the slopes of
-    /// the depth, or more than a few positions with depth and camera. The message has their share, and the change of the map by
-    /// which most would agree.
+    /// Checks a frame that was read for consistency. Returns a message if more than a few normals disagree with the
+    /// slopes of the depth, or more than a few positions disagree with depth and camera. The message has the share of
+    /// such pixels, and the change of the map that would make most of them agree.
     ///
     /// # Errors
     /// The errors of [`Self::read`].
@@ -194,13 +203,15 @@ impl GBufferMap {
         Ok(describe_disagreement(own, best, self.position.is_some()))
     }
 
-    /// The disagreement of a frame, and the files that were opened.
+    /// The disagreement of a frame that this map decodes, and the files that are open by now, so that the next reading
+    /// of the map need not read them again.
     fn disagreement(&self, main: &Path, open: OpenFiles) -> (Result<Disagreement>, OpenFiles) {
         let mut files = MapFiles::with(&self.path, main, self.arrangement(), open);
         let measured = self.measure(&mut files);
         (measured, files.into_open())
     }
 
+    /// Decodes a frame by this map, and measures its disagreement.
     fn measure<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Disagreement> {
         let planes = self.depth.read(files)?;
         let size = files.size();

@@ -28,18 +28,22 @@ impl DepthCoding {
         self.numbers.map(|v| v as f32)
     }
 
+    /// The view-space z of a reversed depth.
     fn view_z(self, reversed: f64) -> f64 {
         self.kind.z_at(self.numbers, reversed)
     }
 }
 
+/// The kinds of depth that a channel may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum DepthKind {
     /// The depth of clip space.
     Clip(ClipDepth),
+    /// The view-space z.
     ViewZ,
+    /// Distance from the camera along the ray of sight.
     Distance,
-    /// Distance along the ray of sight, from where it leaves the near plane.
+    /// Distance along the ray of sight from the point where this ray crosses the near plane.
     DistanceFromNear,
 }
 
@@ -54,6 +58,7 @@ const KINDS: [(&str, DepthKind); 6] = [
 ];
 
 impl DepthKind {
+    /// Whether the values are lengths, and not depths of clip space.
     fn is_linear(self) -> bool {
         matches!(self, Self::ViewZ | Self::Distance | Self::DistanceFromNear)
     }
@@ -68,7 +73,9 @@ pub(super) struct MapDepth {
     /// length.
     near: Option<f64>,
     far: Option<f64>,
+    /// The stored value from which on, towards the far plane, a pixel counts as sky.
     sky_beyond: Option<f64>,
+    /// A stored value that stands for sky.
     sky_value: Option<f64>,
 }
 
@@ -77,6 +84,7 @@ pub(super) struct MapDepth {
 const ROUNDED: f64 = 1.0 / 1024.0;
 
 impl MapDepth {
+    /// Takes the keys of the section `[depth]`, and checks that the keys go together.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let kind = keys.required_word("kind", &KINDS)?;
         let source = MapSource::take(&mut keys, SourceRules::EXACT)?;
@@ -110,6 +118,7 @@ impl MapDepth {
         Self { kind, ..self.clone() }
     }
 
+    /// Whether the depth buffer runs from −1 at the near plane to 1 at the far plane.
     pub fn is_minus_one_to_one(&self) -> bool {
         self.kind == DepthKind::Clip(ClipDepth::MinusOneToOne)
     }
@@ -123,7 +132,8 @@ impl MapDepth {
         }
     }
 
-    /// The coding of depth in the files: between the planes of the section if it has some, else as for the camera.
+    /// The coding of depth in the files: between the planes of `[depth]` if that section has planes, else the camera's
+    /// coding. `metres` is the length of the renderer's unit.
     pub fn coding(&self, camera: DepthCoding, metres: f64) -> DepthCoding {
         match self.near.zip(self.far) {
             Some((near, far)) => DepthCoding::of_planes(camera.kind, near * metres, far * metres),
@@ -139,7 +149,8 @@ impl MapDepth {
         self.source.read(files)
     }
 
-    /// Reversed depth of every pixel, 0 for sky, from the channel with a coding.
+    /// Converts the channel `planes`, whose depth has `coding`, to the camera's reversed depth of every pixel; sky gets
+    /// 0. `metres` is the length of the renderer's unit.
     ///
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) for the first pixel whose depth is out of range or nearer
@@ -153,6 +164,7 @@ impl MapDepth {
         size: [u32; 2],
     ) -> Result<Vec<f32>> {
         let (near, far) = (f64::from(camera.lens.near_m), f64::from(camera.lens.far_m));
+        // Depth that is coded between the camera's own planes needs no conversion.
         let is_ours = match camera.projection {
             Some(projection) => coding.as_f32() == projection.depth,
             None => coding == DepthCoding::of_planes(camera.kind(), near, far),

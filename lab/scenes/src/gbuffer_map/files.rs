@@ -27,9 +27,13 @@ pub(super) struct AttributeName {
 /// Channels of one part of a file.
 #[derive(Debug, Clone)]
 pub(super) struct ChannelSource {
+    /// File with the channels; `None` for the main file.
     pub file: Option<String>,
+    /// Part with the channels; `None` if the channels' names are enough.
     pub part: Option<String>,
+    /// Names of the channels.
     pub names: Vec<String>,
+    /// Line of the map that names the channels, for errors.
     pub line: usize,
 }
 
@@ -56,6 +60,7 @@ pub(super) struct MapFiles<'a> {
     size: Option<([u32; 2], String)>,
     /// The width of a pixel over its height, by the header of the same file.
     pixel_aspect: f64,
+    /// Whether the map has asked for anything in the main file.
     main_is_used: bool,
 }
 

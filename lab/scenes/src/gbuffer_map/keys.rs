@@ -18,11 +18,14 @@ pub(super) struct MapKeys<'a> {
     pub name: String,
     /// The line in which the section begins.
     pub line: usize,
+    /// The keys that have not been taken, each with its value and its line.
     left: BTreeMap<String, (Value, usize)>,
+    /// The keys that the section may have, for the error about an unknown key.
     known: Vec<&'static str>,
 }
 
 impl<'a> MapKeys<'a> {
+    /// The keys of a section of the map `text`. `name` is the section's name in brackets, for errors.
     pub fn new(text: &'a SourceText<'a>, name: &str, section: MapSection) -> Self {
         let line = text.line(section.span());
         let entry = |(key, value): (String, Spanned<Value>)| {
@@ -33,7 +36,7 @@ impl<'a> MapKeys<'a> {
         Self { text, name: name.to_owned(), line, left, known: Vec::new() }
     }
 
-    /// The keys of an optional section.
+    /// The keys of an optional section; no keys if it is missing.
     pub fn or_empty(text: &'a SourceText<'a>, name: &str, section: Option<MapSection>) -> Self {
         Self::new(text, name, section.unwrap_or_else(|| Spanned::new(0..0, BTreeMap::new())))
     }
@@ -43,6 +46,7 @@ impl<'a> MapKeys<'a> {
         Error::malformed(self.text.path, Some(line), format!("{}: {}", self.name, message.as_ref()))
     }
 
+    /// Takes the value and the line of a key, if it is present, and notes that the section knows the key.
     fn take(&mut self, key: &'static str) -> Option<(Value, usize)> {
         self.known.push(key);
         self.left.remove(key)
@@ -53,7 +57,7 @@ impl<'a> MapKeys<'a> {
         self.left.contains_key(key)
     }
 
-    /// Takes a text.
+    /// Takes a text; `None` if the key is absent.
     pub fn text(&mut self, key: &'static str) -> Result<Option<String>> {
         match self.take(key) {
             None => Ok(None),
@@ -134,6 +138,7 @@ impl<'a> MapKeys<'a> {
         Ok(Some(MapNumbers { key: format!("{}: {key}", self.name), line, count, from }))
     }
 
+    /// Reads the table that names an attribute of a file, which is the value of `key`.
     fn attribute(&self, key: &str, line: usize, table: toml::Table) -> Result<AttributeName> {
         let mut keys = self.inner(key, line, table);
         let [name, file, part] = ["attribute", "file", "part"].map(|k| keys.text(k));
@@ -177,6 +182,7 @@ fn words<T>(choices: &[(&str, T)]) -> String {
     choices.iter().map(|(name, _)| format!("{name:?}")).collect::<Vec<_>>().join(", ")
 }
 
+/// The number in a value, with or without a decimal point; `None` for any other value.
 fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|n| n as f64))
 }
@@ -197,6 +203,7 @@ fn value_text(value: &Value) -> String {
     if text.len() <= LONGEST { text } else { kind(value).to_owned() }
 }
 
+/// The kind of a value, in the words of an error.
 fn kind(value: &Value) -> &'static str {
     match value {
         Value::String(_) => "a text",

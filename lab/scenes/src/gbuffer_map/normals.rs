@@ -9,8 +9,10 @@ use glam::{DMat3, DVec2, DVec3, Vec3};
 use ssct_ground::Result;
 use ssct_ground::conventions::NormalEncoding;
 
+/// The encodings of normals that a map may state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum MapEncoding {
+    /// One of the encodings that images of other renderers have, too.
     Of(NormalEncoding),
     /// Octahedral coordinates as two numbers of 12 bits in three channels of 8 bits.
     Octahedral888,
@@ -20,6 +22,7 @@ enum MapEncoding {
 #[derive(Debug, Clone)]
 pub(super) struct MapNormals {
     source: MapSource,
+    /// Whether the normals are in world space, and not in view space.
     is_world: bool,
     encoding: MapEncoding,
 }
@@ -28,6 +31,7 @@ pub(super) struct MapNormals {
 const SHORTEST: f64 = 1e-3;
 
 impl MapNormals {
+    /// Takes the keys of the section `[normal]`.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         use MapEncoding::{Octahedral888, Of};
         use NormalEncoding::{Float, Octahedral, OctahedralUnorm, Unorm};
@@ -88,6 +92,7 @@ impl MapNormals {
         depth.iter().enumerate().map(pixel).collect()
     }
 
+    /// Decodes the normal of a pixel, in the axes of the renderer.
     fn decode(&self, planes: &MapPlanes, pixel: usize) -> DVec3 {
         let [x, y] = [0, 1].map(|k| planes.value(k, pixel));
         match self.encoding {
@@ -97,7 +102,8 @@ impl MapNormals {
             MapEncoding::Of(NormalEncoding::OctahedralUnorm) => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
             MapEncoding::Octahedral888 => {
                 let bytes = [x, y, planes.value(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
-                // The third byte has the upper four bits of both numbers: x has its lower half, y its upper half.
+                // The third byte has the upper four bits of both numbers: its lower half belongs to x, its upper half
+                // to y.
                 let (of_y, of_x) = ((bytes[2] / 16.0).floor(), bytes[2] % 16.0);
                 let packed = DVec2::new(of_x * 256.0 + bytes[0], of_y * 256.0 + bytes[1]);
                 octahedral(packed / 4095.0 * 2.0 - 1.0)

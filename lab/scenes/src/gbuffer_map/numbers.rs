@@ -9,11 +9,14 @@ use ssct_ground::Result;
 pub(super) struct MapNumbers {
     /// The section and the key, for errors.
     pub key: String,
+    /// The line of the key in the map.
     pub line: usize,
+    /// How many numbers the key has: 1 for a number, 16 for a matrix.
     pub count: usize,
     pub from: NumbersFrom,
 }
 
+/// The place of numbers: in the map itself, or in an attribute of a file.
 #[derive(Debug, Clone)]
 pub(super) enum NumbersFrom {
     Here(Vec<f64>),
@@ -50,7 +53,8 @@ impl MapNumbers {
     }
 }
 
-/// The numbers of an attribute; in a text, blanks or commas separate the numbers.
+/// The numbers of an attribute; in a text, blanks or commas separate the numbers. `None` for an attribute without
+/// numbers.
 fn numbers_of(value: &AttributeValue) -> Option<Vec<f64>> {
     let of_text = |text: &str| {
         let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());

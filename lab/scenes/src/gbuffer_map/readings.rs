@@ -4,13 +4,15 @@ use super::GBufferMap;
 use super::axes::MapConventions;
 use ssct_ground::conventions::{Axes, MatrixOrder};
 
-/// A map with one change, in the words of the map.
+/// A map with one change.
 pub(super) struct Reading {
+    /// The change, as it would be written in the map.
     pub(super) words: String,
     pub(super) map: GBufferMap,
 }
 
-/// All readings that differ from a map in one thing.
+/// All readings that differ from a map in one convention, in the kind of depth, or in the way to give the lens or the
+/// place.
 pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
     let mut readings = Vec::new();
     let mut add = |words: String, change: &dyn Fn(&mut GBufferMap)| {
@@ -18,7 +20,8 @@ pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
         change(&mut other);
         readings.push(Reading { words, map: other });
     };
-    // The other order of rows comes before axes that mirror the image in the same way, since it is the commoner mistake.
+    // The other order of rows comes before axes that mirror the image in the same way: a wrong order of rows is
+    // commoner.
     let word = if map.bottom_up { "top-left" } else { "bottom-left" };
     add(format!("origin = {word:?}"), &|m| m.bottom_up = !m.bottom_up);
     for (word, kind) in map.depth.other_kinds() {

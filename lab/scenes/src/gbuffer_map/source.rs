@@ -14,11 +14,15 @@ pub(super) struct MapSource {
     line: usize,
     from: SourceFrom,
     is_srgb: bool,
+    /// Factor of each decoded value.
     scale: Option<f64>,
+    /// Number that is added after the scale.
     offset: Option<f64>,
+    /// Whether files are refused whose compression rounds values.
     exact: bool,
 }
 
+/// The place of the values: in channels of a file, or as constants in the map.
 #[derive(Debug, Clone)]
 enum SourceFrom {
     Channels(ChannelSource),
@@ -50,13 +54,14 @@ impl SourceRules {
     pub const COLOUR: Self = Self { counts: &[1, 3], may_be_srgb: true, has_offset: false, ..Self::MATERIAL };
 }
 
-/// One value a pixel.
+/// One value for each pixel: the pixels of a channel, or a constant for all.
 enum MapPlane {
     Pixels(Vec<f32>),
     Constant(f64),
 }
 
 impl MapPlane {
+    /// The stored value of a pixel.
     fn value(&self, pixel: usize) -> f64 {
         match self {
             Self::Pixels(values) => f64::from(values[pixel]),
@@ -154,7 +159,7 @@ impl MapSource {
 impl MapPlanes<'_> {
     /// A value of a pixel as stored in the file.
     pub fn raw(&self, plane: usize, pixel: usize) -> f64 {
-        // A single value is used for all three.
+        // A single plane serves for all three values.
         self.planes[plane.min(self.planes.len() - 1)].value(pixel)
     }
 

@@ -8,15 +8,20 @@ use crate::{Surface, texture};
 use glam::Vec3;
 use ssct_ground::Result;
 
-/// Greatest distance of a value outside 0 to 1 that is clamped; filters and lossy compressions overshoot by about as much.
+/// A value that leaves 0 to 1 by at most this much is clamped; filters and lossy compressions overshoot by about as
+/// much.
 const OVERSHOOT: f64 = 0.01;
 
+/// The kinds of roughness that a channel may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum RoughnessKind {
+    /// The roughness ϱ of this program.
     Lobe,
     PhongExponent,
     GgxAlpha,
+    /// The perceptual roughness of glTF.
     Perceptual,
+    /// 1 less the perceptual roughness.
     Smoothness,
 }
 
@@ -33,7 +38,7 @@ fn each(depth: &[f32], value: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>>
     depth.iter().enumerate().map(pixel).collect()
 }
 
-/// A value of a pixel, which must lie in 0 to 1.
+/// A value of a pixel, which must lie in 0 to 1 but for [`OVERSHOOT`].
 fn unit(planes: &MapPlanes, plane: usize, i: usize) -> Result<f64> {
     let value = planes.value(plane, i);
     if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&value) {
@@ -49,6 +54,7 @@ fn colour(planes: &MapPlanes, i: usize) -> Result<Vec3> {
 }
 
 impl MapRoughness {
+    /// Takes the keys of the section `[roughness]`.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let kinds = [
             ("lobe", RoughnessKind::Lobe),
@@ -89,24 +95,29 @@ impl MapRoughness {
 /// The reflectivity section of a map.
 #[derive(Debug, Clone)]
 pub(super) enum MapReflectivity {
+    /// The reflectivity itself, as a number or a colour.
     Given(MapSource),
     /// Reflectivity from metalness, base colour and the reflection of dielectrics along the normal.
     Metallic(Box<MapMetallic>),
 }
 
+/// The values from which reflectivity is computed.
 #[derive(Debug, Clone)]
 pub(super) struct MapMetallic {
     metallic: MapSource,
     base: MapSource,
+    /// The reflection of dielectrics along the normal; [`material_terms::F0`] without it.
     f0: Option<MapSource>,
 }
 
 impl MapReflectivity {
+    /// Takes the keys of the section `[reflectivity]`.
     pub fn given(keys: MapKeys) -> Result<Self> {
         let rules = SourceRules { has_offset: true, ..SourceRules::COLOUR };
         Ok(Self::Given(MapSource::only(keys, rules)?))
     }
 
+    /// Takes the keys of the sections `[metallic]`, `[base-color]` and `[f0]`.
     pub fn metallic(metallic: MapKeys, base: MapKeys, f0: Option<MapKeys>) -> Result<Self> {
         let metallic = MapSource::only(metallic, SourceRules::MATERIAL)?;
         let base = MapSource::only(base, SourceRules::COLOUR)?;
@@ -114,7 +125,8 @@ impl MapReflectivity {
         Ok(Self::Metallic(Box::new(MapMetallic { metallic, base, f0 })))
     }
 
-    /// Reflectivity of every pixel, which is the luminance if it is given as a colour; 0 where `depth` is 0 (sky).
+    /// Reflectivity of every pixel; 0 where `depth` is 0 (sky). A reflectivity that is given as a colour counts by its
+    /// luminance.
     ///
     /// # Errors
     /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value out of range.
@@ -154,6 +166,7 @@ pub(super) struct MapColour {
 }
 
 impl MapColour {
+    /// Takes the keys of a section `[[color]]`.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let source = MapSource::take(&mut keys, SourceRules::COLOUR)?;
         let times = keys.table("times")?.map(|keys| MapSource::only(keys, SourceRules::COLOUR)).transpose()?;
@@ -189,6 +202,7 @@ impl MapColour {
 pub(super) struct MapSky(MapSource);
 
 impl MapSky {
+    /// Takes the keys of the section `[sky]`.
     pub fn take(keys: MapKeys) -> Result<Self> {
         Ok(Self(MapSource::only(keys, SourceRules::EXACT)?))
     }

@@ -12,10 +12,10 @@ pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_com
 /// four bytes of a vertex.
 const MOST_UNPACKED_PER_BYTE: u64 = 2048;
 
-/// Any view may unpack to this many bytes.
+/// Any view, however short, may unpack to this many bytes.
 const FREE_BYTES: u64 = 1 << 16;
 
-/// Location of the bytes of a view, and their compression.
+/// Location of the bytes of a view, and their compression. The fields are the members of the extension.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Compressed {
@@ -102,6 +102,7 @@ impl Compressed {
     }
 }
 
+/// The bytes of indices, with `stride` bytes for each, the lowest byte first.
 fn indices(stride: usize, decoded: &[u32]) -> Vec<u8> {
     decoded.iter().flat_map(|index| index.to_le_bytes().into_iter().take(stride)).collect()
 }
@@ -116,12 +117,14 @@ impl<const N: usize> Default for Element<N> {
     }
 }
 
+/// Decodes `count` elements of `N` words, and returns the words of all elements, one after another.
 fn decode_elements<const N: usize>(encoded: &[u8], count: usize) -> meshopt::Result<Vec<u32>> {
     let elements = meshopt::decode_vertex_buffer::<Element<N>>(encoded, count)?;
     Ok(elements.into_iter().flat_map(|element| element.0).collect())
 }
 
-/// Decodes elements of 1 to 64 words: the crate needs their size as a type.
+/// Decodes `count` elements of `words` words each, 1 to 64. There is a case for each size, since the crate takes the
+/// size from a type.
 fn decode_vertices(encoded: &[u8], count: usize, words: usize) -> meshopt::Result<Vec<u32>> {
     macro_rules! sized {
         ($($n:literal)*) => {

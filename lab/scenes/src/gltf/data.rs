@@ -154,8 +154,8 @@ impl<'a> Data<'a> {
     /// The numbers of an accessor, whose elements have `N` numbers each.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the accessor leaves its buffer, has other elements, or claims more elements than a file can
-    /// mean.
+    /// [`Error::Malformed`] if the accessor leaves its buffer, has other elements, or claims more than [`MAX_ZEROS`]
+    /// elements without bytes.
     pub(super) fn floats<const N: usize>(&self, accessor: &Accessor) -> Result<Vectors<'_, N>> {
         let numbers = self.numbers(accessor)?;
         if accessor.dimensions().multiplicity() != N {
@@ -165,6 +165,7 @@ impl<'a> Data<'a> {
         Ok(numbers)
     }
 
+    /// The elements of an accessor as vectors of `N` numbers; the caller checks that each element has `N` numbers.
     fn numbers<const N: usize>(&self, accessor: &Accessor) -> Result<Vectors<'_, N>> {
         let (data_type, normalized) = (accessor.data_type(), accessor.normalized());
         Ok(Vectors { elements: self.elements(accessor)?, data_type, normalized })
@@ -173,8 +174,8 @@ impl<'a> Data<'a> {
     /// The indices of an accessor.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the accessor has no unsigned integers, leaves its buffer, or claims more elements than a file
-    /// can mean.
+    /// [`Error::Malformed`] if the accessor has no unsigned integers, leaves its buffer, or claims more than
+    /// [`MAX_ZEROS`] elements without bytes.
     pub(super) fn indices(&self, accessor: &Accessor) -> Result<Indices<'_>> {
         let integer = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
         if accessor.dimensions() != Dimensions::Scalar || !integer {
@@ -185,8 +186,11 @@ impl<'a> Data<'a> {
         Ok(Indices(elements))
     }
 
+    /// Checks that the accessor of an index claims no huge number of elements without bytes in the file, which are
+    /// zeros.
+    ///
     /// # Errors
-    /// [`Error::Malformed`] for elements without bytes in the file, which are zeros, if there are too many of them to allocate.
+    /// [`Error::Malformed`] for more than [`MAX_ZEROS`] elements without bytes.
     pub(super) fn check_claim(&self, index: usize, elements: &Elements) -> Result<()> {
         if elements.base.is_none() && elements.count > MAX_ZEROS {
             let count = elements.count;
@@ -220,7 +224,8 @@ impl<'a> Data<'a> {
         Ok(Elements { base, size, count, changed })
     }
 
-    /// The elements that a sparse accessor changes, in the order of their indices.
+    /// The elements that a sparse accessor changes, in the order of their indices, each as its index and its bytes. The
+    /// accessor has the index `index` and `count` elements of `size` bytes.
     fn changed(&self, sparse: &Sparse, (index, count, size): (usize, usize, usize)) -> Result<Vec<(usize, &[u8])>> {
         let outside = || self.error(format!("accessor {index}: its sparse elements leave their buffer view"));
         let many = usize::try_from(sparse.count.0).map_err(|_| outside())?;
@@ -241,7 +246,7 @@ impl<'a> Data<'a> {
     }
 }
 
-/// Decodes the compressed views.
+/// Decodes the compressed views; the keys of the result are indices of views.
 fn decoded(path: &Path, document: &Document, buffers: &[Vec<u8>]) -> Result<HashMap<usize, Vec<u8>>> {
     let mut decoded = HashMap::new();
     for (index, view) in document.as_json().buffer_views.iter().enumerate() {
@@ -269,7 +274,8 @@ struct Strided<'a> {
 }
 
 impl<'a> Strided<'a> {
-    /// `None` if the last element exceeds the bytes.
+    /// `count` elements of `size` bytes that begin every `stride` bytes from `start` on; `None` if the last one exceeds
+    /// `bytes`.
     fn new(bytes: &'a [u8], start: u64, stride: usize, size: usize, count: usize) -> Option<Self> {
         let bytes = bytes.get(usize::try_from(start).ok()?..)?;
         let end = match count.checked_sub(1) {
@@ -279,6 +285,7 @@ impl<'a> Strided<'a> {
         (end <= bytes.len()).then_some(Self { bytes, stride, size })
     }
 
+    /// The bytes of element `k`.
     fn get(&self, k: usize) -> &'a [u8] {
         &self.bytes[k * self.stride..][..self.size]
     }
@@ -289,10 +296,12 @@ pub(super) struct Elements<'a> {
     base: Option<Strided<'a>>,
     size: usize,
     count: usize,
+    /// Indices and bytes of the changed elements, sorted by index.
     changed: Vec<(usize, &'a [u8])>,
 }
 
 impl<'a> Elements<'a> {
+    /// The bytes of element `k`. No element has more than 64 bytes, those of a matrix of floats.
     fn get(&self, k: usize) -> &'a [u8] {
         let behind = self.changed.partition_point(|(element, _)| *element <= k);
         match behind.checked_sub(1).map(|last| self.changed[last]) {
@@ -310,6 +319,7 @@ pub(super) struct Vectors<'a, const N: usize> {
 }
 
 impl<const N: usize> Vectors<'_, N> {
+    /// Number of vectors.
     pub(super) fn len(&self) -> usize {
         self.elements.count
     }
@@ -338,15 +348,18 @@ impl<const N: usize> Vectors<'_, N> {
 pub(super) struct Indices<'a>(Elements<'a>);
 
 impl Indices<'_> {
+    /// The indices, in the order of the accessor.
     pub(super) fn iter(&self) -> impl Iterator<Item = u32> + '_ {
         (0..self.0.count).map(|k| little_endian(self.0.get(k)))
     }
 }
 
+/// The unsigned integer of one to four bytes, the lowest byte first.
 fn little_endian(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
 }
 
+/// An error about the file at `path`, without a line.
 fn malformed(path: &Path, message: impl Into<String>) -> Error {
     Error::malformed(path, None, message)
 }
@@ -369,8 +382,8 @@ fn inline(uri: &str) -> Option<Option<Vec<u8>>> {
     Some(bytes.filter(|bytes| !bytes.is_empty()))
 }
 
-/// The file that an address names, relative to the document's folder. If only the unchanged name is found, it was not
-/// percent-encoded.
+/// The file that an address names, relative to the document's folder. Addresses are percent-encoded; if no file has the
+/// decoded name, a file with the name as written is taken.
 ///
 /// # Errors
 /// A message for an address of another kind, such as one on the network.

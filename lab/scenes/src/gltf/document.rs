@@ -1,8 +1,8 @@
 //! Reads the JSON of a glTF file: takes it out of its container, repairs faults whose meaning is obvious, and checks the rest.
 //!
-//! The crate `gltf` refuses some documents that the specification allows, and others whose meaning is clear. [`mend`] rewrites
-//! such values in the JSON to the form that the crate parses. [`is_harmless`] ignores those faults found by the crate's
-//! validation that do not matter to this loader.
+//! The crate `gltf` refuses some documents that the specification allows, and others whose meaning is clear. [`mend`]
+//! rewrites values of such documents in the JSON to the form that the crate parses. [`is_harmless`] ignores those
+//! faults found by the crate's validation that do not matter to this loader.
 
 use super::typed::parse_typed;
 use super::{Notes, READ};
@@ -17,7 +17,7 @@ use std::path::Path;
 /// The extension for images as WebP.
 pub(super) const WEBP: &str = "EXT_texture_webp";
 
-/// An older kind of material.
+/// The extension for an older kind of material, which is not read.
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// Contents of a file: the checked document, the list of its animations, and the binary chunk.
@@ -109,8 +109,10 @@ fn parse(text: &[u8]) -> std::result::Result<Value, String> {
     })
 }
 
+/// Checks that a document is of version 2. In version 1, lists are objects with names.
+///
 /// # Errors
-/// A message for a document of another version than 2. In version 1, lists are objects with names.
+/// A message for a document of another version, or without one.
 fn check_version(value: &Value) -> std::result::Result<(), String> {
     let Some(document) = value.as_object() else {
         return Err("is not glTF 2.0: its JSON is no object".to_owned());
@@ -186,6 +188,7 @@ fn drop_unknown_attributes(attributes: &mut Map<String, Value>, notes: &mut Note
 fn mend_values(value: &mut Value) {
     match value {
         Value::Number(number) => {
+            // Below 9e15, which is less than 2⁵³, a float holds every whole number.
             let whole = number.as_f64().filter(|v| number.is_f64() && v.fract() == 0.0 && v.abs() < 9e15);
             if let Some(whole) = whole {
                 *value = Value::from(whole as i64);
@@ -206,6 +209,8 @@ fn list<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut V
     object.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
+/// Checks the extensions that a file requires, and notes the ones that it uses and this loader ignores.
+///
 /// # Errors
 /// A message for an extension that the file requires and this loader lacks.
 fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(), String> {
@@ -255,8 +260,10 @@ pub(super) fn remedy(extension: &str) -> &'static str {
     }
 }
 
+/// Checks that the light of each node exists.
+///
 /// # Errors
-/// A message about a node whose light does not exist.
+/// A message about the first node whose light does not exist.
 fn check_lights(document: &Value) -> std::result::Result<(), String> {
     let lights =
         document.pointer("/extensions/KHR_lights_punctual/lights").and_then(Value::as_array).map_or(0, Vec::len);
@@ -287,7 +294,8 @@ fn draco_alone(document: &Value) -> Option<String> {
     Some(format!("meshes[{index}] has no bytes but those of {DRACO}; {}", remedy(DRACO)))
 }
 
-/// Invalid ways of repeating count as the default; filters are not read.
+/// Replaces each invalid way of repeating an image by the default, and drops the filters, which this loader does not
+/// read.
 fn mend_samplers(json: &mut Root, notes: &mut Notes) {
     for sampler in &mut json.samplers {
         (sampler.mag_filter, sampler.min_filter) = (None, None);
@@ -300,6 +308,8 @@ fn mend_samplers(json: &mut Root, notes: &mut Notes) {
     }
 }
 
+/// Checks the document by the crate's validation, apart from harmless faults.
+///
 /// # Errors
 /// A message for the first fault of the document that matters to this loader.
 fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {

@@ -24,7 +24,8 @@ impl Default for Tally {
     }
 }
 
-/// The triangles of a primitive that is placed in the world, or `None` if it has none.
+/// The triangles of a primitive that is placed in the world, or `None` if it has none. `material` is the index of the
+/// primitive's material among the materials in use.
 pub(super) fn part(
     data: &Data,
     (primitive, material): (&Primitive, usize),
@@ -89,8 +90,9 @@ fn corners(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// The triangle with unit normals; `None` if it has no area. The author's normals are kept, even if they lean slightly behind
-/// their face, as smooth normals do at silhouettes; normals that point to the back of the face are turned.
+/// The triangle with a normal at each corner; `None` if twice its area is at most 1e-7 of its longest squared side. The
+/// author's normals are kept, even if they lean slightly behind their face, as smooth normals do at silhouettes.
+/// Normals that point to the back of the face are turned.
 fn finished(mut triangle: Triangle, notes: &mut Notes) -> Option<Triangle> {
     let position = |i: usize| Vec3::from(triangle[i].position).as_dvec3();
     let edges = [position(1) - position(0), position(2) - position(1), position(0) - position(2)];

@@ -40,8 +40,9 @@ pub(super) struct Coordinates {
 }
 
 impl Coordinates {
-    /// Texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards, as in the extension's words
-    /// and its test model; the signs in the example code of its text mean the other direction.
+    /// Transforms the texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards, as
+    /// in the words and the test model of the extension `KHR_texture_transform`. The signs in the example code of its
+    /// text mean the other direction.
     pub(super) fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let (sin, cos) = self.rotation.sin_cos();
         let [u, v] = [u * self.scale[0], v * self.scale[1]];
@@ -56,6 +57,7 @@ struct TextureUse<'a> {
 }
 
 impl<'a> TextureUse<'a> {
+    /// Reads how a material uses any texture but its normal map.
     fn of_info(info: &Info<'a>) -> Self {
         let (set, offset, rotation, scale) = match info.texture_transform() {
             Some(t) => (t.tex_coord().unwrap_or(info.tex_coord()), t.offset(), t.rotation(), t.scale()),
@@ -77,6 +79,7 @@ impl<'a> TextureUse<'a> {
         Self::new(normals.texture(), set, pair("offset", 0.0), rotation, pair("scale", 1.0))
     }
 
+    /// The use of a texture with a set of texture coordinates and their transform; `rotation` is in radians.
     fn new(texture: gltf::Texture<'a>, set: u32, offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Self {
         let sampler = texture.sampler();
         let clamps = [sampler.wrap_s(), sampler.wrap_t()].iter().any(|w| *w != WrappingMode::Repeat);
@@ -118,7 +121,8 @@ pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coord
     Coordinates { clamps, ..first }
 }
 
-/// The inputs from which an image of the scene is baked. Materials with equal inputs share the image.
+/// The inputs from which an image of the scene is baked. Materials with equal inputs share the image. `Normals` is a
+/// normal map whose slopes are multiplied by `scale`.
 #[derive(Debug, Clone, PartialEq)]
 enum Baked {
     /// The base colour, unchanged.
@@ -164,11 +168,12 @@ type Image = usize;
 #[derive(Default)]
 struct BakedImages {
     list: Vec<Baked>,
-    /// Index of each image in the list, by its text, since numbers of materials have no hash.
+    /// Index of each image in the list, by its text in the format of `Debug`, since floats have no hash.
     index: HashMap<String, usize>,
 }
 
 impl BakedImages {
+    /// The index of an image in the list, to which the image is added if it is new.
     fn add(&mut self, wanted: Baked) -> usize {
         *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
             self.list.push(wanted);
@@ -195,7 +200,8 @@ impl Baked {
     }
 }
 
-/// Adds the materials in use, in order, and the images that they need.
+/// Adds the materials in use to the scene, in order, and the images that they need. `used` has indices of the file's
+/// materials, or `None` for the default material; no image gets more than `side` texels along a side.
 pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut Scene, notes: &mut Notes) {
     let mut baked = BakedImages::default();
     for index in used {
@@ -325,6 +331,7 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
         ..Material::default()
     };
     match base {
+        // An image of base colour alone needs no baking: its factor multiplies it when it is drawn.
         Some(base) if metallic.is_none() && !emits => {
             made.albedo = factors.base * (1.0 - factors.metallic);
             made.albedo_map = Some(add(Baked::Plain { base }));
@@ -364,6 +371,8 @@ struct Baker<'a> {
 }
 
 impl<'a> Baker<'a> {
+    /// Finds the images that exceed the limit of a scene's texels, in the order of `baked`, before any of them is
+    /// decoded.
     fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Self {
         let mut texels = 0;
         let mut too_much = HashSet::new();
@@ -408,6 +417,8 @@ impl<'a> Baker<'a> {
         None
     }
 
+    /// Makes an image of the scene. An image of the file that cannot be decoded counts as white, and as flat if it has
+    /// normals.
     fn bake(&self, baked: &Baked) -> Texture {
         let image = |index: &Option<Image>, encoding| index.and_then(|i| self.image(i, encoding));
         match baked {

@@ -21,8 +21,9 @@ use serde_json::Value;
 use ssct_ground::Result;
 use std::collections::HashMap;
 
-/// Places the meshes, views and lights of the file's scene in `scene`. Returns the materials in use, by their index in the file
-/// (`None` for the default material); a mesh's material is an index into this list.
+/// Places the meshes, views and lights of the file's scene in `scene`; `scale` is the metres in the file's unit of
+/// length. Returns the materials in use, by their index in the file (`None` for the default material); a mesh's
+/// material is an index into this list.
 ///
 /// `kept` is subtracted from every place. Without it, a scene so far from the origin that floats would lose its details is
 /// moved to its own centre, in f64, before rounding; a note says by how much.
@@ -68,6 +69,7 @@ fn names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
     nodes.shown.iter().filter_map(name).collect()
 }
 
+/// Reads the parts of the meshes that the nodes place. `origin` is subtracted from every place in the world, in metres.
 fn parts(
     data: &Data,
     (nodes, names): (&Nodes, &HashMap<usize, String>),
@@ -150,13 +152,17 @@ struct Units {
 
 /// The nodes of the file's scene, in the order of the tree, and the transforms of all nodes.
 pub(super) struct Nodes<'a> {
+    /// The visible nodes of the scene, each with its transform to the world.
     pub(super) shown: Vec<(Node<'a>, DMat4)>,
     /// Transform of each node of the file to the world, whether or not it is in the scene.
     to_world: Vec<DMat4>,
+    /// Metres in the file's unit of length.
     scale: f32,
 }
 
 impl<'a> Nodes<'a> {
+    /// Finds the nodes of the file's scene, and the transforms of all nodes.
+    ///
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) for a node with several parents, or a cycle of nodes.
     fn new(data: &Data<'a>, scale: f32) -> Result<Self> {
@@ -177,7 +183,8 @@ impl<'a> Nodes<'a> {
         nodes.shown = nodes
             .walk((tops, root), &mut visited)
             .map_err(|node| data.error(format!("node {node} has more than one parent, or is its own")))?;
-        // Joints need not be in the scene that is shown. An error in their trees is ignored, since these trees are not drawn.
+        // Joints need not be in the scene that is shown. An error in a tree outside the scene is ignored, since the
+        // tree is not drawn.
         for other in all.iter().filter(|n| !is_child[n.index()]) {
             if !visited[other.index()] {
                 nodes.walk((vec![other.clone()], root), &mut visited).unwrap_or_default();
@@ -200,7 +207,8 @@ impl<'a> Nodes<'a> {
         parents
     }
 
-    /// The nodes below some nodes, with their transforms, without hidden ones.
+    /// The visible nodes of the trees below `tops`, with their transforms to the world; `root` is the transform above
+    /// `tops`.
     ///
     /// # Errors
     /// The index of a node that was visited before.
@@ -250,6 +258,7 @@ fn root(scale: f32) -> DMat4 {
     DMat4::from_scale(DVec3::new(size, size, -size))
 }
 
+/// The transform from the space of a node to that of its parent.
 fn local(node: &Node) -> DMat4 {
     match node.transform() {
         Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
@@ -270,6 +279,7 @@ struct UniqueNames {
 }
 
 impl UniqueNames {
+    /// The name itself if it was not given before, else the name with a number after it.
     fn unique(&mut self, name: &str) -> String {
         let mut number = *self.given.entry(name.to_owned()).and_modify(|k| *k += 1).or_insert(1);
         let mut unique = if number == 1 { name.to_owned() } else { format!("{name} {number}") };
@@ -292,7 +302,7 @@ fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes:
         Projection::Perspective(p) => {
             Lens::perspective(p.yfov(), metres(p.znear()), p.zfar().map_or(units.far_m, metres))
         }
-        // Pixels are square whatever the stated width, as with a perspective.
+        // The stated width is ignored: pixels are square, as in a perspective.
         Projection::Orthographic(o) => {
             Lens::orthographic(2.0 * metres(o.ymag().abs()), metres(o.znear()), metres(o.zfar()))
         }

@@ -24,6 +24,7 @@ pub(super) struct ToWorld {
 }
 
 impl ToWorld {
+    /// Computes the cofactors and the sign of a matrix to the world.
     pub(super) fn new(to_world: DMat4) -> Self {
         let linear = DMat3::from_mat4(to_world);
         let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
@@ -83,13 +84,16 @@ impl Default for PlacedVertex {
     }
 }
 
-/// Vertices that were placed already. A primitive that draws few of many vertices keeps only these.
+/// Vertices that were placed already. A primitive that draws few of many vertices keeps only the drawn ones.
 pub(super) enum PlacedVertices {
+    /// An entry for each vertex of the primitive, by index.
     All(Vec<Option<PlacedVertex>>),
+    /// The vertices that were placed, by index.
     Few(HashMap<u32, PlacedVertex>),
 }
 
 impl PlacedVertices {
+    /// Room for the vertices of a primitive with `count` vertices and `triangles` triangles.
     pub(super) fn new(count: usize, triangles: usize) -> Self {
         if count <= 12 * triangles { Self::All(vec![None; count]) } else { Self::Few(HashMap::new()) }
     }
@@ -135,7 +139,7 @@ pub(super) struct MeshVertices<'a> {
 }
 
 impl<'a> MeshVertices<'a> {
-    /// `None` for a primitive without positions, which is not drawn.
+    /// Finds the attributes of a primitive; `None` for a primitive without positions, which is not drawn.
     pub(super) fn new(
         data: &'a Data,
         primitive: &Primitive,
@@ -249,6 +253,7 @@ impl<'a> MeshVertices<'a> {
     }
 }
 
+/// Vector `i` of an accessor, in 64 bits.
 fn vector(all: &Vectors<3>, i: usize) -> DVec3 {
     Vec3::from(all.get(i)).as_dvec3()
 }
@@ -284,6 +289,7 @@ fn influences<'a>(data: &'a Data, primitive: &Primitive, count: usize) -> Result
     Ok(influences)
 }
 
+/// The vectors of an attribute of a primitive with `count` vertices; `None` if the primitive lacks the attribute.
 fn attribute<'a, const N: usize>(
     data: &'a Data,
     primitive: &Primitive,
@@ -293,7 +299,7 @@ fn attribute<'a, const N: usize>(
     primitive.get(&semantic).map(|accessor| checked(data, &accessor, &semantic, count)).transpose()
 }
 
-/// The vectors of an accessor, which must have one for each vertex.
+/// The vectors of an accessor, which must have one vector for each of `count` vertices.
 fn checked<'a, const N: usize>(
     data: &'a Data,
     accessor: &gltf::Accessor,

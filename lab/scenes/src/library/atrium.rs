@@ -11,6 +11,7 @@ use crate::pattern::{Dye, Pattern, Wood};
 use crate::{Light, MaterialChange, Mesh, Scene, sky};
 use glam::{Vec2, Vec3};
 
+// Indices of materials in `FINISHES`.
 const FLOOR: usize = 0;
 const BRICKS: usize = 1;
 const ARCH: usize = 2;
@@ -40,21 +41,25 @@ const FINISHES: [Finish; 13] = [
     Finish::new("cloth-blue", Pattern::Cloth(Dye::Blue), 0.0),
 ];
 
-/// Walls and columns stand on these lines. The first and the last are the outer walls; the second and the
-/// second to last bound the court.
+/// Walls and columns stand on these lines of constant x, in metres. The first and the last are the outer walls; the
+/// second and the second to last bound the court.
 pub const LINES_X: [f32; 8] = [-14.3, -9.95, -6.2, -2.46, 1.22, 4.9, 8.75, 13.0];
+/// The lines of constant z on which walls and columns stand, in the same order.
 pub const LINES_Z: [f32; 4] = [-5.75, -2.05, 2.8, 6.45];
-/// The building's outer extent in x and z.
+/// The building's outer extent in x and z, in metres.
 const OUTSIDE: ([f32; 2], [f32; 2]) = ([-18.7, 17.5], [-10.4, 11.4]);
 
 /// Heights above the floor in metres at which the arches of each storey spring.
 const SPRING: [f32; 2] = [2.3, 6.95];
+/// Heights above the floor, in metres, of the upper floor, of the top of the parapets and of the top of the walls.
 const UPPER_FLOOR: f32 = 4.16;
 pub const PARAPET: f32 = 5.08;
 const WALL_TOP: f32 = 13.0;
 /// Overlap of neighbouring geometry, in metres, so that no light shows through the joints.
 const OVERLAP: f32 = 0.02;
+/// Thickness of the walls around the court.
 const ARCADE_M: f32 = 0.6;
+/// Half the width of a corner pier.
 const HALF_PIER_M: f32 = 0.5;
 
 /// Builds the scene.
@@ -105,6 +110,7 @@ fn gallery_bays() -> impl Iterator<Item = [Vec2; 2]> {
     })
 }
 
+/// The corners, at height `y`, of a horizontal rectangle with this least and greatest corner (x, z).
 fn level(bay: [Vec2; 2], y: f32) -> [Vec3; 4] {
     let [a, b] = bay;
     [(a.x, a.y), (b.x, a.y), (b.x, b.y), (a.x, b.y)].map(|(x, z)| Vec3::new(x, y, z))
@@ -194,6 +200,7 @@ struct Side {
     posts: Vec<f32>,
 }
 
+/// The four sides of the court: the two long ones along x, then the two short ones along z.
 fn sides() -> [Side; 4] {
     let long = |z: f32| Side { origin: Vec3::new(0.0, 0.0, z), along: Vec3::X, posts: LINES_X[1..7].to_vec() };
     let short = |x: f32| Side { origin: Vec3::new(x, 0.0, 0.0), along: Vec3::Z, posts: LINES_Z[1..3].to_vec() };
@@ -235,6 +242,7 @@ fn course(mesh: &mut MeshBuilder, wall: &Wall, [from, to]: [f32; 2], [low, high]
     mesh.cuboid(point(from, low) - across, point(to, high) + across);
 }
 
+/// The arch of the lower storey between two posts at these places along the wall.
 fn lower_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     let half = 0.5 * (to - from);
     let half_width = half - if half > 2.0 { HALF_PIER_M } else { 0.42 };
@@ -242,7 +250,7 @@ fn lower_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     vec![Arch { centre_m: from + half, half_width_m: half_width, spring_m: SPRING[0], rise_m: rise }]
 }
 
-/// Two arches that share a slender column.
+/// The two arches of the upper storey between two posts, which share a slender column.
 fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     let half = 0.5 * (to - from);
     let half_width = 0.5 * (half - 0.3 - 0.15);

@@ -43,7 +43,7 @@ impl MeshBuilder {
         self
     }
 
-    /// An empty mesh of the same material.
+    /// An empty mesh of the same material with another name.
     pub fn renamed(&self, name: &str) -> Self {
         Self { turned: self.turned, ..Self::new(name, self.material, self.image_m) }
     }
@@ -61,7 +61,7 @@ impl MeshBuilder {
 
     /// A flat, convex polygon whose normal points to the side of `facing`, whatever the order of its corners.
     /// Texture coordinates are world coordinates, so that neighbours in one plane continue each other. On walls
-    /// the image's up direction is +y, on floors and ceilings +z.
+    /// the image's up direction is +y, on floors and ceilings +z. A polygon without area is left out.
     pub fn polygon(&mut self, corners: &[Vec3], facing: Vec3) {
         let area: Vec3 = (2..corners.len()).map(|k| (corners[k - 1] - corners[0]).cross(corners[k] - corners[0])).sum();
         if area.length_squared() < 1e-14 {
@@ -107,9 +107,10 @@ impl MeshBuilder {
         }
     }
 
-    /// A rectangle with rectangular holes in the plane through `origin` that the unit vectors `right` and `up` span. Its sides
-    /// are in metres along these vectors, and it faces a viewer who sees `right` and `up` pointing right and up. The rectangle
-    /// is cut along all edges of its holes, so that corners meet only at corners.
+    /// A rectangle with rectangular holes in the plane through `origin` that the unit vectors `right` and `up` span.
+    /// The sides of the rectangle are in metres along these vectors. The rectangle faces a viewer who sees `right` and
+    /// `up` pointing right and up. The rectangle is cut along all edges of its holes, so that corners meet only at
+    /// corners.
     pub fn panel(&mut self, [origin, right, up]: [Vec3; 3], extent: Rect, holes: &[Rect]) {
         let cuts = |low: f32, high: f32, edges: &dyn Fn(&Rect) -> [f32; 2]| {
             let mut all = vec![low, high];
@@ -162,7 +163,7 @@ impl MeshBuilder {
         });
     }
 
-    /// A disc or regular polygon in a horizontal plane.
+    /// A disc or regular polygon in a horizontal plane, which faces up or down, as `facing` does.
     pub fn disc(&mut self, centre: Vec3, radius: f32, corners: u32, facing: Vec3) {
         let rim: Vec<Vec3> = (0..corners)
             .map(|k| {
@@ -175,9 +176,9 @@ impl MeshBuilder {
 
     /// A smooth surface over 0 ≤ s, t ≤ 1, with the given numbers of columns and rows.
     ///
-    /// `shape` gives a position relative to `origin` and texture coordinates in metres (right and up). It is also
-    /// evaluated slightly outside 0…1, for the normals. Where the surface closes to a point, the normal is
-    /// taken slightly closer to the middle.
+    /// `shape` gives a position relative to `origin` and texture coordinates in metres (right and up). `shape` is also
+    /// called slightly outside 0…1, for the normals. Where the surface closes to a point, the normal is taken slightly
+    /// closer to the middle.
     pub fn surface(&mut self, origin: Vec3, [columns, rows]: [u32; 2], shape: impl Fn(f32, f32) -> (Vec3, Vec2)) {
         let first = self.vertices.len() as u32;
         for j in 0..=rows {
@@ -218,7 +219,7 @@ impl MeshBuilder {
         self.disc(base, radius, segments, Vec3::NEG_Y);
     }
 
-    /// A sphere.
+    /// A sphere with `around` columns and `along` rows.
     pub fn sphere(&mut self, centre: Vec3, radius: f32, [around, along]: [u32; 2]) {
         self.revolve(centre, [around, along], |t| {
             let (sin, cos) = (std::f32::consts::PI * t).sin_cos();
@@ -226,6 +227,8 @@ impl MeshBuilder {
         });
     }
 
+    /// Adds a vertex. `metres` are the texture coordinates of the vertex, to the right and up, in metres of the
+    /// surface.
     fn push(&mut self, position: Vec3, metres: Vec2, axes: Axes) {
         let (metres, right, up) = if self.turned {
             (Vec2::new(metres.y, -metres.x), axes.up, -axes.right)
@@ -241,6 +244,7 @@ impl MeshBuilder {
         });
     }
 
+    /// Adds a triangle between three vertices, unless its area is almost 0.
     fn triangle(&mut self, a: u32, b: u32, c: u32) {
         let position = |k: u32| Vec3::from(self.vertices[k as usize].position);
         if (position(b) - position(a)).cross(position(c) - position(a)).length_squared() > 1e-14 {
@@ -264,6 +268,7 @@ impl Rect {
         Self { min: Vec2::new(x[0], y[0]), max: Vec2::new(x[1], y[1]) }
     }
 
+    /// Whether a point lies inside, and not on the border.
     fn contains(&self, point: Vec2) -> bool {
         point.cmpgt(self.min).all() && point.cmplt(self.max).all()
     }
@@ -283,12 +288,14 @@ fn surface_axes(shape: &impl Fn(f32, f32) -> (Vec3, Vec2), s: f32, t: f32) -> Ax
         (ahead.0 - behind.0, ahead.1 - behind.1)
     };
     let slopes = |s: f32, t: f32| (difference(s, t, STEP, 0.0), difference(s, t, 0.0, STEP));
+    // Where the surface closes to a point, one slope is almost 0, or both are almost parallel.
     let closed = |a: Vec3, b: Vec3| b.cross(a).length() < 1e-3 * a.length_squared().max(b.length_squared());
     let (mut along, mut up) = slopes(s, t);
     if closed(along.0, up.0) {
         (along, up) = slopes(s + (0.5 - s) * 0.03, t + (0.5 - t) * 0.03);
     }
     let normal = up.0.cross(along.0).normalize_or(Vec3::Y);
+    // `right` and `image_up` are the directions on the surface in which the texture coordinates grow.
     let scale = along.1.perp_dot(up.1).signum();
     let right = (along.0 * up.1.y - up.0 * along.1.y) * scale;
     let image_up = (up.0 * along.1.x - along.0 * up.1.x) * scale;

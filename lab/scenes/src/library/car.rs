@@ -20,6 +20,7 @@ pub const SIZE: Vec3 = Vec3::new(1.80, 1.46, 4.36);
 
 const HALF_LENGTH: f32 = 0.5 * SIZE.z;
 const WHEEL_RADIUS: f32 = 0.33;
+/// The z of both axles, in metres from the middle of the car.
 const AXLES: [f32; 2] = [-1.32, 1.36];
 
 /// A car that stands on the ground with its front towards +z.
@@ -44,6 +45,7 @@ pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
             wheel(&mut chrome, hub, 0.6 * WHEEL_RADIUS, 0.215, 0.02);
         }
     }
+    // A box with these ranges on the left side, and its mirror image on the right side.
     let ends = |mesh: &mut MeshBuilder, z: [f32; 2], x: [f32; 2], y: [f32; 2]| {
         for side in [-1.0, 1.0] {
             let (p, q) = (side * x[0], side * x[1]);
@@ -54,7 +56,7 @@ pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
     ends(&mut chrome, [2.10, 2.20], [0.0, 0.74], [0.38, 0.46]);
     ends(&mut chrome, [-2.21, -2.10], [0.0, 0.74], [0.42, 0.50]);
     ends(&mut dark, [2.05, 2.165], [0.0, 0.36], [0.56, 0.72]);
-    // Door handles and the strip along the doors.
+    // Two door handles on each side.
     for z in [-0.55, 0.35] {
         ends(&mut chrome, [z - 0.09, z + 0.09], [0.86, 0.905], [0.80, 0.83]);
     }
@@ -97,6 +99,7 @@ fn rounded(t: f32, by: f32) -> f32 {
     (1.0 - (1.0 - near).powi(2)).max(0.0).sqrt()
 }
 
+/// The cross-section of the body below the windows, for t from 0 (the rear) to 1 (the front).
 fn lower(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
     let end = rounded(t, 0.10);
@@ -112,6 +115,7 @@ fn lower(t: f32) -> Section {
     }
 }
 
+/// The cross-section of the cabin, which is all of glass, for t from 0 (the rear window) to 1 (the windscreen).
 fn cabin(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
     let z = -1.62 + 2.60 * t;
@@ -119,6 +123,7 @@ fn cabin(t: f32) -> Section {
     Section { z, half_width: 0.80, heights: [0.72, 0.80 + 0.60 * rise], tumblehome: 0.24 }
 }
 
+/// The cross-section of the roof over the cabin, for t from 0 (the rear) to 1 (the front).
 fn roof(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
     let crown = (std::f32::consts::PI * t).sin();
@@ -141,7 +146,7 @@ fn pillars(mesh: &mut MeshBuilder, ground: Vec3) {
     }
 }
 
-/// A disc with rounded shoulders whose axle is parallel to x. `width` is half the width of the disc.
+/// A disc with rounded shoulders whose axle is parallel to x. `width` is the width of the disc along the axle.
 fn wheel(mesh: &mut MeshBuilder, hub: Vec3, radius: f32, width: f32, shoulder: f32) {
     let half = 0.5 * width;
     mesh.tube([24, 8], Vec3::Y, |t| {

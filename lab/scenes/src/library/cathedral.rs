@@ -10,6 +10,7 @@ use crate::pattern::{Pattern, Picture, Wood};
 use crate::{Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
 
+// Indices of materials in `FINISHES`.
 const FLOOR: usize = 0;
 const WALL: usize = 1;
 const PILLAR: usize = 2;
@@ -45,17 +46,23 @@ const CHOIR_END: f32 = NAVE_END + 7.0;
 /// The lines of the arcades and of the outer walls, at ±x.
 const ARCADE_X: f32 = 4.2;
 const OUTER_X: f32 = 8.4;
+/// Thickness of the arcades' walls.
 const ARCADE_M: f32 = 0.7;
-/// The inner face of the arcades' upper walls.
+/// The inner faces of the arcades' upper walls, at ±x.
 const NAVE_X: f32 = ARCADE_X - 0.5 * ARCADE_M;
-/// Heights: where the arches of the arcade and the vaults of aisles and nave spring, and the top of the walls.
+/// Heights in metres at which the arches of the arcade, the vaults of the aisles and the vault of the nave spring.
 const ARCADE_SPRING: f32 = 3.6;
 const AISLE_SPRING: f32 = 4.6;
 const NAVE_SPRING: f32 = 10.6;
+/// Height of the nave's vault above its spring.
 const NAVE_RISE: f32 = 3.2;
+/// Height of the walls of nave and choir.
 const TOP: f32 = NAVE_SPRING + NAVE_RISE + 0.1;
+/// Height of the choir's floor above the nave's.
 const CHOIR_STEP: f32 = 0.32;
+/// Overlap of neighbouring geometry, in metres, so that no light shows through the joints.
 const OVERLAP: f32 = 0.02;
+/// Height of the middle of the rose window, and its diameter.
 const ROSE_Y: f32 = 8.6;
 const ROSE_M: f32 = 5.2;
 
@@ -105,6 +112,7 @@ pub fn scene() -> Scene {
     scene
 }
 
+/// An empty mesh of one of the cathedral's materials.
 fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
@@ -114,10 +122,12 @@ fn nave_walls() -> [Face; 2] {
     [Face::new([-NAVE_X, 0.0, 0.0], Vec3::Z), Face::new([NAVE_X, 0.0, 0.0], Vec3::NEG_Z)]
 }
 
+/// The wall behind the choir, seen from the nave.
 fn east() -> Face {
     Face::new([0.0, 0.0, CHOIR_END], Vec3::X)
 }
 
+/// The floor of nave and aisles, the floor of the choir, and the steps between them.
 fn floors() -> Vec<MeshBuilder> {
     let mut floor = mesh("floor", FLOOR);
     let span = |r: f32| [-r - OVERLAP, r + OVERLAP];
@@ -298,6 +308,7 @@ struct Window {
 /// The lancets of clerestory, aisles and choir.
 fn lancets() -> Vec<Window> {
     let mut all = Vec::new();
+    // `along` is the z of the window's middle or, on the east wall, the x; `y` is the height of the middle.
     let mut add = |wall: Face, along: f32, y: f32, height: f32, design: usize, name: &str| {
         let a = along * (wall.right.x + wall.right.z);
         let rect = centred_rect(a, y, height * 0.375, height);
@@ -337,6 +348,7 @@ fn glass() -> Vec<MeshBuilder> {
     parts
 }
 
+/// The rectangle of the rose window on the east wall.
 fn rose_rect() -> Rect {
     centred_rect(0.0, ROSE_Y, ROSE_M, ROSE_M)
 }

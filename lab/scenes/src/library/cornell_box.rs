@@ -7,6 +7,7 @@ use super::{Finish, materials, probe, view};
 use crate::{AreaLight, AreaShape, FieldOfView, Lens, Light, Scene, View};
 use glam::{Vec2, Vec3};
 
+// Indices of materials in `FINISHES`.
 const WHITE: usize = 0;
 const RED: usize = 1;
 const GREEN: usize = 2;
@@ -58,6 +59,7 @@ pub fn scene() -> Scene {
     }
 }
 
+/// An empty mesh of one of the box's materials.
 fn mesh(name: &str, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }

@@ -9,6 +9,7 @@ use crate::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::Vec3;
 
+// Indices of materials in `FINISHES`; the dado is the panelling at the foot of the walls.
 const FLOOR: usize = 0;
 const WALL: usize = 1;
 const DADO: usize = 2;
@@ -57,6 +58,7 @@ const EXIT_SIGN: Sign = Sign {
 
 const PLATES: [Sign; 4] = [plate("1"), plate("2"), plate("3"), plate("4")];
 
+/// A plate with the number of a door.
 const fn plate(letters: &'static str) -> Sign {
     Sign {
         text: Text { letters, stacked: false },
@@ -78,7 +80,7 @@ const DOORS: [&[f32]; 2] = [&[4.0, 11.0, 18.0], &[8.0, 20.0]];
 /// Width and height of a door.
 const DOOR_M: [f32; 2] = [1.0, 2.1];
 const OVERLAP: f32 = 0.02;
-/// The window at the far end.
+/// The ranges of the window at the far end in x and in height, in metres.
 const END_WINDOW: ([f32; 2], [f32; 2]) = ([-0.75, 0.75], [0.85, 2.05]);
 
 /// Builds the scene.
@@ -117,6 +119,7 @@ pub fn scene() -> Scene {
     scene
 }
 
+/// An empty mesh of one of the corridor's materials.
 fn mesh(name: &str, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
@@ -228,10 +231,12 @@ fn area_light(z: f32) -> AreaLight {
     AreaLight { shape: AreaShape::Rectangle { centre, half_u, half_v }, radiance: Vec3::new(1.0, 0.97, 0.90) }
 }
 
+/// The plane of the exit sign across the corridor, which faces −z.
 fn exit_face() -> Face {
     Face::new([0.0, 0.0, 15.5], Vec3::X)
 }
 
+/// The rectangle of the exit sign in its plane.
 fn exit_rect() -> Rect {
     centred_rect(0.72, 2.42, 0.72, 0.24)
 }

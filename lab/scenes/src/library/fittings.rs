@@ -15,6 +15,7 @@ pub struct Face {
 }
 
 impl Face {
+    /// A face from a point at height 0 and its unit vector to the right.
     pub fn new(origin: [f32; 3], right: Vec3) -> Self {
         Self { origin: Vec3::from(origin), right }
     }
@@ -24,6 +25,7 @@ impl Face {
         Vec3::Y.cross(self.right)
     }
 
+    /// The world-space point `a` metres to the right of the origin, at the height `y`, `out` metres out of the wall.
     pub fn point_at(&self, a: f32, y: f32, out: f32) -> Vec3 {
         self.origin + a * self.right + y * Vec3::Y + out * self.outward()
     }
@@ -72,13 +74,13 @@ impl Face {
         }
     }
 
-    /// A rectangle that shows one whole image.
+    /// A rectangle that shows one whole image, `out` metres out of the wall.
     pub fn picture(&self, mesh: &mut MeshBuilder, rect: Rect, out: f32) {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
         mesh.picture(self.point_at(middle.x, middle.y, out), half.x * self.right, half.y * Vec3::Y);
     }
 
-    /// The rectangle of an impostor in front of the face.
+    /// The rectangle of an impostor, `out` metres out of the wall, whose image is `width` texels wide.
     pub fn portrait(&self, name: &'static str, rect: Rect, out: f32, width: u32) -> ImpostorFrame {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
         ImpostorFrame {

@@ -32,6 +32,7 @@ pub struct Arch {
 }
 
 impl Wall {
+    /// Horizontal unit vector through the wall.
     fn across(&self) -> Vec3 {
         self.along.cross(Vec3::Y)
     }
@@ -54,6 +55,7 @@ impl Arch {
         Vec2::new(self.centre_m - self.half_width_m * cos, self.spring_m + self.rise_m * sin)
     }
 
+    /// The arch whose curve lies `by_m` further out, with the same spring.
     fn widened(self, by_m: f32) -> Self {
         Self { half_width_m: self.half_width_m + by_m, rise_m: self.rise_m + by_m, ..self }
     }
@@ -64,6 +66,7 @@ impl Arch {
 pub fn arched_wall(mesh: &mut MeshBuilder, wall: &Wall, span: [f32; 2], [bottom, top]: [f32; 2], arches: &[Arch]) {
     for side in [-1.0, 1.0] {
         let facing = side * wall.across();
+        // The wall between two arches, up to their spring and from there to the top.
         let mut pier = |from: f32, to: f32, spring: f32| {
             for [low, high] in [[bottom, spring], [spring, top]] {
                 let corner = |a: f32, height: f32| wall.point_at(a, height, side);
@@ -110,6 +113,7 @@ pub fn archivolt(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, width_m: f32,
     arch_shell(mesh, &wall, &outer, false);
 }
 
+/// Points on the curve of an arch from left to right: metres along the wall, and heights.
 fn arch_points(arch: &Arch) -> Vec<Vec2> {
     (0..=ARCH_STEPS).map(|k| arch.curve(k as f32 / ARCH_STEPS as f32)).collect()
 }

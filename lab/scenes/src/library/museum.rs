@@ -10,6 +10,7 @@ use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
+// Indices of materials in `FINISHES`.
 const FLOOR: usize = 0;
 const WALL: usize = 1;
 const CEILING: usize = 2;
@@ -55,7 +56,7 @@ const EXIT_SIGN: Sign = Sign {
 
 const HALF_WIDTH: f32 = 6.0;
 const HEIGHT: f32 = 5.0;
-/// The z of the end walls, and the z range of the wall between the halls.
+/// The z of the end walls, and the z and the thickness of the wall between the halls.
 const ENDS_Z: [f32; 2] = [-9.0, 13.0];
 const PARTITION_Z: f32 = 3.2;
 const PARTITION_M: f32 = 0.4;
@@ -129,10 +130,12 @@ pub fn scene() -> Scene {
     scene
 }
 
+/// An empty mesh of one of the museum's materials.
 fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
+/// The wall at −x; `a` along it is z.
 fn left_wall() -> Face {
     Face::new([-HALF_WIDTH, 0.0, 0.0], Vec3::Z)
 }
@@ -231,6 +234,7 @@ struct HungPainting {
 fn hung() -> Vec<HungPainting> {
     let (left, right) = (left_wall(), right_wall());
     let from_second = Face::new([0.0, 0.0, PARTITION_Z + 0.5 * PARTITION_M], Vec3::NEG_X);
+    // The index of the picture, the wall, the z or x and the height of the middle, and the width.
     let places = [
         (0, left, -6.6, 1.9, 2.4),
         (2, left, -3.0, 1.9, 2.1),
@@ -258,6 +262,7 @@ fn hung() -> Vec<HungPainting> {
         .collect()
 }
 
+/// The paintings with their frames.
 fn paintings() -> Vec<MeshBuilder> {
     let mut frames = mesh("picture-frames", GILT);
     let mut parts: Vec<MeshBuilder> = hung()
@@ -275,6 +280,7 @@ fn paintings() -> Vec<MeshBuilder> {
     parts
 }
 
+/// The rectangle of the exit sign on the wall at +x.
 fn exit_rect() -> Rect {
     centred_rect(-DOOR_Z, 2.78, 1.2, 0.4)
 }

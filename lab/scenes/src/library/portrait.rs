@@ -22,8 +22,8 @@ pub struct ImpostorFrame {
     pub width: u32,
 }
 
-/// Adds an impostor to the scene. Its image shows the meshes with the given names, seen along the rectangle's
-/// normal.
+/// Adds an impostor to the scene. The image of the impostor shows the meshes with the given names, seen along the
+/// rectangle's normal.
 pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
     let ratio = frame.half_up.length() / frame.half_right.length();
     let extent = [frame.width, ((frame.width as f32 * ratio).round() as u32).max(1)];
@@ -48,12 +48,15 @@ pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
     scene.impostors.push(impostor);
 }
 
-/// The drawing surface.
+/// The drawing surface: the rectangle of an impostor, divided into samples.
 struct Canvas<'a> {
     scene: &'a Scene,
     impostor: &'a Impostor,
+    /// Numbers of columns and rows of samples.
     size: [u32; 2],
+    /// The linear value of each sRGB byte.
     decoded: [f32; 256],
+    /// Unit normal of the rectangle.
     normal: Vec3,
 }
 
@@ -61,6 +64,7 @@ struct Canvas<'a> {
 struct Placed<'a> {
     mesh: &'a Mesh,
     corners: [&'a Vertex; 3],
+    /// Column, row and height of each corner, as [`Canvas::place`] gives them.
     places: [Vec3; 3],
     /// Twice the triangle's area, in samples.
     area: f32,
@@ -69,12 +73,15 @@ struct Placed<'a> {
 /// The highest triangle at a sample.
 #[derive(Clone, Copy)]
 struct Highest<'a> {
+    /// Height above the rectangle, in metres.
     height: f32,
     triangle: &'a Placed<'a>,
+    /// Barycentric weights of the corners at the sample.
     weights: Vec3,
 }
 
 impl<'a> Canvas<'a> {
+    /// An empty canvas of `size` samples over the rectangle of an impostor.
     fn new(scene: &'a Scene, impostor: &'a Impostor, size: [u32; 2]) -> Self {
         let decoded = std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0));
         Self { scene, impostor, size, decoded, normal: impostor.normal() }
@@ -103,6 +110,7 @@ impl<'a> Canvas<'a> {
         (0..self.size[1]).into_par_iter().flat_map_iter(row).collect()
     }
 
+    /// Places the triangle with these three indices of vertices on the canvas.
     fn placed<'m>(&self, mesh: &'m Mesh, indices: &[u32]) -> Placed<'m> {
         let corners = [0, 1, 2].map(|k| &mesh.vertices[indices[k] as usize]);
         let places = corners.map(|v| self.place(Vec3::from(v.position)));
@@ -121,7 +129,7 @@ impl<'a> Canvas<'a> {
         )
     }
 
-    /// Draws the part of a triangle that lies in one row.
+    /// Draws the part of a triangle that lies in one row; `middle` is the middle of the row, in samples from the top.
     fn draw<'t>(&self, row: &mut [Option<Highest<'t>>], middle: f32, triangle: &'t Placed<'t>) {
         let places = &triangle.places;
         let [a, b, c] = places.map(|p| p.truncate());
@@ -193,13 +201,14 @@ impl Placed<'_> {
         (0..3).map(|k| weights[k] * attribute(self.corners[k])).sum()
     }
 
+    /// The texture coordinates at a point.
     fn uv(&self, weights: Vec3) -> Vec2 {
         self.mix(weights, |v| Vec2::from(v.uv).extend(0.0)).truncate()
     }
 }
 
-/// Reduces samples to texels: colour is the mean of the covered samples, alpha their share. Texels without covered samples get
-/// the mean colour of the image, so that filtering adds no dark seam.
+/// Reduces samples to texels: the colour is the mean of the covered samples, and alpha is the share of covered samples.
+/// Texels without covered samples get the mean colour of the image, so that filtering adds no dark seam.
 fn reduced(samples: &[Option<Vec3>], [width, height]: [u32; 2]) -> Vec<u8> {
     let stride = width * OVERSAMPLED;
     let texel = |x: u32, y: u32| {

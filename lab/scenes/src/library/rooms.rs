@@ -1,6 +1,6 @@
-//! `rooms`: two low rooms joined by an arch, after the scene of the thesis's figures 5.1–5.5 and 5.9. They have a tiled floor,
-//! stone walls, a wooden ceiling with a skylight, two windows, and wooden objects to be reflected. Every material reflects,
-//! except for the windows, which show the sky.
+//! `rooms`: two low rooms joined by an arch, after the scene of the thesis's figures 5.1–5.5 and 5.9. The rooms have a
+//! tiled floor, stone walls, a wooden ceiling with a skylight, two windows, and wooden objects to be reflected. Every
+//! material reflects, except for the windows, which show the sky.
 
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, Wall};
@@ -9,6 +9,7 @@ use crate::pattern::{Pattern, Wood};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
 
+// Indices of materials in `FINISHES`.
 const STONES: usize = 0;
 const TILES: usize = 1;
 const CEILING: usize = 2;
@@ -99,6 +100,7 @@ fn area_lights() -> Vec<AreaLight> {
     lights
 }
 
+/// An empty mesh of one of the materials of the rooms.
 fn mesh(name: &str, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
@@ -142,6 +144,7 @@ fn windows() -> Vec<Mesh> {
     let level = |(x, z): ([f32; 2], [f32; 2]), y: f32| {
         [[x[0], z[0]], [x[1], z[0]], [x[1], z[1]], [x[0], z[1]]].map(|[x, z]| Vec3::new(x, y, z))
     };
+    // The direction from the middle between two corners to a centre.
     let inwards_of = |centre: Vec3| move |a: Vec3, b: Vec3| centre - 0.5 * (a + b);
     let to_middle = inwards_of(Vec3::new(2.055, 1.0, -2.255));
     ring(&mut reveals, &level(WELL, CEILING_Y), &level(WELL, 1.14), to_middle);
@@ -184,6 +187,7 @@ fn blocks() -> Vec<Mesh> {
         [-0.56, -0.80, -0.90, -0.80],
         [-0.80, -0.80, -0.80, -0.64],
     ];
+    /// Thickness of the wooden tops.
     const BOARD: f32 = 0.025;
     let mut bricks = mesh("blocks", BRICKS);
     let mut tops = mesh("block-tops", DARK_WOOD);

@@ -65,6 +65,7 @@ fn rib(bones: &mut MeshBuilder, top: Vec3, side: f32, [width, depth]: [f32; 2]) 
     });
 }
 
+/// One leg with its half of the pelvis, at +x for a `side` of 1 and at −x for −1; the legs are one step apart.
 fn leg(bones: &mut MeshBuilder, ground: Vec3, hip: Vec3, side: f32) {
     let step = 0.32 * side;
     let hip = hip + Vec3::new(0.22 * side, -0.1, 0.0);
@@ -87,6 +88,7 @@ fn leg(bones: &mut MeshBuilder, ground: Vec3, hip: Vec3, side: f32) {
     }
 }
 
+/// One short arm with two fingers, at +x for a `side` of 1 and at −x for −1.
 fn arm(bones: &mut MeshBuilder, shoulder: Vec3, side: f32) {
     let shoulder = shoulder + Vec3::new(0.26 * side, -0.4, 0.1);
     let elbow = shoulder + Vec3::new(0.05 * side, -0.3, -0.04);

@@ -12,6 +12,7 @@ use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::Vec3;
 use house::{Ground, HouseFront};
 
+// Indices of materials in `FINISHES`.
 const ROAD: usize = 0;
 const PAVEMENT: usize = 1;
 const KERB: usize = 2;
@@ -110,9 +111,11 @@ const CAFE_SIGN: Sign = Sign {
 const KERB_X: f32 = 4.0;
 const HOUSE_X: f32 = 6.6;
 const ENDS_Z: [f32; 2] = [-8.0, 40.0];
+/// Height of the kerbs and of the pavement.
 const KERB_M: f32 = 0.14;
 /// The height of the tallest houses.
 const TOP: f32 = 14.2;
+/// The points on the ground below the middles of the two parked cars.
 const CAR: Vec3 = Vec3::new(-2.9, 0.0, 8.4);
 const SECOND_CAR: Vec3 = Vec3::new(2.95, 0.0, 19.5);
 /// Street lamps: x and z of their posts; then the height of their globes and the distance by which the globes hang over the
@@ -156,10 +159,12 @@ pub fn scene() -> Scene {
     scene
 }
 
+/// An empty mesh of one of the street's materials.
 fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
+/// The materials of a car whose body has the material `paint`.
 fn car_materials(paint: usize) -> car::Materials {
     car::Materials { paint, glass: DARK_GLASS, dark: RUBBER, chrome: METAL, tail_lamp: TAIL_LAMP }
 }
@@ -199,6 +204,7 @@ fn fronts() -> [HouseFront; 8] {
     ]
 }
 
+/// A faint directional light, the globes of the lamps, and lights at the cinema and at the signs.
 fn lights() -> Vec<Light> {
     let point = |x: f32, y: f32, z: f32, energy: f32| Light::Point { position: Vec3::new(x, y, z), energy };
     let globe = |[x, z]: [f32; 2]| point(x - x.signum() * GLOBE[1], GLOBE[0] - 0.55, z, 4.0);
@@ -307,12 +313,15 @@ fn cinema() -> Vec<MeshBuilder> {
     parts
 }
 
+/// The names of the posters' meshes.
 const POSTERS: [&str; 2] = ["poster-ship", "poster-portrait"];
 
+/// The rectangle of the cinema's sign on the front of the canopy.
 fn cinema_rect() -> Rect {
     centred_rect(0.5 * (CANOPY.0[0] + CANOPY.0[1]), 0.5 * (CANOPY.1[0] + CANOPY.1[1]), 6.2, 6.2 * 144.0 / 768.0)
 }
 
+/// The rectangles of the posters on the fronts at −x.
 fn poster_rects() -> [Rect; 2] {
     [centred_rect(7.05, 1.75, 1.9, 1.27), centred_rect(14.9, 1.75, 1.2, 1.5)]
 }
@@ -325,6 +334,7 @@ struct BladeSign {
     rect: Rect,
 }
 
+/// The signs that project across the street: at the hotel and at the bar.
 fn blades() -> [BladeSign; 2] {
     let across = |z: f32| Face::new([0.0, 0.0, z], Vec3::X);
     [
@@ -333,6 +343,7 @@ fn blades() -> [BladeSign; 2] {
     ]
 }
 
+/// The rectangle of the café's sign on the fronts at +x.
 fn cafe_rect() -> Rect {
     centred_rect(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
 }

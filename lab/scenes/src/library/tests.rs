@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 static SCENES: LazyLock<Vec<Scene>> =
     LazyLock::new(|| every_name().map(|name| scene(name).expect("a built-in scene")).collect());
 
+/// The built-in scene with this name.
 fn built(name: &str) -> &'static Scene {
     SCENES.iter().find(|s| s.name == name).expect("a built-in scene")
 }

@@ -7,7 +7,7 @@ use glam::{DVec4, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The material that results from its law.
+/// A material whose numbers were read by the law of the program that wrote them.
 #[derive(Debug, Clone)]
 pub(super) struct MaterialReading {
     /// The material without its name, surface and images.
@@ -23,7 +23,8 @@ pub(super) struct MaterialReading {
 /// The index of an image in the list of images read.
 type Image = usize;
 
-/// The inputs from which an image of the scene is made. Materials with equal inputs share the image.
+/// The inputs from which an image of the scene is made. Materials with equal inputs share the image. `Plain` is an
+/// image of the file that is used unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ImageRecipe {
     Plain(Image),
@@ -34,21 +35,26 @@ enum ImageRecipe {
 
 /// The images that were read, and the images that the scene's materials need.
 pub(super) struct Textures {
+    /// The images that were read; `None` for an image without a file and without a replacement.
     read: Vec<Option<Texture>>,
+    /// The images to make, each once.
     made: Vec<ImageRecipe>,
-    /// Index of each recipe in the list, by its text, since numbers of materials have no hash.
+    /// Index of each recipe in `made`, by its text in the format of `Debug`, since floats have no hash.
     index: HashMap<String, usize>,
 }
 
 impl Textures {
+    /// The images that were read, before any material asks for one.
     pub(super) fn new(read: Vec<Option<Texture>>) -> Self {
         Self { read, made: Vec::new(), index: HashMap::new() }
     }
 
+    /// Whether an image was read or replaced.
     pub(super) fn is_there(&self, image: Image) -> bool {
         self.read[image].is_some()
     }
 
+    /// The index of a recipe among the images to make, to which the recipe is added if it is new.
     fn add(&mut self, wanted: ImageRecipe) -> usize {
         *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
             self.made.push(wanted);
@@ -108,7 +114,7 @@ impl Textures {
     }
 }
 
-/// Bakes an image from others; `None` for an unchanged one.
+/// Bakes an image from the images that were read; `None` for an image that is used unchanged.
 fn bake(made: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
     let input = |image: Option<Image>| read[image?].as_ref();
     // A grey image has its numbers in every channel.

@@ -52,6 +52,7 @@ pub(super) struct MaterialImages {
 }
 
 impl MaterialImages {
+    /// All images, in the order of the fields.
     fn all(&self) -> [&Option<ImageStatement>; 7] {
         let Self { albedo, normal, mask, reflectivity, emission, roughness, metalness } = self;
         [albedo, normal, mask, reflectivity, emission, roughness, metalness]
@@ -65,6 +66,7 @@ pub(super) struct Source {
     pub reading: Option<MaterialReading>,
 }
 
+/// The role of an image, which decides how the image is decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum ImageRole {
     Albedo,
@@ -77,7 +79,7 @@ enum ImageRole {
     Data,
 }
 
-/// An image in one role. Materials that request the same image in the same role share it.
+/// An image in one role. Materials that request the same image in the same role share the decoded image.
 #[derive(Debug, PartialEq, Eq, Hash, Clone)]
 struct Request {
     path: PathBuf,
@@ -128,6 +130,7 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
     warn_of_transforms(scene, &sources);
 }
 
+/// Adds a warning for each material with an image whose options would transform texture coordinates.
 fn warn_of_transforms(scene: &mut Scene, sources: &[Source]) {
     for (source, material) in sources.iter().zip(&scene.materials) {
         if let Some(image) = source.images.all().into_iter().flatten().find(|i| i.transformed) {
@@ -138,12 +141,15 @@ fn warn_of_transforms(scene: &mut Scene, sources: &[Source]) {
     }
 }
 
+/// The images that the materials of a scene need, each once in each role.
 #[derive(Default)]
 struct Requests {
     list: Vec<Request>,
     /// For each request, the statement that made it first.
     statements: Vec<ImageStatement>,
+    /// Index of each request in the list.
     index: HashMap<Request, usize>,
+    /// The path of each name that was looked up, by the folder of the MTL file and the name.
     found: HashMap<(PathBuf, String), PathBuf>,
 }
 
@@ -170,6 +176,7 @@ impl Requests {
         })
     }
 
+    /// The index of the request for an image in a role, which is added to the list if it is new.
     fn add(&mut self, statement: &ImageStatement, role: ImageRole) -> usize {
         let folder = statement.mtl_path.parent().unwrap_or(Path::new(""));
         let key = (folder.to_owned(), statement.name.clone());
@@ -201,12 +208,14 @@ impl Requests {
 /// The result of a request.
 struct LoadedImage {
     path: PathBuf,
+    /// The image or its generated replacement; `None` if a number takes its place.
     texture: Option<Texture>,
     /// Why the requested image is not used, and `instead` names the replacement.
     problem: Option<String>,
     instead: &'static str,
 }
 
+/// Decodes the image of a request, unless it does not fit into the texels of a scene, and else finds a replacement.
 fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
     let Request { path, role } = request.clone();
     let problem = if !path.is_file() {
@@ -236,6 +245,7 @@ fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
     LoadedImage { path, texture, problem: Some(problem), instead }
 }
 
+/// Decodes a file, shrinks the image to at most `side` texels along a side, and converts the image to its role.
 fn decode(path: &Path, role: ImageRole, side: u32) -> Result<Texture> {
     let decode = |encoding| Ok::<_, Error>(texture::shrink_to_side(texture::decode(path, encoding)?, side));
     Ok(match role {
@@ -247,6 +257,7 @@ fn decode(path: &Path, role: ImageRole, side: u32) -> Result<Texture> {
     })
 }
 
+/// A file name without quotation marks, with slashes in the place of backslashes.
 fn forward_slashes(name: &str) -> String {
     name.trim_matches('"').replace('\\', "/")
 }

@@ -9,7 +9,7 @@
 //! | `Ks`, `Ns`, `Ka`, `Ni`, `illum` | by the law of the exporter ([`laws`]); by Wavefront's `Ks` is the reflectivity (1 if absent) and `Ns` a Phong exponent (absent or ≤ 0: roughness 0, the author's default) |
 //! | `Pr`, `Pm`, `map_Pr`, `map_Pm` | roughness and metalness as those of glTF |
 //! | `Ke`, `map_Ke` | emission |
-//! | `map_Kd`, `map_Ks`, `map_d` | image of the colour, factor on what `Ks` says, alpha mask |
+//! | `map_Kd`, `map_Ks`, `map_d` | image of the colour, factor on the value of `Ks`, alpha mask |
 //! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
 //!
 //! Other statements that change the look of a material are dropped, with a warning for each kind ([`lost_meaning`]).
@@ -35,10 +35,12 @@ use maps::image_statement;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Definition {
     law: Law,
+    /// The colours of `Kd`, `Ks`, `Ke` and `Ka`.
     diffuse: Option<Vec3>,
     specular: Option<Vec3>,
     emission: Option<Vec3>,
     ambient: Option<Vec3>,
+    /// The numbers of `Ns`, `Pr` and `Pm`.
     exponent: Option<f32>,
     roughness: Option<f32>,
     metalness: Option<f32>,
@@ -136,6 +138,7 @@ pub(super) struct Definitions {
 }
 
 impl Definitions {
+    /// Whether the MTL files define no material.
     pub(super) fn is_empty(&self) -> bool {
         self.named.is_empty()
     }
@@ -216,6 +219,7 @@ impl std::fmt::Display for Place<'_> {
     }
 }
 
+/// Reads a statement of a material into its definition. `keyword` is in small letters, and `rest` is the text after it.
 fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<()> {
     let image = || image_statement(place, rest);
     match keyword {
@@ -272,10 +276,12 @@ fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
 const TRANSPARENCY: &str = "transparency (d, Tr, Tf) is not supported; the surface is opaque where it has no map_d";
 
 impl Definition {
+    /// Notes a warning about a dropped statement, unless the material has the same warning already.
     fn drop_kind(&mut self, place: &Place, sentence: &'static str) {
         self.drop_at(&place.to_string(), sentence);
     }
 
+    /// Notes a warning as [`Self::drop_kind`] does, with the place as text.
     fn drop_at(&mut self, place: &str, sentence: &'static str) {
         self.dropped.entry(sentence).or_insert_with(|| place.to_owned());
     }

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
 
-/// A part that is being built; a normal of zero is not yet known.
+/// A part that is being built. A vertex whose normal is zero has no normal yet.
 struct GroupPart {
     part: MeshPart,
     /// Smoothing group of each triangle.
@@ -43,6 +43,7 @@ pub(super) fn build(
         let part = MeshPart { name, material, triangles: Vec::new(), has_tangents: false };
         let mut part = GroupPart { part, smoothing: Vec::new() };
         let mut start = 0;
+        // tobj lists no numbers of corners if all faces of a group are triangles.
         let uniform = mesh.face_arities.is_empty().then_some(3);
         let arities = mesh.face_arities.iter().map(|&n| n as usize);
         let faces = uniform.map_or(0, |n| mesh.indices.len() / n);
@@ -72,7 +73,7 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
         Handedness::Right => Vec3::new(1.0, 1.0, -1.0),
         Handedness::Left => Vec3::ONE,
     };
-    // Adding zero has the same reason as in `fill_normals`.
+    // Adding zero turns −0 into 0, so that welding finds equal bits.
     let to_world = |v: &[f32], factor: Vec3| Vec3::new(v[0], v[1], v[2]) * factor + Vec3::ZERO;
     let positions = mesh.positions.chunks_exact(3);
     let attributes = mesh.normals.chunks_exact(3).zip(mesh.texcoords.chunks_exact(2));
@@ -92,8 +93,8 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
 }
 
 impl GroupPart {
-    /// Adds a polygon's triangles, with reversed winding if its stated normals point behind them. Returns the number of
-    /// triangles without area, which are left out.
+    /// Adds the triangles of a polygon, each with reversed winding if its stated normals point behind it. Returns the
+    /// number of triangles without area, which are left out.
     fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
         let mut without_area = 0;
         let positions: Vec<DVec3> = polygon.iter().map(position).collect();
@@ -155,6 +156,7 @@ fn fill_normals(parts: &mut [GroupPart]) {
     }
 }
 
+/// The position of a vertex, in 64 bits.
 fn position(vertex: &Vertex) -> DVec3 {
     Vec3::from(vertex.position).as_dvec3()
 }
@@ -264,6 +266,8 @@ mod tests {
         assert!(Vec3::from(triangle[1].normal).as_dvec3().dot(face) > 0.999, "{triangle:?}");
     }
 
+    /// The sum of the areas of triangles, and their area with signs; both are equal if all triangles are oriented
+    /// alike.
     fn area(polygon: &[DVec3], triangles: &[[usize; 3]]) -> (f64, f64) {
         let cross = |t: &[usize; 3]| (polygon[t[1]] - polygon[t[0]]).cross(polygon[t[2]] - polygon[t[0]]);
         let sum: DVec3 = triangles.iter().map(cross).sum();

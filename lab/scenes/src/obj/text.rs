@@ -50,8 +50,8 @@ struct FirstReading {
 }
 
 /// Normalises the text of the file at `path`; errors and warnings name that path. `origin` is subtracted from every vertex, in
-/// units of the file. If it is `None`, and the vertices are too far from the file's origin for their size, `origin` becomes the
-/// centre of the vertices.
+/// units of the file. If `origin` is `None`, and the vertices are too far from the file's origin for their size,
+/// `origin` becomes the centre of the vertices.
 pub(super) fn normalise(
     path: &Path,
     text: &str,
@@ -110,21 +110,27 @@ struct Counter {
     highest: (usize, usize),
 }
 
+/// One reading of a file, statement by statement.
 struct Scan<'a> {
     path: &'a Path,
     known: FirstReading,
+    /// The line of the current statement.
     line: usize,
     out: Statements,
     counters: [Counter; 3],
     /// The least and the greatest coordinates of the vertices, as written in the file.
     bounds: [DVec3; 2],
+    /// Number of triangles of all faces so far.
     triangles: usize,
+    /// The current smoothing group; 0 is none.
     smoothing: u32,
+    /// The index of each material in the order of first use, by its name.
     materials: HashMap<String, usize>,
     /// Warnings about dropped or replaced statements: one for each kind, with the line of the first.
     dropped: BTreeMap<&'static str, usize>,
 }
 
+/// The three lists that faces refer to, in the order of the counters, in the words of errors.
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Statements of free-form curves and surfaces, which have no corners.
@@ -137,6 +143,7 @@ const FREE_FORM: [&str; 21] = [
 const HINTS: [&str; 9] = ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "call"];
 
 impl<'a> Scan<'a> {
+    /// A reading before its first statement, whose output begins with the NaN entries.
     fn new(path: &'a Path, known: FirstReading) -> Self {
         let out = Statements {
             vertices: "vt NaN NaN\nvn NaN NaN NaN\n".into(),
@@ -150,6 +157,7 @@ impl<'a> Scan<'a> {
         Self { path, known, line: 0, out, counters, bounds, triangles: 0, smoothing: 0, materials, dropped }
     }
 
+    /// An error at the current line.
     fn error(&self, message: impl Into<String>) -> Error {
         Error::malformed(self.path, Some(self.line), message)
     }
@@ -160,6 +168,7 @@ impl<'a> Scan<'a> {
         self.dropped.entry(sentence).or_insert(line);
     }
 
+    /// Reads one statement, and appends it in plain form to the output.
     fn statement(&mut self, statement: &str) -> Result<()> {
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
         let keyword = keyword.to_ascii_lowercase();
@@ -186,8 +195,9 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// Reads a vertex, texture coordinate or normal. The statement must have at least `needed` numbers, of which `kept` are
-    /// kept; missing ones become 0. Further numbers (weights, colours) are ignored.
+    /// Reads a vertex, texture coordinate or normal; `kind` is an index into [`KINDS`]. The statement must have at
+    /// least `needed` numbers. The first `kept` numbers are kept, and missing ones become 0. Further numbers (weights,
+    /// colours) are ignored.
     fn numbers(&mut self, kind: usize, rest: &str, needed: usize, kept: usize) -> Result<()> {
         let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
         let mut stated = ["0"; 3];
@@ -209,7 +219,7 @@ impl<'a> Scan<'a> {
         }
         let is_finite = |v: &f64| (*v as f32).is_finite();
         match numbers.iter().position(|v| !is_finite(v)) {
-            // Without this number, a vertex has no place. Other missing numbers can be replaced.
+            // Without all of its three numbers, a vertex has no place. Other missing numbers can be replaced.
             Some(i) if kind == 0 => {
                 let message =
                     format!("the position of a vertex is not a number: {:?} is not finite", printable_name(stated[i]));
@@ -232,7 +242,7 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// Writes a statement unchanged, or a vertex that is moved.
+    /// Writes a statement with its numbers as stated or, for a vertex of a scene that is moved, less the origin.
     fn write_numbers(&mut self, kind: usize, stated: &[&str], numbers: DVec3) {
         self.out.vertices.push_str(["v", "vt", "vn"][kind]);
         if kind == 0 {
@@ -251,6 +261,7 @@ impl<'a> Scan<'a> {
         self.out.vertices.push('\n');
     }
 
+    /// Reads a face, and writes it with absolute indices; a face of one or two corners is dropped.
     fn face(&mut self, rest: &str) -> Result<()> {
         if self.out.material_names.is_empty() {
             self.use_material(NO_MATERIAL);
@@ -259,7 +270,7 @@ impl<'a> Scan<'a> {
         let mut corners = 0;
         for word in rest.split_whitespace().take_while(|w| !w.starts_with('#')) {
             let [v, vt, vn] = self.corner(word)?;
-            // Texture coordinates and normals are numbered after the NaN entry, which represents a missing one.
+            // Texture coordinates and normals are numbered after the NaN entry, which stands for a missing attribute.
             let _ = write!(face, " {v}/{}/{}", vt + 1, vn + 1);
             corners += 1;
         }
@@ -317,11 +328,13 @@ impl<'a> Scan<'a> {
         Ok(indices)
     }
 
+    /// The error about an index that a face states and that a list of `count` entries does not have.
     fn out_of_range(&self, kind: usize, stated: i64, count: usize) -> Error {
         let name = KINDS[kind];
         self.error(format!("a face refers to {name} {stated}, but there are {count}"))
     }
 
+    /// Makes a material the current one; an empty name stands for [`NO_MATERIAL`].
     fn use_material(&mut self, name: &str) {
         let name = if name.is_empty() { NO_MATERIAL } else { name };
         let names = &mut self.out.material_names;
@@ -337,6 +350,7 @@ impl<'a> Scan<'a> {
         self.counters[1..].iter().any(|c| c.highest.0 > c.count)
     }
 
+    /// Ends the reading: checks the indices of vertices, adds the warnings, and returns the plain statements.
     fn finish(mut self, warnings: &mut Vec<String>) -> Result<Statements> {
         let Counter { count, highest: (index, line) } = self.counters[0];
         if index > count {

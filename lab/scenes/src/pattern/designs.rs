@@ -30,7 +30,7 @@ fn grain(frequency: [i32; 2], octaves: u32, seed: u32) -> Grain {
     Box::new(move |texel| image[texel.index])
 }
 
-/// Noise whose seed depends on the point, as that of a tile or plank does.
+/// Noise whose seed depends on the point, so that each tile or plank has noise of its own.
 fn grains(frequency: [i32; 2], octaves: u32, seed: impl Fn(Vec2) -> u32) -> Grain {
     let seeds: Vec<u32> = (0..SIZE * SIZE).map(|k| seed(Texel::new(k, [SIZE, SIZE]).uv)).collect();
     let mut image = Vec::with_capacity(seeds.len());
@@ -290,7 +290,7 @@ pub fn marble(size_m: f32) -> Design {
     })
 }
 
-/// Terrazzo: chips of three stones in grey cement, brass strips between the fields.
+/// Terrazzo: chips of stone in four colours in grey cement, with brass strips between the fields.
 pub fn terrazzo(size_m: f32) -> Design {
     const CHIPS: [Vec3; 4] = [
         Vec3::new(0.30, 0.27, 0.22),

@@ -1,4 +1,4 @@
-//! Capital letters and digits for signs, as strokes: each is a set of polylines on a grid of four by six, y
+//! Capital letters and digits for signs, as strokes: each letter is a set of polylines on a grid of four by six, y
 //! downwards. Strokes stay round and even at every size, like bent glass tubes.
 
 use glam::Vec2;
@@ -8,6 +8,7 @@ const LETTER: Vec2 = Vec2::new(4.0, 6.0);
 /// Space between two letters, along the text or (stacked) down it.
 const GAP: Vec2 = Vec2::new(1.9, 2.1);
 
+/// A polyline: x and y of its points on the grid of a letter.
 type Stroke = &'static [(f32, f32)];
 
 /// A line of text, or letters stacked on top of one another.
@@ -44,6 +45,7 @@ impl Text {
     }
 }
 
+/// Distance from a point to a stroke.
 fn to_stroke(point: Vec2, stroke: Stroke) -> f32 {
     stroke.windows(2).map(|ends| to_segment(point, ends[0].into(), ends[1].into())).fold(f32::INFINITY, f32::min)
 }
@@ -54,6 +56,7 @@ pub fn to_segment(point: Vec2, a: Vec2, b: Vec2) -> f32 {
     point.distance(a.lerp(b, along))
 }
 
+/// The strokes of a letter; none for a character without a drawing.
 #[rustfmt::skip]
 fn strokes(letter: char) -> &'static [Stroke] {
     match letter {

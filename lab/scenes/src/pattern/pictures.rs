@@ -1,4 +1,4 @@
-//! Images that cover a surface once, from edge to edge: signs, paintings, panes and stained glass. None is
+//! Images that cover a surface once, from edge to edge: signs, paintings, panes and stained glass. No image is
 //! symmetric, so that a mirrored or misplaced reflection is visible.
 
 use super::lettering::{Text, to_segment};
@@ -116,6 +116,7 @@ impl Picture {
 }
 
 impl Sign {
+    /// Linear colour and coverage at a point of the image.
     fn sample(&self, uv: Vec2) -> Vec4 {
         let size = Vec2::new(self.size[0] as f32, self.size[1] as f32) / self.size[0].min(self.size[1]) as f32;
         let p = uv * size;
@@ -155,7 +156,8 @@ impl Sign {
         let body = plate(half, p - half);
         match self.cut {
             SignOutline::Plate => body,
-            // Half planes bound the tip: they pass through the middle of the right edge, at 45°.
+            // Half planes bound the tip: they pass through the middle of the right edge, at 45°. The factors 1 / √2
+            // and, below, 1 / √(1 + 0.45²) make distances of their equations.
             SignOutline::Arrow => body.min((size.x - p.x - (p.y - half.y).abs()) * 0.707),
             SignOutline::Slant => body.min((size.y - 0.45 * (size.x - p.x) - p.y) * 0.912),
         }
@@ -163,6 +165,7 @@ impl Sign {
 }
 
 impl Painting {
+    /// Linear colour at a point of the image.
     fn sample(self, uv: Vec2) -> Vec3 {
         let strokes = 0.88 + 0.24 * fractal(uv * Vec2::new(14.0, 30.0), IVec2::new(64, 64), 3, 401);
         let painted = match self {
@@ -195,6 +198,7 @@ fn polygon(point: Vec2, corners: &[(f32, f32)]) -> f32 {
         .fold(f32::INFINITY, f32::min)
 }
 
+/// The painting of hills under a low sun: its linear colour at a point, before brush strokes.
 fn landscape(uv: Vec2) -> Vec3 {
     let wave = |x: f32, seed: u32| fractal(Vec2::new(x, 0.5), IVec2::new(64, 1), 4, seed);
     let sky = Vec3::new(0.95, 0.62, 0.22).lerp(Vec3::new(0.16, 0.36, 0.72), smoothstep(0.55, 0.0, uv.y));
@@ -207,6 +211,7 @@ fn landscape(uv: Vec2) -> Vec3 {
     paint_over(c, Vec3::new(0.05, 0.15, 0.06), ellipse(uv, Vec2::new(0.80, 0.52), Vec2::new(0.05, 0.34)))
 }
 
+/// The painting of a sailing ship: its linear colour at a point, before brush strokes.
 fn ship(uv: Vec2) -> Vec3 {
     let swell = 0.012 * (uv.x * 38.0).sin() + 0.02 * (uv.x * 11.0 + 1.0).sin();
     let cloud = smoothstep(0.5, 0.75, fractal(uv * Vec2::new(4.0, 9.0), IVec2::splat(64), 4, 431));
@@ -222,6 +227,7 @@ fn ship(uv: Vec2) -> Vec3 {
     paint_over(c, Vec3::new(0.04, 0.20, 0.32) * 1.5, uv.y - 0.75 - swell)
 }
 
+/// The painting of coloured fields between black bars: its linear colour at a point, before brush strokes.
 fn fields(uv: Vec2) -> Vec3 {
     let colour = match (uv.x, uv.y) {
         (x, y) if x < 0.34 && y < 0.58 => Vec3::new(0.78, 0.05, 0.04),
@@ -240,6 +246,7 @@ fn fields(uv: Vec2) -> Vec3 {
     paint_over(colour, Vec3::splat(0.02), 0.014 - nearest)
 }
 
+/// The painting of a face: its linear colour at a point, before brush strokes.
 fn portrait(uv: Vec2) -> Vec3 {
     let ground = Vec3::new(0.10, 0.16, 0.10) + 0.22 * smoothstep(0.9, 0.0, uv.distance(Vec2::new(0.2, 0.25)));
     let hair = Vec3::new(0.12, 0.05, 0.02);
@@ -298,7 +305,8 @@ fn shop(uv: Vec2) -> Vec3 {
         .clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// Pieces of coloured glass in lead; `tone` from 0 to 1 runs from blue through red and gold to green.
+/// Pieces of coloured glass in lead, the cells of a grid: the linear colour at a point. `tone` gives the colour of a
+/// cell: from 0 to 1 it runs from blue through red and gold to green.
 fn glass(point: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Vec3 {
     const COLOURS: [Vec3; 5] = [
         Vec3::new(0.06, 0.14, 0.85),
@@ -374,6 +382,7 @@ mod tests {
         size: [384, 96],
     };
 
+    /// Every kind of picture.
     fn all() -> Vec<Picture> {
         let mut all = vec![Picture::Sign(&SIGN), Picture::Shop, Picture::Rose];
         all.extend([Painting::Landscape, Painting::Ship, Painting::Fields, Painting::Portrait].map(Picture::Painting));
@@ -382,6 +391,7 @@ mod tests {
         all
     }
 
+    /// The mean of a function over an image of 48 × 48 points.
     fn mean(value: impl Fn(Vec2) -> f32) -> f32 {
         let uv = |k: u32| (Vec2::new((k % 48) as f32, (k / 48) as f32) + 0.5) / 48.0;
         (0..48 * 48).map(|k| value(uv(k))).sum::<f32>() / (48.0 * 48.0)

@@ -18,10 +18,11 @@ const ENDS: usize = 4096;
 const TRIES: u64 = 16 * ENDS as u64;
 /// Greatest sine of the angle by which eyes look up or down, as in an image of 74° from a level camera.
 const PITCH_SINE: f64 = 0.65;
-/// The cosine of half the diagonal angle of such an image; an end at a smaller angle from the middle is on the screen.
+/// The cosine of about 46°; an end at a smaller angle from the middle of such an image counts as on the screen.
 const ON_SCREEN_COSINE: f64 = 0.7;
-/// Least reflectivity of a surface in the search, since views and users change materials.
+/// Duller surfaces count as reflecting this share in the search, since views and users change materials.
 const DULL: f64 = 0.3;
+/// The seed of all random numbers of the paths.
 const SEED: u64 = 0x6361_7074;
 
 /// The end of a mirror ray.
@@ -35,7 +36,8 @@ pub struct MirrorEnd {
     pub path_m: f64,
 }
 
-/// The ends of paths from the places where people stand, chosen by their weights.
+/// The ends of at most [`TRIES`] paths, up to [`ENDS`] of them. A path begins at a place where people stand, with a
+/// probability in proportion to the weight of the place.
 pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
     let mut sums: Vec<f64> = Vec::with_capacity(stands.len());
     stands.iter().for_each(|s| sums.push(sums.last().unwrap_or(&0.0) + s.weight));

@@ -3,7 +3,7 @@
 //! A floor is a level surface with head room. A floor counts if all of these conditions hold:
 //!
 //! - The floor is at least half as enclosed as the most enclosed floors. Roofs are less enclosed.
-//! - The surroundings show their fronts. Inside a solid body they show their backs.
+//! - The surroundings show their fronts. Inside a solid body the surroundings show their backs.
 //! - Light reaches the floor. No light reaches a void between two walls.
 
 use super::sees;
@@ -31,8 +31,8 @@ const STOREYS: usize = 64;
 const STANDS: usize = 2048;
 /// Number of directions in which a person looks around.
 const DIRECTIONS: usize = 128;
-/// Greatest share of a person's surroundings that may show its back, unless it is exceeded everywhere. Single walls are seen
-/// from both sides, and from inside a solid body everything shows its back.
+/// Greatest share of a person's surroundings that may show its back, unless all places exceed this share. Single walls
+/// are seen from both sides, and from inside a solid body everything shows its back.
 const BACKS_MAX: f64 = 0.5;
 /// Least free distance around the eyes of a person of size 1, in metres.
 const FREE_M: f64 = 0.1;
@@ -50,6 +50,7 @@ const RISE_M: f64 = 1.5;
 /// Least distance of a capture from every surface, in metres: more than twice the distance at which the near plane cuts the
 /// corners of the faces.
 const CLEARANCE_M: f64 = 0.25;
+/// The seed of the random pairs of places.
 const SEED: u64 = 0x7374_616e;
 
 /// A place where a person stands.
@@ -61,7 +62,7 @@ pub struct StandingPlace {
     size: f64,
     /// Free height above the floor in metres; infinite under the sky.
     height_m: f64,
-    /// Share of people who stand here, which is the size of the place's floor.
+    /// Number of people who stand here, relative to other places: the number of places on the same floor.
     pub weight: f64,
 }
 
@@ -80,6 +81,7 @@ struct Surroundings {
     enclosed: f64,
     /// Share of the surfaces met that show their backs.
     backs: f64,
+    /// Distance of the nearest surface, in metres.
     nearest_m: f64,
     /// Whether the person sees the sky, a window or a point light.
     lit: bool,
@@ -164,7 +166,7 @@ fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<St
     stands
 }
 
-/// The places that people can reach, with their weights.
+/// The places on floors that count by the rules at the top of this file, with their weights.
 fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) -> Vec<StandingPlace> {
     let mut places: Vec<(StandingPlace, Surroundings)> =
         found.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
@@ -194,6 +196,7 @@ fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) ->
     stands.zip(rooms).filter(|(_, room)| lit_rooms.is_empty() || lit_rooms.contains(room)).map(|(s, _)| s).collect()
 }
 
+/// Looks around from an eye in all [`DIRECTIONS`].
 fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surroundings {
     let shines =
         |light: &Light| matches!(light, Light::Point { position, .. } if sees(triangles, eye, position.as_dvec3()));
@@ -223,7 +226,8 @@ fn sphere(index: usize) -> DVec3 {
     DVec3::new(across * cosine, y, across * sine)
 }
 
-/// Pairs of eyes that see each other: among nearest neighbours, and among random pairs.
+/// Pairs of eyes that see each other, by their indices: first those among nearest neighbours, then those among random
+/// pairs.
 fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
     let [close, anywhere] = NEIGHBOURS;
     let seen = |i: usize, others: Vec<usize>| {
@@ -249,8 +253,9 @@ fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
     [all().flat_map_iter(|i| seen(i, neighbours(i))).collect(), all().flat_map_iter(|i| seen(i, any(i))).collect()]
 }
 
-/// The group of each of `count` things that pairs connect, named by one of its members.
+/// The group of each of `count` things that pairs connect, named by its least member (union-find).
 fn joined(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+    /// The name of the group of `i`; shortens the way to it for later calls.
     fn root(parents: &mut [usize], mut i: usize) -> usize {
         while parents[i] != i {
             parents[i] = parents[parents[i]];

@@ -3,7 +3,8 @@
 use super::*;
 use crate::{Aabb, Material, Mesh, Vertex, View, library};
 
-/// The six sides of a box. `inwards` turns their fronts to the inside, as in the walls of a room; otherwise they face outwards.
+/// The six sides of a box. With `inwards` the sides have their fronts on the inside, as the walls of a room do;
+/// otherwise they face outwards.
 fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
     let corner = |k: usize| Vec3::new([min.x, max.x][k & 1], [min.y, max.y][k >> 1 & 1], [min.z, max.z][k >> 2]);
     let quads = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
@@ -29,6 +30,7 @@ fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
     mesh
 }
 
+/// A scene of meshes with one white material.
 fn scene(meshes: Vec<Mesh>) -> Scene {
     Scene { meshes, materials: vec![Material::default()], ..Scene::default() }
 }
@@ -42,6 +44,7 @@ fn two_rooms() -> Scene {
     ])
 }
 
+/// The positions of the captures.
 fn positions(placement: &Placement) -> Vec<Vec3> {
     placement.captures.iter().map(|c| c.position).collect()
 }

@@ -10,6 +10,7 @@ use ssct_ground::{Error, Result};
 use std::path::Path;
 use toml::Spanned;
 
+/// The contents of the list of a folder of captures.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ListOfCaptures {
@@ -47,6 +48,7 @@ pub(crate) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
     Ok((captures, bounds))
 }
 
+/// A `[[capture]]` table; lengths are in metres.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CaptureSection {
@@ -63,6 +65,7 @@ pub(super) struct CaptureSection {
 /// tables.
 pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<String> {
     let source = SourceText { path, text };
+    // The contents of a text apart from its captures, which must be the same before and after the replacement.
     let rest = |text: &str| {
         let mut table: toml::Table = toml::from_str(text)?;
         table.remove("capture");
@@ -125,6 +128,7 @@ impl SourceText<'_> {
         Ok(captures)
     }
 
+    /// Checks one `[[capture]]` table, whose lengths are multiplied by `extra_scale`.
     fn capture(&self, section: &CaptureSection, extra_scale: f32) -> Result<Capture> {
         let resolution = match &section.resolution {
             Some(given) if !(1..=MAX_RESOLUTION).contains(given.get_ref()) => {

@@ -38,6 +38,7 @@ impl Handedness {
         }
     }
 
+    /// Converts a light to the program's coordinates, or back.
     pub(super) fn light(self, light: Light) -> Light {
         match light {
             Light::Point { position, energy } => Light::Point { position: self.mirrored(position), energy },
@@ -47,15 +48,18 @@ impl Handedness {
         }
     }
 
+    /// Converts a view to the program's coordinates, or back.
     pub(super) fn view(self, view: View) -> View {
         View { eye: self.mirrored(view.eye), look_at: self.mirrored(view.look_at), ..view }
     }
 
+    /// Converts a probe with its box to the program's coordinates, or back.
     pub(super) fn probe(self, probe: Probe) -> Probe {
         let [a, b] = [probe.bounds.min, probe.bounds.max].map(|corner| self.mirrored(corner));
         Probe { position: self.mirrored(probe.position), bounds: Aabb { min: a.min(b), max: a.max(b) }, ..probe }
     }
 
+    /// Converts an impostor to the program's coordinates, or back.
     pub(super) fn impostor(self, impostor: Impostor) -> Impostor {
         let [centre, half_u, half_v] =
             [impostor.centre, impostor.half_u, impostor.half_v].map(|vector| self.mirrored(vector));
@@ -68,6 +72,7 @@ impl Handedness {
         Capture { position: self.mirrored(capture.position), ..capture }
     }
 
+    /// Converts an area light to the program's coordinates, or back.
     pub(super) fn area_light(self, light: AreaLight) -> AreaLight {
         let to = |vector: Vec3| self.mirrored(vector);
         let shape = match light.shape {

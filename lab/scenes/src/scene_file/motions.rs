@@ -13,6 +13,7 @@ use toml::Spanned;
 /// Greatest turn, exclusive, from one key frame to the next, since turns go the shorter way.
 const HALF_TURN_DEG: f32 = 180.0;
 
+/// A `[motion.NAME]` section.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MotionSection {
@@ -26,6 +27,7 @@ pub(super) struct MotionSection {
     key: Vec<Spanned<KeySection>>,
 }
 
+/// A key frame of a motion: time in seconds, offset in metres, and turn in degrees.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct KeySection {
@@ -35,7 +37,8 @@ struct KeySection {
 }
 
 impl SourceText<'_> {
-    /// The motion of a section, in a scene whose meshes are loaded.
+    /// The motion of a section, in a scene whose meshes are loaded. Places of the section are in `coordinates`, and are
+    /// multiplied by `extra_scale`.
     ///
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) with file and line.
@@ -65,6 +68,7 @@ impl SourceText<'_> {
             },
             None => Vec3::Y,
         };
+        // Time in seconds, offset in metres and turn in degrees of each key frame.
         let mut frames: Vec<(f32, Vec3, f32)> = Vec::new();
         for section in key {
             let KeySection { time, offset, turn_deg } = section.get_ref();
@@ -84,6 +88,7 @@ impl SourceText<'_> {
         let wrong = |why: &str| self.error(span.clone(), format!("motion {name} {why}"));
         let offsets = Keys::new(times.clone(), offsets, Interpolation::Linear).map_err(wrong)?;
         let turns = Keys::new(times, turns, Interpolation::Linear).map_err(wrong)?;
+        // The pivot is moved to the origin, the meshes are turned there, and then moved to the pivot plus the offset.
         let nodes = vec![
             MovingNode {
                 rest: Rest::Parts(DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE),

@@ -11,6 +11,7 @@ use toml::Spanned;
 /// Two halves of a rectangle count as orthogonal if the cosine of the angle between them is at most this.
 const ORTHOGONAL: f32 = 1e-3;
 
+/// A `[[probe]]` section: a place, and the corners of the box for the correction of parallax.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ProbeSection {
@@ -20,6 +21,7 @@ pub(super) struct ProbeSection {
     max: Spanned<[f32; 3]>,
 }
 
+/// An `[[impostor]]` section.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImpostorSection {
@@ -41,6 +43,7 @@ enum AreaKind {
     Cylinder,
 }
 
+/// An `[[area_light]]` section; its kind decides which other keys it has.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AreaLightSection {
@@ -56,6 +59,7 @@ pub(super) struct AreaLightSection {
 }
 
 impl SourceText<'_> {
+    /// Checks a probe, whose place must lie in its box.
     pub(super) fn probe(&self, section: &ProbeSection) -> Result<Probe> {
         let (min, max) = (self.vector("min", &section.min)?, self.vector("max", &section.max)?);
         if !min.cmplt(max).all() {
@@ -82,6 +86,7 @@ impl SourceText<'_> {
         Ok((Impostor { name, centre, half_u, half_v, texture: 0 }, texture))
     }
 
+    /// Checks an area light, which must have the keys of its kind and no others.
     pub(super) fn area_light(&self, section: &Spanned<AreaLightSection>) -> Result<AreaLight> {
         let AreaLightSection { kind, radiance, centre, radius, a, b, half_u, half_v, half_w } = section.get_ref();
         let span = radiance.span();

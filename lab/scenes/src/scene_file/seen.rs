@@ -1,5 +1,5 @@
-//! Warnings about views of a scene file that see almost nothing: a view is outside of a room, sees no surface, or sees one flat
-//! surface alone. The usual reason is that the places are in other coordinates than the file says.
+//! Warnings about views of a scene file that see almost nothing: a view stands outside of a room, sees no surface, or
+//! sees one flat surface alone. The usual reason is that the places are in other coordinates than the file says.
 
 use crate::obj::Handedness;
 use crate::viewpoint::{self, Hit, Ray};
@@ -83,7 +83,7 @@ fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'stati
     scene.meshes.iter().flat_map(|m| &m.vertices).any(is_off).then_some("sees nothing but one flat surface")
 }
 
-/// The point where a ray meets a surface, if any.
+/// The point where a ray meets a surface; `None` if the ray meets none.
 fn place(ray: &Ray, hit: &Hit) -> Option<Vec3> {
     hit.distance.is_finite().then(|| ray.origin + hit.distance * ray.direction)
 }

@@ -24,10 +24,12 @@ pub fn place_side_by_side(workshop: &mut Workshop, arguments: &[String]) -> anyh
     Ok(FinishedFigure::Picture(sheet(&rows(pictures(workshop, arguments)?))))
 }
 
+/// The pictures of the renders, one for each element of `arguments`.
 fn pictures(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Vec<Rgb>> {
     Ok(arguments.iter().map(|a| workshop.picture(a)).collect::<crate::error::Result<_>>()?)
 }
 
+/// Pictures in rows of two.
 fn rows(pictures: Vec<Rgb>) -> Vec<Vec<Rgb>> {
     pictures.chunks(2).map(<[Rgb]>::to_vec).collect()
 }
@@ -70,7 +72,7 @@ pub fn with_details(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Re
     Ok(FinishedFigure::Picture(sheet(&rows)))
 }
 
-/// The first render with all its intermediate images.
+/// The first render, its intermediate images, and its camera.
 fn inside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<(RenderedImage, Intermediates, Camera)> {
     let Some(first) = arguments.first() else { anyhow::bail!("the figure has no render") };
     let (mut rendered, camera) = workshop.inside(first)?;
@@ -78,6 +80,7 @@ fn inside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<(Rend
     Ok((rendered, all, camera))
 }
 
+/// The intermediate image with a stem.
 fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
     let found = all.iter().find(|(s, ..)| s == stem).map(|(.., pixels)| pixels);
     found.ok_or_else(|| Error::usage(format!("the frame has no {stem}")))
@@ -91,6 +94,7 @@ fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
         .collect()
 }
 
+/// The minima alone of a Hi-Z chain.
 fn minima(chain: &[Level<MinMax>]) -> Vec<Level<f32>> {
     let level_minima = |l: &Level<MinMax>| Level {
         width: l.width,
@@ -100,13 +104,13 @@ fn minima(chain: &[Level<MinMax>]) -> Vec<Level<f32>> {
     chain.iter().map(level_minima).collect()
 }
 
-/// Figure 4.1.
+/// Figure 4.1: the Hi-Z chain of a frame with even sides.
 pub fn even_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Neighbours)))
 }
 
-/// Figure 4.2.
+/// Figure 4.2: a chain of minima over a frame with odd sides, always by two by two texels.
 pub fn undersized_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     let chain = minima(&hi_z(&all));
@@ -114,7 +118,7 @@ pub fn undersized_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow
     Ok(FinishedFigure::Drawing(diagrams::chain(&diagrams::undersized(depth), Fetches::Neighbours)))
 }
 
-/// Figure 4.3.
+/// Figure 4.3: the Hi-Z chain of a frame with odd sides, by Eq. 4.1.
 pub fn odd_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Offset)))
@@ -164,6 +168,7 @@ pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fin
         let (from, hit) = ((pixel + 0.5) / size, Vec2::new(t[0], t[1]));
         (PathCode::from_channel(t[3]) == Some(PathCode::HiZ)).then_some((from, hit))
     };
+    // How far a cone is from the wanted length, 0.4, and, at half weight, from the middle of the screen.
     let off = |(from, hit): &(Vec2, Vec2)| {
         (from.distance(*hit) - 0.4).abs() + 0.5 * from.midpoint(*hit).distance(Vec2::splat(0.5))
     };
@@ -174,7 +179,7 @@ pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fin
     Ok(FinishedFigure::Drawing(diagrams::cone(from, hit, theta, 7, &display(lit))?))
 }
 
-/// Schmidt's figure 27.
+/// Schmidt's figure 27: the G-buffer of a frame.
 pub fn gbuffer(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, camera) = inside(workshop, arguments)?;
     Ok(FinishedFigure::Picture(sheet(&gbuffer_pictures::rows(&all, &camera)?)))

@@ -37,7 +37,7 @@ pub enum PrintedScene {
 }
 
 impl PrintedScene {
-    /// The built-in scene that takes its place.
+    /// The built-in scene that takes the place of the printed scene.
     pub fn stand_in(self) -> &'static str {
         match self {
             Self::Rooms => "rooms",
@@ -53,7 +53,7 @@ impl PrintedScene {
         }
     }
 
-    /// The printed scene that a file holds.
+    /// The printed scene whose views a scene from a file has; `None` if the scene lacks views of both printed scenes.
     pub fn from_scene(scene: &Scene) -> Option<Self> {
         let has = |name: &&str| scene.views.iter().any(|v| v.name == *name);
         [Self::Rooms, Self::Sponza].into_iter().find(|printed| printed.views().iter().all(&has))
@@ -138,7 +138,7 @@ impl Plate {
     }
 }
 
-/// A path as one word of a command.
+/// A path as one word of a command: a path with white space stands between quotation marks.
 pub fn quote_word(path: &str) -> String {
     if path.contains(char::is_whitespace) { format!("\"{path}\"") } else { path.to_owned() }
 }

@@ -19,6 +19,7 @@ pub struct Workshop<'a> {
     loaded: Option<LoadedScene>,
 }
 
+/// A scene that is loaded, and that is on the device.
 struct LoadedScene {
     /// The scene's name or file, as the options give it.
     source: String,
@@ -26,7 +27,7 @@ struct LoadedScene {
     stage: Stage,
 }
 
-/// An `ssct render` by itself.
+/// The command line of one `ssct render`.
 #[derive(Parser)]
 struct Render {
     #[command(flatten)]

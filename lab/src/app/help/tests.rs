@@ -17,12 +17,14 @@ fn leaves(command: &Command) -> Vec<(String, Command)> {
     found
 }
 
+/// Every command without subcommands, arranged for the short or for the long help.
 fn all(is_short: bool) -> Vec<(String, Command)> {
     let mut command = arranged_command(is_short).term_width(COLUMNS);
     command.build();
     leaves(&command)
 }
 
+/// Fails if a text has more lines or columns than the terminal.
 fn fits(text: &str, what: &str) {
     assert!(text.lines().count() <= LINES, "{what} has {} lines:\n{text}", text.lines().count());
     for line in text.lines() {

@@ -10,11 +10,13 @@ impl Manifest {
     /// The method's own parameters. Their texts live as long as the program.
     ///
     /// # Errors
-    /// [`Malformed`](ssct_ground::Error::Malformed) for a default outside its range, and the like.
+    /// [`Malformed`](ssct_ground::Error::Malformed) for a default outside of its range and for other faults of a
+    /// section.
     pub fn parameters(&self) -> Result<Vec<Parameter>> {
         self.parameters.iter().map(|(name, section)| self.parameter(name, section)).collect()
     }
 
+    /// Makes and checks one parameter. Its name has underscores in the place of hyphens.
     fn parameter(&self, name: &str, section: &Spanned<ParameterSection>) -> Result<Parameter> {
         let span = section.span();
         let declaration = section.get_ref();

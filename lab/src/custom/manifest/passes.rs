@@ -48,6 +48,7 @@ pub struct Pass {
     pub awaited: Option<PathBuf>,
     pub stage: PassStage,
     pub defines: Vec<String>,
+    /// The image and the level that the pass draws to, for each target.
     pub targets: Vec<(String, LevelOf)>,
     pub reach: PassReach,
     /// The first and the last of the levels that the pass is recorded for, one after another.
@@ -55,6 +56,7 @@ pub struct Pass {
     /// True if each level of the pass is recorded right after the same level of the pass before it.
     pub interleaved: bool,
     pub inputs: BTreeMap<String, PassInput>,
+    /// The values by their names in the shader, each with its place in the manifest.
     pub values: BTreeMap<String, (Feed, Range<usize>)>,
     pub span: Range<usize>,
 }
@@ -66,7 +68,9 @@ pub enum PassReach {
     Targets,
     /// A thread for each texel of an image's level.
     Threads(String, LevelOf),
+    /// The number of workgroups along each axis.
     Workgroups([u32; 3]),
+    /// The name of the buffer that holds the number of workgroups along each axis.
     Indirect(String),
 }
 
@@ -80,6 +84,7 @@ pub(super) struct KnownNames<'a> {
 type Shared<'a> = (&'a BTreeMap<String, Spanned<InputSection>>, &'a BTreeMap<String, Spanned<toml::Value>>);
 
 impl KnownNames<'_> {
+    /// Checks a section `[[pass]]`; `wrong` makes an error out of a place in the manifest and a message.
     pub(super) fn pass(
         &self,
         folder: &Path,
@@ -109,7 +114,7 @@ impl KnownNames<'_> {
             if !self.images.contains_key(name) {
                 return Err(wrong(text.span(), format!("there is no [image.{name}]")));
             }
-            // A pass writes to one level alone.
+            // A pass writes to one level alone: a name without a level means level 0.
             let level = if level == LevelOf::All { LevelOf::Number(0) } else { level };
             Ok((name.to_owned(), level))
         };
@@ -173,6 +178,7 @@ impl KnownNames<'_> {
         })
     }
 
+    /// Checks an input: the name of a buffer, of an image of the method's own, or of another source.
     fn input(
         &self,
         section: &Spanned<InputSection>,
@@ -204,7 +210,7 @@ impl PassInput {
     }
 }
 
-/// An image and its level: `name`, `name:2`, `name:level`, `name:level-1`.
+/// Splits `name`, `name:2`, `name:level` or `name:level-1` into the image's name and its level.
 fn level_of(text: &str) -> std::result::Result<(&str, LevelOf), String> {
     let Some((name, level)) = text.split_once(':') else { return Ok((text, LevelOf::All)) };
     let parsed = match level.strip_prefix("level") {

@@ -59,7 +59,7 @@ pub struct ImageSection {
     /// Ratio of the image's side to the frame's side.
     #[serde(default = "one")]
     pub scale: f32,
-    /// Levels; 0 for all.
+    /// Number of levels; 0 for all levels down to one texel.
     #[serde(default = "one_level")]
     pub levels: u32,
     /// True if a shader can read the image as it was in the frame before.
@@ -113,7 +113,7 @@ pub struct BufferSection {
     /// Further bytes for each pixel.
     #[serde(default)]
     pub bytes_per_pixel: f64,
-    /// The word with which the buffer is filled at the beginning of each frame.
+    /// The 32-bit word with which the buffer is filled at the beginning of each frame.
     #[serde(default)]
     pub fill: Option<u32>,
 }
@@ -144,6 +144,7 @@ pub(super) struct PassSection {
     pub(super) defines: Vec<String>,
     #[serde(default)]
     pub(super) targets: Vec<Spanned<String>>,
+    /// The image, with its level, that has a texel for each thread.
     #[serde(default)]
     pub(super) threads: Option<Spanned<String>>,
     #[serde(default)]

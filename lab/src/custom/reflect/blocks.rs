@@ -64,7 +64,7 @@ impl BlockLayout {
         (0..).zip(code.members(id)).map(member).max().unwrap_or(0)
     }
 
-    /// Adds a member of a struct that lies at `start`; `before` is the text before the member's name.
+    /// Adds a member of a struct that lies at the byte `start`; `before` is the text before the member's name.
     fn add_member(
         &mut self,
         code: &SpirvCode,
@@ -82,8 +82,8 @@ impl BlockLayout {
         self.add(code, ty, (offset, matrix), name)
     }
 
-    /// Adds the fields of type `id` that stands at `offset`, with every element of its arrays. `matrix` has the stride of its matrices,
-    /// and whether their rows come first.
+    /// Adds the fields of a value of type `id` at the byte `offset`, with every element of its arrays. `matrix` has the
+    /// stride of its matrices in bytes, and whether the matrices are stored row by row.
     fn add(
         &mut self,
         code: &SpirvCode,
@@ -131,7 +131,7 @@ fn too_large(name: &str) -> String {
     format!("has a block in which {name} lies beyond the {MAX_BYTES} bytes that uniform blocks may have")
 }
 
-/// A field of numbers that begins at each of `elements`.
+/// A field of numbers, whose elements begin at the bytes `elements`; `None` for a type of other things than numbers.
 fn numbers(code: &SpirvCode, ty: u32, elements: &[u32], (stride, is_row_major): (u32, bool)) -> Option<BlockField> {
     let definition = code.definition(ty)?;
     let (columns, vector) = match definition.opcode {
@@ -142,6 +142,7 @@ fn numbers(code: &SpirvCode, ty: u32, elements: &[u32], (stride, is_row_major): 
     if columns > 4 || rows > 4 {
         return None;
     }
+    // The bytes from a column to the next column, and from a row to the next row.
     let (along, across) = if is_row_major && columns > 1 { (4, stride) } else { (stride, 4) };
     let within = move |start: u32| {
         (0..columns).flat_map(move |c| {

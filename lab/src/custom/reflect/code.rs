@@ -81,6 +81,7 @@ impl<'a> Instruction<'a> {
         String::from_utf8_lossy(&bytes.collect::<Vec<u8>>()).into_owned()
     }
 
+    /// The operands from an index on; none if there are fewer.
     fn from(&self, index: usize) -> &'a [u32] {
         self.operands.get(index..).unwrap_or_default()
     }
@@ -111,21 +112,25 @@ impl<'a> Instruction<'a> {
     }
 }
 
-/// A module.
+/// A module of SPIR-V, with its instructions and with tables of what they say about each id.
 pub(super) struct SpirvCode<'a> {
     words: &'a [u32],
     instructions: Vec<Instruction<'a>>,
     /// Types, constants and variables of the module, by their ids.
     definitions: HashMap<u32, Instruction<'a>>,
     names: HashMap<u32, String>,
+    /// Names of the members of structs, by the struct's id and the member's number.
     member_names: HashMap<(u32, u32), String>,
+    /// The first operand of each decoration, by the id that it decorates and by the decoration's number.
     decorations: HashMap<(u32, u32), u32>,
+    /// The first operand of each decoration of a member, by the struct's id, the member's number and the decoration's
+    /// number.
     member_decorations: HashMap<(u32, u32, u32), u32>,
     /// Sizes in bytes of types without a layout, by their ids.
     sizes: HashMap<u32, u32>,
     /// Depths to which types are nested within a type, by its id.
     depths: HashMap<u32, u32>,
-    /// Ids that functions use.
+    /// Ids of the pointers that functions use.
     used: HashSet<u32>,
 }
 
@@ -193,6 +198,7 @@ impl<'a> SpirvCode<'a> {
                     self.definitions.insert(i.word(0), i);
                 }
             }
+            // 41 to 52 are the instructions that define constants.
             41..=52 | op::VARIABLE => {
                 self.definitions.entry(i.word(1)).or_insert(i);
             }
@@ -231,22 +237,27 @@ impl<'a> SpirvCode<'a> {
         self.instructions.iter().copied().filter(move |i| i.opcode == opcode)
     }
 
+    /// The instruction that defines a type, a constant or a variable of the module.
     pub fn definition(&self, id: u32) -> Option<Instruction<'a>> {
         self.definitions.get(&id).copied()
     }
 
+    /// The name of an id; empty if it has none.
     pub fn name(&self, id: u32) -> &str {
         self.names.get(&id).map_or("", String::as_str)
     }
 
+    /// The name of a struct's member; empty if it has none.
     pub fn member_name(&self, id: u32, member: u32) -> &str {
         self.member_names.get(&(id, member)).map_or("", String::as_str)
     }
 
+    /// The first operand of an id's decoration; `None` if the id is not decorated so.
     pub fn decoration(&self, id: u32, decoration: u32) -> Option<u32> {
         self.decorations.get(&(id, decoration)).copied()
     }
 
+    /// The first operand of a decoration of a struct's member; `None` if the member is not decorated so.
     pub fn member_decoration(&self, id: u32, member: u32, decoration: u32) -> Option<u32> {
         self.member_decorations.get(&(id, member, decoration)).copied()
     }
@@ -290,7 +301,7 @@ impl<'a> SpirvCode<'a> {
         }
     }
 
-    /// The members of a struct.
+    /// The ids of the types of a struct's members; none for a type that is no struct.
     pub fn members(&self, id: u32) -> &'a [u32] {
         match self.definitions.get(&id) {
             Some(Instruction { opcode: op::TYPE_STRUCT, operands }) => operands.get(1..).unwrap_or_default(),
@@ -316,7 +327,7 @@ impl<'a> SpirvCode<'a> {
         self.sizes.get(&id).copied()
     }
 
-    /// True if a struct has members that are built into the stage.
+    /// True if a struct has members that are built-in variables, such as `gl_Position`.
     pub fn has_built_in_members(&self, id: u32) -> bool {
         let (element, _) = self.element(id);
         let built_in = |m: usize| self.member_decoration(element, m as u32, decoration::BUILT_IN).is_some();

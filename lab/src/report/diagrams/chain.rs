@@ -6,6 +6,7 @@ use ssct_truth::reference::{Level, hi_z};
 
 /// Side of a cell in pixels.
 const CELL: f32 = 46.0;
+// In pixels: between two levels, at both sides, above the levels for titles, and below them for notes.
 const GAP: f32 = 56.0;
 const MARGIN: f32 = 16.0;
 const HEAD: f32 = 30.0;
@@ -23,7 +24,8 @@ pub enum Fetches {
 }
 
 impl Fetches {
-    /// The texels of the level below from which a cell is made; texels beyond the edge are those at the edge.
+    /// The texels of the level below from which a cell is made. The texel at the edge takes the place of texels beyond
+    /// the edge.
     fn texels(self, [x, y]: [u32; 2], below: &Level<f32>) -> [[u32; 2]; 4] {
         let offset = |side| if self == Self::Offset { hi_z::offset(side) } else { 1 };
         let (dx, dy) = (offset(below.width), offset(below.height));
@@ -94,6 +96,7 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
     svg.finish()
 }
 
+/// The least and the greatest depth of all levels.
 fn bounds(levels: &[Level<f32>]) -> (f32, f32) {
     let all = levels.iter().flat_map(|l| &l.texels);
     all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)))
@@ -163,7 +166,7 @@ mod tests {
 
     #[test]
     fn what_is_lost_is_said() {
-        // The nearest texel is the last of an odd side (lost without Eq. 4.1) or its second (lost with it).
+        // The nearest of five texels is the last (lost without Eq. 4.1) or the second (lost with Eq. 4.1).
         let depth = |nearest: u32| Level::from_fn(5, 1, |x, _| if x == nearest { 0.25 } else { 0.75 });
         let without = |nearest| chain(&undersized(&depth(nearest)), Fetches::Neighbours);
         assert!(without(4).contains("fill=\"#c00\" font-weight=\"bold\">.250</text>"));

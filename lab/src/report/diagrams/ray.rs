@@ -7,6 +7,7 @@ use ssct_truth::reference::Level;
 use ssct_truth::reference::hi_z::MinMax;
 use ssct_truth::reference::hi_z_ray_trace::{HiZTrace, Step};
 
+// In pixels: the width of the whole, the height of the profile, and the height of the drawings below the profile.
 const WIDTH: f32 = 900.0;
 const PROFILE: f32 = 330.0;
 const LOWER: f32 = 300.0;
@@ -15,7 +16,7 @@ const GAP: f32 = 98.0;
 const LEFT: f32 = 66.0;
 const TOP: f32 = 34.0;
 
-/// Draws a traversal of a chain.
+/// Draws the traversal of a Hi-Z chain by one ray, as SVG.
 pub fn ray(trace: &HiZTrace, chain: &[Level<MinMax>]) -> String {
     let mut svg = Svg::new(Vec2::new(WIDTH, TOP + PROFILE + GAP + LOWER));
     profile(&mut svg, trace, chain);
@@ -31,10 +32,15 @@ fn color(level: u32) -> &'static str {
 
 /// A drawing of depth over the way on the screen.
 struct Profile {
+    /// The start of the ray: texture coordinates and depth.
     from: Vec3,
+    /// The direction of the ray on the screen in pixels, of length 1.
     along: Vec2,
+    /// Width and height of the screen in pixels.
     pixels: Vec2,
+    /// The length in pixels of the way that is drawn.
     length: f32,
+    /// The depths at the lower and at the upper border of the drawing.
     depth: [f32; 2],
 }
 
@@ -53,12 +59,14 @@ impl Profile {
         ((uv - self.from.xy()) * self.pixels).dot(self.along)
     }
 
+    /// The point of the drawing for a way in pixels and a depth.
     fn place(&self, way: f32, depth: f32) -> Vec2 {
         let share = (depth - self.depth[0]) / (self.depth[1] - self.depth[0]);
         Vec2::new(LEFT + way / self.length * (WIDTH - LEFT - 24.0), TOP + PROFILE * (1.0 - share.clamp(0.0, 1.0)))
     }
 
-    /// The ways in pixels at which the ray's line enters and leaves a cell, limited to the drawing.
+    /// The ways in pixels at which the ray's line enters and leaves a cell, limited to the drawing; `count` cells cover
+    /// the screen.
     fn span(&self, cell: Vec2, count: Vec2) -> [f32; 2] {
         let (low, high) = (cell / count * self.pixels, (cell + 1.0) / count * self.pixels);
         let start = self.from.xy() * self.pixels;
@@ -75,6 +83,7 @@ impl Profile {
     }
 }
 
+/// Draws the profile: the depth buffer under the ray, the cells that were read, and the points of the ray.
 fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     let p = Profile::new(trace, chain);
     let (corner, size) = (Vec2::new(LEFT, TOP), Vec2::new(WIDTH - LEFT - 24.0, PROFILE));
@@ -126,7 +135,7 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     svg.text(Vec2::new(LEFT, foot + 34.0), 12.0, "", note);
 }
 
-/// Draws a cell that was read: it is closed from its minimum on.
+/// Draws a cell that an iteration read, from its minimum depth to the greatest depth of the drawing.
 fn cell(svg: &mut Svg, p: &Profile, step: &Step) {
     let span = p.span(step.cell, step.cell_count);
     if span[1] <= span[0] {
@@ -139,7 +148,7 @@ fn cell(svg: &mut Svg, p: &Profile, step: &Step) {
     svg.rect(corner, size.max(Vec2::ZERO), &attributes);
 }
 
-/// Draws the level over the iterations.
+/// Draws a plot of the level that each iteration reads.
 fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
     let most = trace.steps.iter().map(|s| s.level).max().unwrap_or(0).max(1);
     let size = Vec2::new(0.5 * WIDTH - 60.0, LOWER - 40.0);
@@ -165,7 +174,7 @@ fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
     svg.text(Vec2::new(corner.x + size.x, foot), 12.0, r#"text-anchor="end""#, &last.to_string());
 }
 
-/// Draws the cells on the screen.
+/// Draws the cells that were read, and the ray, where they lie on the screen.
 fn screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2) {
     let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
     let room = Vec2::new(WIDTH - corner.x - 24.0, LOWER - 40.0);

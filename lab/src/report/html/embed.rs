@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Quality of the page's JPEGs, of 100: differences between methods stay visible, and a picture
-/// takes about an eighth of its PNG.
+/// Quality of the page's JPEGs, from 0 to 100: differences between methods stay visible, and a picture takes about an
+/// eighth of the bytes of its PNG.
 pub const JPEG_QUALITY: u8 = 80;
 
 /// A picture as the page holds it.
@@ -43,7 +43,7 @@ impl PictureFolder {
         &self.place
     }
 
-    /// A picture of the folder, by its path there; wider than `most` pixels, it is scaled down.
+    /// A picture of the folder, by its path there; a picture wider than `most` pixels is scaled down.
     ///
     /// # Errors
     /// [`Io`](ssct_ground::Error::Io) for a file that cannot be read as a picture.
@@ -71,14 +71,14 @@ pub fn embed(place: &PathInFolder, most: u32) -> Result<EmbeddedPicture> {
     Ok(if own.len() <= made.uri.len() { EmbeddedPicture { uri: own, ..made } } else { made })
 }
 
-/// A picture as a JPEG.
+/// A picture as a JPEG in a data URI.
 pub fn data_uri(picture: &Rgb) -> Result<EmbeddedPicture> {
     let wrong = |what: &str| Error::usage(format!("a picture of {}x{}: {what}", picture.width, picture.height));
     let pixels = RgbImage::from_raw(picture.width, picture.height, picture.bytes.clone());
     jpeg(&pixels.ok_or_else(|| wrong("its bytes don't fit"))?).map_err(|e| wrong(&e.to_string()))
 }
 
-/// An SVG drawing, unchanged; its text states its size.
+/// An SVG drawing as a data URI, unchanged; the text of the drawing states its size.
 pub fn svg_uri(svg: &[u8]) -> String {
     uri("svg+xml", svg)
 }

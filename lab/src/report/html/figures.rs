@@ -27,11 +27,11 @@ pub struct FiguresPage<'a> {
 pub struct Group {
     /// The part's id.
     pub id: String,
-    /// Its heading.
+    /// The part's heading.
     pub title: String,
     /// A description of the document.
     pub source: String,
-    /// Its figures, in order.
+    /// The document's figures, in order.
     pub entries: Vec<Entry>,
 }
 
@@ -48,7 +48,7 @@ pub struct Entry {
     pub print: String,
     /// The differences between print and the figure made here.
     pub differs: String,
-    /// Its parts, in reading order.
+    /// The figure's parts, in reading order.
     pub panels: Vec<Panel>,
     /// The command that makes this figure alone.
     pub command: String,

@@ -5,7 +5,8 @@ use super::embed::PictureFolder;
 use crate::error::Result;
 use maud::{Markup, html};
 
-/// Greatest width of an embedded picture in pixels: about the width of the divider's stage, and half the bytes of the study's pictures.
+/// Greatest width of an embedded picture in pixels: about the width of the divider's stage, so that the page stays
+/// small.
 pub const WIDEST: u32 = 720;
 
 /// A picture of the page.
@@ -22,7 +23,7 @@ pub struct Picture {
 /// Pictures beside each other.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Strip {
-    /// Pictures in rows, each as long as there is room for.
+    /// Pictures in rows; each row holds as many as there is room for.
     Plain(Vec<Picture>),
     /// A reference, with pairs of a picture and its error map. The reference stands between the two images of a pair, and stays in sight as
     /// the page is scrolled.
@@ -36,7 +37,7 @@ pub enum Strip {
     },
 }
 
-/// Pictures of the same pixels.
+/// Pictures of one view that show the same pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gallery {
     /// Scene and view.
@@ -47,7 +48,7 @@ pub struct Gallery {
     pub compared: [String; 2],
 }
 
-/// A gallery with its divider.
+/// A gallery as HTML, to which the script adds the divider.
 pub fn gallery(gallery: &Gallery, folder: &PictureFolder) -> Result<Markup> {
     let strips = gallery.strips.iter().map(|s| strip(&gallery.title, s, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! {
@@ -75,7 +76,7 @@ fn strip(title: &str, strip: &Strip, folder: &PictureFolder) -> Result<Markup> {
     }
 }
 
-/// Pictures in their order.
+/// Pictures as HTML figures, in their order.
 pub fn figures<'p>(
     title: &str,
     pictures: impl IntoIterator<Item = &'p Picture>,

@@ -75,6 +75,7 @@ impl LibraryPage<'_> {
         Ok(frame(TITLE, &page_header(TITLE, None, DEFINITIONS, self.command, &parts), &body))
     }
 
+    /// The list of devices, and the table of runs.
     fn runs(&self) -> Markup {
         let devices = devices(&self.library.runs);
         html! {
@@ -105,6 +106,7 @@ impl LibraryPage<'_> {
         }
     }
 
+    /// The row of a run, whose number on the page is `n + 1`.
     fn run(&self, n: usize, run: &LibraryRun, devices: &[&DeviceInfo]) -> Markup {
         let labels: Vec<_> = run.devices.iter().map(|d| label(devices, d)).collect();
         let definitions: Vec<_> = run.definitions.iter().map(u32::to_string).collect();
@@ -128,6 +130,7 @@ impl LibraryPage<'_> {
         }
     }
 
+    /// A link to a file of a run; the name of the file alone if the page has no links.
     fn link(&self, run: &LibraryRun, file: &str) -> Markup {
         let Some(way) = self.way else { return html! { (file) } };
         let folder = if run.name == "." { String::new() } else { format!("{}/", run.name) };
@@ -135,6 +138,7 @@ impl LibraryPage<'_> {
         html! { a href=(utf8_percent_encode(&path, OF_A_PATH)) { (file) } }
     }
 
+    /// The part on changes, with the text about all of them.
     fn changes(&self) -> Markup {
         html! {
             p {
@@ -149,6 +153,7 @@ impl LibraryPage<'_> {
         }
     }
 
+    /// The counts of verdicts of one change, and a table of the times that became faster or slower.
     fn change(&self, change: &RunChange) -> Markup {
         let count = |verdict| change.totals.iter().filter(|t| t.verdict == Some(verdict)).count();
         let counts: Vec<_> = Verdict::ALL.iter().map(|v| format!("{} {}", count(*v), v.name())).collect();
@@ -167,10 +172,12 @@ impl LibraryPage<'_> {
         }
     }
 
+    /// The number of a run, counted from 1, and its name.
     fn name(&self, run: usize) -> String {
         format!("{}. {}", run + 1, self.library.runs[run].name)
     }
 
+    /// The part on trends: for each device, its places with their trends.
     fn trends(&self) -> Result<Markup, String> {
         let mut places: Vec<(&Trend, Vec<&Trend>)> = Vec::new();
         for trend in self.trends {
@@ -202,6 +209,7 @@ impl LibraryPage<'_> {
         })
     }
 
+    /// The trends of one place; `open` says whether the reader sees them at first.
     fn place(&self, first: &Trend, trends: &[&Trend], open: bool) -> Result<Markup, String> {
         let plots = trends.iter().map(|trend| self.trend(trend)).collect::<Result<Vec<_>, _>>()?;
         let runs = trends.iter().map(|t| t.runs.len()).max().unwrap_or(0);
@@ -214,6 +222,7 @@ impl LibraryPage<'_> {
         })
     }
 
+    /// A trend as a plot and as a table.
     fn trend(&self, trend: &Trend) -> Result<Markup, String> {
         let title = self.title(trend.quantity);
         let numbers: Vec<usize> = trend.runs.iter().map(|run| run + 1).collect();
@@ -226,6 +235,7 @@ impl LibraryPage<'_> {
         })
     }
 
+    /// The title of a quantity; a time is given as a ratio to the time of the base method.
     fn title(&self, quantity: Quantity) -> String {
         if quantity.is_time() {
             format!("{} over {}", quantity.title(), self.base)
@@ -234,6 +244,7 @@ impl LibraryPage<'_> {
         }
     }
 
+    /// The table of a trend: a row for each method, and a column for each run.
     fn trend_cells(&self, trend: &Trend) -> Vec<Vec<String>> {
         let run = |index: &usize| format!("{}. {}", index + 1, self.library.runs[*index].date);
         let mut cells =
@@ -245,6 +256,7 @@ impl LibraryPage<'_> {
         cells
     }
 
+    /// The elements that the script fills with the comparison of two runs.
     fn compare(&self) -> Markup {
         html! {
             noscript {
@@ -264,6 +276,7 @@ impl LibraryPage<'_> {
         }
     }
 
+    /// The folders that cannot be read, and the folders without records.
     fn left_out(&self) -> Markup {
         let library = self.library;
         html! {
@@ -292,6 +305,7 @@ fn is_one_place(a: &Trend, b: &Trend) -> bool {
     a.device == b.device && a.setting == b.setting && a.views == b.views
 }
 
+/// A line that names a place: scene, views, size and roughness.
 fn place_title(setting: &Setting, views: &[String]) -> String {
     let [width, height] = setting.size;
     let views = match views {
@@ -301,10 +315,12 @@ fn place_title(setting: &Setting, views: &[String]) -> String {
     format!("{}, {views}, {width} × {height}, roughness {}", setting.scene, setting.roughness)
 }
 
+/// True if a time became faster or slower.
 fn is_changed(total: &TimeComparison) -> bool {
     matches!(total.verdict, Some(Verdict::Faster | Verdict::Slower))
 }
 
+/// A table of times that changed, with the ratio of the later time to the earlier and its interval.
 fn change_cells(totals: &[&TimeComparison]) -> Vec<Vec<String>> {
     let figures = ["later over earlier", "low", "high", "verdict"];
     let mut cells = vec![[&SUBJECT_COLUMNS[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];

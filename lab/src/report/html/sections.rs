@@ -9,7 +9,7 @@ use crate::study::names::roughness;
 use crate::study::{TimeRecord, table};
 use maud::{Markup, PreEscaped, html};
 
-/// The thesis's table beside ours.
+/// The times of the thesis's table 5.8 beside the times of this device.
 pub fn table_5_8(times: &Times) -> Markup {
     html! {
         p {
@@ -28,7 +28,7 @@ pub fn table_5_8(times: &Times) -> Markup {
     }
 }
 
-/// Least and greatest ratio of the passes' sum to the frame.
+/// The least and the greatest ratio of the sum of all passes' medians to the frame's median; `None` without records.
 fn sum_over_frame(records: &[TimeRecord]) -> Option<(f64, f64)> {
     let ratios: Vec<f64> = records.iter().map(TimeRecord::sum_over_frame).collect();
     let least = ratios.iter().copied().reduce(f64::min)?;
@@ -105,7 +105,7 @@ fn unbroken(cell: &str) -> String {
     cell.replace(' ', "\u{a0}").replace(",\u{a0}", ", ")
 }
 
-/// Every pass of each record, one table a record.
+/// Every pass of each record, in one table for each record.
 pub fn passes(records: &[TimeRecord]) -> Markup {
     html! {
         @for r in records {

@@ -36,11 +36,11 @@ pub struct DevicePart {
     pub device: DeviceInfo,
     /// The folder with the device's files, relative to the page; `None` if they are beside the page.
     pub folder: Option<String>,
-    /// Its charts.
+    /// The device's charts.
     pub charts: Vec<DrawnChart>,
-    /// Its tables.
+    /// The device's tables.
     pub tables: Vec<Table>,
-    /// Its clips.
+    /// The device's clips.
     pub clips: Vec<ClipGroup>,
 }
 
@@ -74,6 +74,7 @@ impl StudyPage<'_> {
         frame(self.title, &page_header(self.title, alone, self.definitions, self.command, &parts), &body)
     }
 
+    /// Links to the files beside the page, and the meanings of the columns.
     fn records(&self) -> Markup {
         let file = |ending: &str| format!("{}.{ending}", self.kind);
         let entry = |ending: &str, what: &'static str| (file(ending), what);
@@ -100,6 +101,7 @@ impl StudyPage<'_> {
     }
 }
 
+/// The clips, the charts and the tables of a device.
 fn device(part: &DevicePart) -> Markup {
     html! {
         @if let Some(folder) = &part.folder { p { "The files of this device: " a href=(folder) { (folder) } } }

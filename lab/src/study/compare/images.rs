@@ -20,7 +20,7 @@ pub struct LinearImage {
 /// Difference of two images. A figure is null in JSON if an image has a value that is not a number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImageComparison {
-    /// "compare-images"; the images' names.
+    /// Kind of the record, which is `compare-images`, with versions and the names of the images.
     #[serde(flatten)]
     pub head: CompareHead,
     /// Width in pixels.
@@ -29,7 +29,7 @@ pub struct ImageComparison {
     pub height: u32,
     /// Root mean square error of the linear values.
     pub rmse: f64,
-    /// Mean square error over the reference's mean square; null if the reference is black.
+    /// Mean square error divided by the mean square of the reference; null if the reference is black.
     pub rel_mse: Option<f64>,
     /// Mean FLIP of the display images, 0…1.
     pub flip: f64,

@@ -41,8 +41,8 @@ impl TimeComparison {
         [place, size, roughness, normals, first, second, self.pass.clone()]
     }
 
-    /// The verdict. If it is undecided, it gives the number of samples that would probably decide it, and says whether the noise floor
-    /// alone leaves it undecided.
+    /// The verdict in words. An undecided verdict gives the number of samples that would probably decide, and says
+    /// whether the noise floor alone leaves it undecided.
     fn shown_verdict(&self) -> String {
         let open = if self.is_open_by_floor() { "UNDECIDED by the floor" } else { "UNDECIDED" };
         match (self.verdict, self.samples_to_decide) {

@@ -49,6 +49,7 @@ impl Run {
     fn with_common_names(&self, other: &Self) -> Vec<TimeSample> {
         let mut known: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
         let mut samples = self.samples.clone();
+        // Rows that follow each other share their subject, so that the last subject and its shortened copy are kept.
         let mut last: Option<[Arc<Subject>; 2]> = None;
         for s in &mut samples {
             let stripped = match &last {
@@ -94,6 +95,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
+    /// Whether a row belongs to these samples.
     fn is(&self, row: &Row) -> bool {
         self.pass == row.pass && self.part_of.as_deref() == row.part_of && self.counted == row.counted
     }
@@ -171,7 +173,8 @@ fn rows(frame: &[TimeSample]) -> Vec<Row<'_>> {
     rows
 }
 
-/// A sum of passes. The sum's noise floor is at most the sum of the parts' noise floors in milliseconds.
+/// A sum of passes. Its noise floor is the greatest that it can be: the sum of the parts' noise floors in milliseconds,
+/// divided by the sum of their times.
 fn sum<'r>(pass: &'r str, parts: impl Iterator<Item = &'r TimeSample> + Clone) -> Row<'r> {
     let ms: f64 = parts.clone().map(|s| s.ms).sum();
     let strays: Option<f64> = parts.clone().map(|s| Some(s.floors[0]? * s.ms)).sum();

@@ -69,10 +69,12 @@ fn is_value(recorded: &str, typed: &str) -> bool {
 }
 
 impl Selection {
+    /// Whether the selection names a value, given by the column of the samples.
     fn names(&self, name: &str) -> bool {
         self.values.iter().any(|(known, _)| known == name)
     }
 
+    /// Whether a subject has every value that the selection names.
     fn fits(&self, subject: &Subject) -> bool {
         self.values.iter().all(|(name, typed)| is_value(subject.get(name), typed))
     }
@@ -141,8 +143,9 @@ fn place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
     PLACE.into_iter().filter(is_free).map(|name| subject.get(name).to_owned()).collect()
 }
 
-/// Compares a setting of A with one of B at every place where both were timed. If A and B are one run and the settings have the
-/// same place, their frames are compared turn by turn. Threshold: 0 ≤ t < 1.
+/// Compares a setting of A with one of B at every place where both were timed. If A and B are one run and the settings
+/// have the same place, their frames are compared turn by turn. `threshold` is the change of a time that counts, as a
+/// share, at least 0 and below 1.
 ///
 /// # Errors
 /// A sentence, if a selection fits no setting or several, or if no place has both settings.
@@ -189,7 +192,7 @@ fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeC
 }
 
 /// Compares settings of one run that were timed in turn, each with the first, turn by turn. Each element of `series` has the
-/// samples of one subject. Threshold: 0 ≤ t < 1.
+/// samples of one subject. `threshold` is the change of a time that counts, as a share, at least 0 and below 1.
 pub fn in_turns(run: &Run, series: &[Vec<TimeSample>], threshold: f64) -> Vec<TimeComparison> {
     let all: Vec<Vec<Group>> = series.iter().map(|samples| groups(samples)).collect();
     let comparison = Comparison::new(run, run, threshold);

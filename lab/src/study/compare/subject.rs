@@ -1,4 +1,5 @@
-//! What a frame was drawn of and with, such as its scene, view, method and settings; and how two such subjects differ.
+//! The subject of a frame: the scene, view, method and settings that the frame was drawn with. Also finds how two
+//! subjects differ.
 
 use serde::{Serialize, Serializer};
 use serde_json::Value as Json;

@@ -3,6 +3,7 @@
 use super::*;
 use std::sync::Arc;
 
+/// The time of a pass in a frame of a method. All rows have the same scene, view and settings.
 fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
     let set = [
         ("scene", "rooms"),
@@ -44,6 +45,7 @@ fn totals_are_sums_of_counted_passes_frame_by_frame() {
     assert!(records.iter().all(|r| (r.samples_a, r.samples_b, r.only_in) == (6, 6, None)));
 }
 
+/// Tests that a difference smaller than the noise floor leaves the verdict undecided.
 #[test]
 fn nothing_within_the_noise_floor_is_faster_or_slower() {
     let with_floor = |scale: f64, floors: [Option<f64>; 2]| {
@@ -73,6 +75,7 @@ fn what_one_run_lacks_is_listed_without_a_verdict() {
     assert!(records.iter().all(|r| r.verdict.is_none() && r.ratio.is_none()));
 }
 
+/// Tests that samples of one subject are put together, and that fewer than five samples decide nothing.
 #[test]
 fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
     let mut twice = run("ssct", 1.0);
@@ -143,6 +146,7 @@ fn devices_that_differ_or_are_not_known_warn() {
     assert!(warning(&device_run("x"), &run("ssct", 1.0)).is_some_and(|w| w.contains("device B")));
 }
 
+/// Tests the errors of an image in which the first image is the reference.
 #[test]
 fn images_are_held_against_the_first() {
     let flat = |v: f32| LinearImage { width: 8, height: 8, rgb: vec![[v; 3]; 64] };
@@ -176,6 +180,7 @@ fn two_settings() -> Run {
     Run { samples: [first.samples, second.samples].concat(), ..run("ssct", 1.0) }
 }
 
+/// Reads a selection.
 fn selection(text: &str) -> Selection {
     text.parse().expect(text)
 }
@@ -233,6 +238,7 @@ fn settings_may_differ_in_their_place_where_it_is_named() {
     assert_eq!(settings(&both, &both, [&any, &any], 0.05).expect("both are there").len(), 8);
 }
 
+/// Tests that the levels of a chain are added up, and that tables put the total and changed passes first.
 #[test]
 fn passes_of_one_chain_are_a_group_and_what_matters_stands_first() {
     let levels = |name: &str, trace: f64| {
@@ -267,6 +273,7 @@ fn an_open_verdict_says_how_many_samples_would_decide() {
     assert_eq!(row.last(), Some(&expected));
 }
 
+/// Tests that a comparison of a run or a setting with itself gives a warning.
 #[test]
 fn a_run_beside_itself_says_so() {
     let (a, b) = (run("ssct", 1.0), run("ssct", 1.0));
@@ -282,6 +289,7 @@ fn a_run_beside_itself_says_so() {
     assert!(!warning(&others).contains("one setting"), "{:?}", others[0].warning);
 }
 
+/// Tests that records say by how much the scene passes took longer in B.
 #[test]
 fn sides_of_different_moments_carry_their_drift() {
     // The whole machine is a quarter slower in B, including its scene passes.

@@ -55,6 +55,7 @@ impl Frame {
         Self { view: view.clone(), extent, jitter_px: [0.0; 2], moved: Vec::new() }
     }
 
+    /// The camera of the frame, with its image shifted by the jitter.
     fn camera(&self, scene: &Scene) -> Camera {
         let [right, up] = self.jitter_px;
         self.view.camera(scene, self.extent).jittered([right, -up], self.extent)
@@ -126,6 +127,8 @@ struct Lineup {
 }
 
 impl Lineup {
+    /// Makes the variants for the size of a frame. If the G-buffer is changed on the host, one shot is made that draws
+    /// it, and all variants are made as effects.
     fn new(stage: &mut Stage, take: &Take, frame: &Frame, variants: &[Variant]) -> Result<Self> {
         let camera = frame.camera(&take.scene);
         let materials = &take.scene.materials;

@@ -12,6 +12,7 @@ pub const WRONG: f32 = 0.1;
 pub type Region = fn(&SeenFrame, usize) -> bool;
 
 impl SeenFrame {
+    /// Width of the image in pixels.
     fn width(&self) -> usize {
         self.screen.width as usize
     }
@@ -63,6 +64,7 @@ pub fn inner(seen: &SeenFrame, pixel: usize) -> bool {
 
 /// Selects reflecting pixels within a twelfth of the image's width of a surface close to the camera.
 pub fn beside_what_is_close(seen: &SeenFrame, pixel: usize) -> bool {
+    // A reversed depth is about the near plane's distance divided by the view depth, if the far plane is far.
     let near = seen.screen.camera.lens.near_m;
     seen.all_around(pixel, seen.width() / 12).any(|i| seen.screen.depth[i] > near / CLOSE_M)
 }
@@ -112,7 +114,8 @@ pub fn spread_of_wrong(all: &[SeenFrame], variant: usize, region: Region) -> f64
     spread(all.iter().map(|seen| wrong(seen, variant, region)))
 }
 
-/// The greatest percentage of pixels of a frame whose colour differs from the first frame, which has the same camera and size.
+/// The greatest percentage, over the later frames, of pixels whose colour differs from that in the first frame. All
+/// frames have one camera and size.
 pub fn differing(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let percentage = |seen: &SeenFrame| {
         let first = &all[0].made[variant];
@@ -142,7 +145,8 @@ pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usi
     if count == 0 { 0.0 } else { 100.0 * sum / (f64::from(count) * redness(color)) }
 }
 
-/// Computes the changes of an image from one frame to the next; the choice says which pixels are compared.
+/// Computes the changes of an image from the first to the second of two frames. The two images are those of a method or
+/// of the truth in these frames.
 pub type Changes = fn([&SeenFrame; 2], [&[Vec3]; 2]) -> Vec<Vec3>;
 
 /// The changes of each pixel that reflects in both frames.
@@ -173,19 +177,19 @@ fn means(seen: &SeenFrame, image: &[Vec3]) -> Vec<Option<Vec3>> {
     sums.into_iter().map(|(sum, count)| (count > 0.0).then(|| sum / count)).collect()
 }
 
-/// Sums over the frames of a film.
+/// Sums over the pairs of frames of a film that follow each other.
 #[derive(Default)]
 struct ChangeSums {
-    /// Mean absolute difference between the method's changes and the true changes.
+    /// Sum of the mean absolute differences between the method's changes and the true changes.
     off: f64,
-    /// Mean absolute value of the true changes.
+    /// Sum of the mean absolute values of the true changes.
     own: f64,
-    /// Mean colour of the true reflection, and of the method's.
+    /// Sums of the mean colours of the true reflection, and of the method's reflection.
     bright: [f64; 2],
 }
 
 impl ChangeSums {
-    /// Sums what two frames that follow each other change, by a method and in truth.
+    /// Sums the changes of each two frames that follow each other, by a method and in truth.
     fn over_frames(all: &[SeenFrame], variant: usize, changes: Changes) -> Self {
         let mut sums = Self::default();
         for pair in all.windows(2) {
@@ -283,6 +287,7 @@ mod tests {
         assert_eq!(spread_of_wrong(&[seen(HALF, OFF), seen(HALF, HALF)], 0, everywhere), 25.0);
     }
 
+    /// Tests that later frames are compared with the first.
     #[test]
     fn settings_that_must_not_matter_are_held_against_the_first() {
         let frame = |made| seen(HALF, made);
@@ -290,6 +295,7 @@ mod tests {
         assert_eq!(differing(&[frame(OFF), frame(HALF), frame(OFF)], 0, everywhere), 25.0);
     }
 
+    /// Tests an error in percent of the truth, and an excess of red, for which pixels that are less red do not count.
     #[test]
     fn an_error_is_relative_and_an_excess_counts_what_is_redder_alone() {
         let error = error_at_last(&[seen(HALF, [0.25; 8])], 0, everywhere);
@@ -301,6 +307,7 @@ mod tests {
         assert!((excess - 10.0).abs() < 1e-4, "0.4 in one of four: {excess}");
     }
 
+    /// Tests that black, NaN and infinite pixels count unless the true reflection is black.
     #[test]
     fn black_counts_where_the_truth_is_not() {
         let made = [0.0, f32::NAN, f32::INFINITY, 0.5, 0.5, 0.5, 0.5, 0.0];
@@ -308,6 +315,7 @@ mod tests {
         assert_eq!(blackened(&[seen(truth, made), seen(HALF, HALF)], 0, everywhere), 37.5);
     }
 
+    /// Tests that changes are compared with the true changes, and that a method that shows nothing has no number.
     #[test]
     fn changes_are_held_against_the_truths_and_nothing_has_none() {
         let film = |made: [[f32; 8]; 2]| [seen([0.4; 8], made[0]), seen([0.5; 8], made[1])];

@@ -39,7 +39,7 @@ pub fn all(complaint: &Complaint, names: &[String], frames: &[SeenFrame]) -> Vec
 /// A picture: width and height, and three bytes a pixel.
 type Picture = ([u32; 2], Vec<u8>);
 
-/// The lit colour with a reflection that does not fade.
+/// The finished picture of a frame: its lit colour, plus reflectivity times a reflection that does not fade.
 fn picture(seen: &SeenFrame, reflection: &[Vec3]) -> Picture {
     let share = |i: usize| if seen.screen.reflects(i) { seen.screen.reflectivity[i] } else { 0.0 };
     let colors = seen.screen.color.iter().zip(reflection).enumerate();
@@ -47,6 +47,7 @@ fn picture(seen: &SeenFrame, reflection: &[Vec3]) -> Picture {
     ([seen.screen.width, seen.screen.height], bytes.collect())
 }
 
+/// The pictures as the content of a file: a film, or one picture with all of them side by side.
 fn content(complaint: &Complaint, pictures: Vec<Picture>) -> Content {
     let [width, height] = [0, 1].map(|axis| pictures.iter().map(|(extent, _)| extent[axis]).max().unwrap_or(1));
     if complaint.is_film {

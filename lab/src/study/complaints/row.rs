@@ -9,32 +9,32 @@ use crate::study::record::{Provenance, RecordedSetup};
 use serde_json::Value;
 
 columns! {
-    /// What a method makes of a case.
+    /// The result of a method on a case.
     pub struct ComplaintRow {
-        /// "complaints".
+        /// Kind of the record, which is always `complaints`.
         pub kind: String,
-        /// Which program measured on what.
+        /// Program and device that measured.
         #[serde(flatten)]
         pub program: Provenance,
-        /// The case.
+        /// Name of the case.
         pub case: String = figure(""),
-        /// The complaint.
+        /// Complaint in one sentence.
         pub complaint: String = figure(""),
-        /// The method; where it looks at the screen alone, that is said behind a comma.
+        /// Name of the method, followed by a comma and "screen alone" if the method is kept from seeing more.
         pub method: String = figure(""),
-        /// What the value says.
+        /// Meaning of the value, in words.
         pub measured: String = figure(""),
-        /// How much of what is complained of there is; null where the method shows too little to be judged.
+        /// Number that measures the complaint, 0 for the truth; null if the method shows too little to be judged.
         pub value: Option<f64> = figure("").digits(2).signed(),
-        /// The greatest value that is good.
+        /// Greatest value that is good.
         pub at_most: f64 = figure(""),
         /// Whether the value is good.
         pub is_good: bool = figure(""),
-        /// Pixels of the first frame.
+        /// Width of the first frame in pixels.
         pub width: u32 = figure(""),
-        /// Pixels of the first frame.
+        /// Height of the first frame in pixels.
         pub height: u32 = figure(""),
-        /// Frames.
+        /// Number of frames.
         pub frames: usize = figure(""),
         /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
@@ -59,6 +59,7 @@ impl Row for ComplaintRow {
         &self.program
     }
 
+    /// The table of numbers, and the table that says what the numbers mean.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         vec![
             Table::new("complaints", "Complaints and methods", ABOUT, numbers(rows)),

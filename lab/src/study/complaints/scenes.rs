@@ -28,6 +28,7 @@ pub struct Parts {
 }
 
 impl Parts {
+    /// A scene without parts.
     pub fn new() -> Self {
         Self { meshes: Vec::new(), materials: Vec::new() }
     }
@@ -44,6 +45,7 @@ impl Parts {
         self
     }
 
+    /// Adds a mesh, which `shape` builds, and its material under the same name.
     fn add(&mut self, name: &str, material: Material, shape: impl FnOnce(&mut MeshBuilder)) {
         let mut mesh = MeshBuilder::new(name, self.materials.len(), 1.0);
         shape(&mut mesh);
@@ -217,6 +219,7 @@ pub fn stripes() -> Scene {
         .mirror("floor", 0.0, |mesh| {
             mesh.surface(Vec3::ZERO, [1, 96], |s, t| {
                 let (x, z) = (24.0 * s - 12.0, 14.0 * t);
+                // The height is that of a parabola, which follows a circle of the radius near its top.
                 (Vec3::new(x, -z * z / (2.0 * RADIUS_M), z), Vec2::new(x, z))
             });
         })

@@ -76,7 +76,8 @@ impl ComplaintStudy {
     }
 }
 
-/// A method as it is, and also on the screen alone if it would follow rays among the triangles.
+/// The variants of a method, each with its name: the method with the given setup, and also on the screen alone if the
+/// method can follow rays among the triangles.
 fn variants(method: &'static MethodInfo, setup: &Setup) -> Vec<(String, Variant)> {
     let plain = (method.name.to_owned(), Variant { method, setup: setup.clone() });
     let on_screen = setup.with(|p: &mut EffectParams| p.beyond = BeyondScreen::None);
@@ -94,6 +95,7 @@ impl Study for ComplaintStudy {
         self.cases.iter().map(|(_, take)| &take.scene).collect()
     }
 
+    /// Lists a cell for each complaint.
     fn cells(&self) -> Vec<Planned<usize>> {
         let planned = |(n, (complaint, take)): (usize, &(&Complaint, Take))| {
             let set = |(name, variant): &(String, Variant)| {
@@ -108,9 +110,11 @@ impl Study for ComplaintStudy {
     }
 
     fn steps(&self, cell: &usize) -> usize {
+        // With one step, the engine would advance the progress bar, too.
         self.cases[*cell].1.frames.len().max(2)
     }
 
+    /// Shows the frames of a complaint to all variants, and keeps the pictures.
     fn measure(&mut self, cell: &usize, bench: &mut Bench) -> Result<Vec<ComplaintRow>> {
         let case = &self.cases[*cell];
         let (complaint, take) = case;

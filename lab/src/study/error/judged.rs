@@ -21,24 +21,26 @@ struct JudgedImage<'a> {
 }
 
 measured_columns! {
-    /// What is wrong with an image. What has no meaning is null.
+    /// The errors of an image. A value without a meaning is null.
     #[derive(Copy, Default)]
     pub struct ImageError by from_image(image: &JudgedImage) {
         /// Root mean square error of the linear reflection colour over reflecting pixels.
         pub rmse: Option<f64> = figure("") => Some(masked_rmse(&image.reference.color, image.color, &image.truth.mask)),
-        /// Mean square error over the reference's mean square.
+        /// Mean square error divided by the mean square of the reference.
         pub rel_mse: Option<f64> = figure("") =>
             masked_relative_mse(&image.reference.color, image.color, &image.truth.mask),
         /// Mean FLIP of the display image of the reflection colour.
         pub flip: Option<f64> = figure("") => Some(image.flip()),
-        /// Share of the reflecting pixels in which the reflection is black. In an image of black alone there is nothing to judge.
+        /// Share of the reflecting pixels in which the reflection is black. The errors of a black image say nothing of
+        /// a method.
         pub black: Option<f64> = figure("") => image.black(),
-        /// What the reference itself is expected to err by, as an RMSE.
+        /// RMSE that the reference itself is expected to have, from the finite number of its rays.
         pub standard_error: Option<f64> = figure("") => Some(image.reference.standard_error),
     }
 }
 
 impl JudgedImage<'_> {
+    /// Share of the reflecting pixels that are black; `None` if no pixel reflects.
     fn black(&self) -> Option<f64> {
         let reflecting = self.color.iter().zip(&self.truth.mask).filter(|(_, reflects)| **reflects);
         let (mut pixels, mut black) = (0.0, 0.0);
@@ -49,6 +51,7 @@ impl JudgedImage<'_> {
         (pixels > 0.0).then(|| black / pixels)
     }
 
+    /// Mean FLIP between the display images of the reference and of the image.
     fn flip(&self) -> f64 {
         let (width, height) = (self.truth.data.width, self.truth.data.height);
         FlipMap::new(&self.reference.display, &display(self.color), width, height).mean()
@@ -71,6 +74,7 @@ pub(super) struct Record {
 }
 
 impl Record {
+    /// The shared fields of a subject's records; `time` is `None` for a subject that was not timed.
     pub(super) fn new(
         gpu: &Gpu,
         spec: &ErrorSpec,

@@ -58,8 +58,8 @@ fn error(record: &ErrorRecord) -> Option<f64> {
     }
 }
 
-/// The values of a variant over the cells: times, their noise, errors, place agreements, bytes, milliseconds, and the values of
-/// [`more_columns`].
+/// The name of a variant, and its values over the cells. The six lists are times, their noise, errors, place
+/// agreements, and the bytes and milliseconds of prepared data; the last lists are the values of [`more_columns`].
 type VariantValues = (String, [Vec<f64>; 6], Vec<Vec<f64>>);
 
 /// Half the width of the interval of a record's time, as a share of the time.
@@ -68,8 +68,9 @@ fn noise_of(record: &ErrorRecord) -> Option<f64> {
     Some(half / record.time_ms?).filter(|share| share.is_finite())
 }
 
-/// Uncertainty of the median time over some cells, as a share; independent noise averages out over many cells. Half the
-/// threshold of a verdict is used if some records have no noise, because they have few frames or are older.
+/// Uncertainty of the median time over some cells, as a share: independent noise falls with the square root of the
+/// number of cells. Half the threshold of a verdict is used if some records have no noise, because they have few frames
+/// or are older.
 fn noise(of_cells: &[f64], cells: usize) -> f64 {
     if of_cells.len() < cells {
         return THRESHOLD / 2.0;

@@ -41,12 +41,12 @@ impl AsDatum for ErrorReference {
 }
 
 columns! {
-    /// One figure of run time against error. What has no meaning is null.
+    /// The run time of a subject, and its errors against one reference. A value without a meaning is null.
     pub struct ErrorRecord {
-        /// What it is of.
+        /// Subject of the record.
         #[serde(flatten)]
         pub head: Head = part(),
-        /// Median of the method's total; null for what is no method.
+        /// Median of the method's total time in milliseconds; null for a subject that is no method.
         pub time_ms: Option<f64> = time(""),
         /// Lower end of the interval of that median over resamples of the frames; null with fewer than five frames.
         #[serde(default)]
@@ -59,14 +59,15 @@ columns! {
         /// Hits against the oracle's, or (without distances) against the world's.
         #[serde(flatten)]
         pub hits: HitAgreement = part(),
-        /// What is wrong with the image.
+        /// Errors of the image.
         #[serde(flatten)]
         pub image: ImageError = part(),
         /// Against the world: the share of mirror rays that the method ends where they end among the triangles.
         pub place_agreement: Option<f64> = figure(""),
         /// Against the world: the RMSE of the floor of the screen's picture, the same for all methods.
         pub floor: Option<f64> = figure(""),
-        /// What the method made of the scene before the first frame; null for what is no method.
+        /// Time and memory of the data that the method made from the scene before the first frame; null for a subject
+        /// that is no method.
         pub prepared: Option<Prepared> = times(),
     }
 }
@@ -118,6 +119,7 @@ impl Row for ErrorRecord {
         REFERENCES.into_iter().filter_map(table).collect()
     }
 
+    /// The table of the parts of the error, from one record of each figure.
     fn common_tables(rows: &[Self]) -> Vec<Table> {
         if rows.is_empty() { Vec::new() } else { vec![source_table(&one_of_each(rows))] }
     }
@@ -180,7 +182,8 @@ fn floor(records: &[ErrorRecord], against: ErrorReference) -> Option<f64> {
 /// Number of bytes in a MiB.
 const MIB: f64 = (1 << 20) as f64;
 
-/// One row a point, and below them the floor. Place agreement and prepared data have columns if a point has any.
+/// A table with a row for each point, and a last row for the floor. Place agreement and prepared data have columns if a
+/// point has any.
 fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let has_places = points.iter().any(|p| p.place_agreement.is_some());
     let has_prepared = points.iter().any(|p| p.prepared.is_some_and(|(bytes, _)| bytes > 0.0));

@@ -50,6 +50,7 @@ impl ErrorStudy {
         Self { scenes, sizes, globals, samples, rays, studio: LastMade::default() }
     }
 
+    /// The inputs of a cell's measurement.
     fn spec(&self, &(scene, view, extent, globals): &ErrorCell) -> ErrorSpec<'_> {
         let StudiedScene { scene, views, digest, variants } = &self.scenes[scene];
         ErrorSpec {
@@ -65,6 +66,7 @@ impl ErrorStudy {
         }
     }
 
+    /// The name of a cell, with which the names of its files begin.
     fn name(&self, &(scene, view, extent, globals): &ErrorCell) -> String {
         let StudiedScene { scene, views, .. } = &self.scenes[scene];
         cell_name(&scene.name, &views[view].name, extent, globals.roughness)
@@ -79,6 +81,7 @@ impl Study for ErrorStudy {
         self.scenes.iter().map(|studied| &studied.scene).collect()
     }
 
+    /// A cell is a view of a scene, at a size, with a set of factors.
     fn cells(&self) -> Vec<Planned<ErrorCell>> {
         let mut cells = Vec::new();
         for (n, studied) in self.scenes.iter().enumerate() {
@@ -95,6 +98,7 @@ impl Study for ErrorStudy {
         cells.into_iter().map(planned).collect()
     }
 
+    /// Measures a cell, and keeps its pictures.
     fn measure(&mut self, cell: &ErrorCell, bench: &mut Bench) -> Result<Vec<ErrorRecord>> {
         let mut studios = std::mem::take(&mut self.studio);
         let spec = self.spec(cell);

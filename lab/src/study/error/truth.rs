@@ -23,6 +23,7 @@ const WORLD_SEED: u64 = 2;
 
 /// The references of a cell.
 pub(super) struct Truth {
+    /// The G-buffer that the variants see.
     pub(super) data: GBufferData,
     /// Reflecting pixels.
     pub(super) mask: Vec<bool>,
@@ -32,6 +33,7 @@ pub(super) struct Truth {
     pub(super) screens: Vec<ScreenTruth>,
     /// Where the mirror rays end in the world; empty unless all reflecting pixels are mirrors.
     pub(super) world_hits: Vec<WorldHit>,
+    /// The world reference.
     pub(super) world: Reference,
     /// The RMSE of the screen's floor.
     pub(super) floor: f64,
@@ -55,8 +57,11 @@ impl Truth {
 
 /// A reference image.
 pub(super) struct Reference {
+    /// Linear reflection colour of each pixel.
     pub(super) color: Vec<[f32; 3]>,
+    /// The display image of the colour, 3 bytes a pixel.
     pub(super) display: Vec<u8>,
+    /// RMSE that the reference itself is expected to have, from the finite number of its rays.
     pub(super) standard_error: f64,
 }
 
@@ -110,11 +115,13 @@ pub(super) fn truth(
     })
 }
 
+/// The colours as arrays of red, green and blue.
 fn colors(image: &[Vec3]) -> Vec<[f32; 3]> {
     image.iter().map(Vec3::to_array).collect()
 }
 
 impl Reference {
+    /// Makes a reference from its colours, with the display image.
     fn new(color: &[Vec3], standard_error: f64) -> Self {
         let color = colors(color);
         Self { display: display(&color), color, standard_error }

@@ -16,7 +16,8 @@ pub struct RunChange {
     pub totals: Vec<TimeComparison>,
 }
 
-/// The change of each run that has an earlier run to compare with, in the order of the library. Threshold: 0 ≤ t < 1.
+/// The change of each run that has an earlier run to compare with, in the order of the library. `threshold` is the
+/// change of a time that counts, as a share, at least 0 and below 1.
 pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<RunChange> {
     let mut found = Vec::new();
     for (after, run) in library.iter().enumerate() {

@@ -107,6 +107,7 @@ fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
     found.into_iter().filter_map(sound).collect()
 }
 
+/// Reads the first fields of a record. The error is the end of a sentence that begins with the record.
 fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
     let text = |name: &str| json[name].as_str().ok_or_else(|| format!("has no {name}"));
     let pixels = |name: &str| {
@@ -138,6 +139,7 @@ fn setup(json: &Json) -> RecordedSetup {
     all
 }
 
+/// The setting of a record: scene, size, roughness, and the settings that belong to the place of the measurement.
 fn setting(head: &Head) -> Setting {
     let known = OF_THE_PLACE.iter().filter_map(|name| Some((name, head.setup.get(*name)?)));
     let said = known.filter(|(_, value)| !value.is_null()).map(|(name, value)| format!("{name} {}", cell(value)));

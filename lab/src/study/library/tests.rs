@@ -9,6 +9,7 @@ use serde_json::{Value as Json, json};
 use ssct_truth::metrics::bootstrap::Verdict;
 use std::sync::Arc;
 
+/// A device as records have it.
 fn device(name: &str) -> Json {
     json!({ "name": name, "driver": "1", "api": "1.3", "type": "other" })
 }
@@ -52,11 +53,13 @@ fn run(name: &str, records: &[Json]) -> LibraryRun {
 /// The quantity, runs and lines of a trend.
 type Shown = (Quantity, Vec<usize>, Vec<(String, Vec<Option<f64>>)>);
 
+/// The trends of a library, with times divided by those of `ssct`.
 fn shown(library: &[LibraryRun]) -> Vec<Shown> {
     let lines = |t: &trends::Trend| t.lines.iter().map(|l| (l.method.clone(), l.values.clone())).collect();
     trends(library, "ssct").iter().map(|t| (t.quantity, t.runs.clone(), lines(t))).collect()
 }
 
+/// Tests that a time is divided by that of the base method in its run, and that a line has medians over the views.
 #[test]
 fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
     let library_run = |factor: f64, unified: [f64; 3]| {
@@ -72,6 +75,7 @@ fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
     assert_eq!(shown(&library), [(Quantity::Time, vec![0, 1], expected)]);
 }
 
+/// Tests that runs with other devices, views, settings or definitions share no line.
 #[test]
 fn no_line_joins_devices_views_or_settings() {
     let pair = |device: &str, view: &str| {
@@ -98,6 +102,7 @@ fn no_line_joins_devices_views_or_settings() {
     assert_eq!(shown(&[pair("one", "a"), pair("one", "a")]).len(), 1, "and the same is joined");
 }
 
+/// Tests that errors are not divided by those of a base method, and that a run without an error leaves a gap.
 #[test]
 fn errors_are_followed_as_they_are_and_gaps_stay() {
     let error = |method: &str, rmse: Option<f64>| {
@@ -118,6 +123,7 @@ fn errors_are_followed_as_they_are_and_gaps_stay() {
     assert_eq!(shown(&library), [(Quantity::WorldRmse, vec![0, 1, 2], lines)]);
 }
 
+/// Tests that a record of the first version is read, and what is said of a record that lacks a field.
 #[test]
 fn an_older_record_is_read_as_far_as_it_goes() {
     // The first version had parameters beside the setup, and some of them at the top.
@@ -177,6 +183,7 @@ fn frames(device: Option<DeviceInfo>, factor: f64) -> Run {
     Run { name: "r".into(), device, samples: (0..9).flat_map(frame).collect() }
 }
 
+/// Tests that each run is compared with the run before on its device, with the figures of a comparison of all passes.
 #[test]
 fn a_change_is_judged_as_compare_judges_the_total() {
     let gpu = |name: &str| record(&time_record(name, "a", "ssct", 1.0)).expect("read").device;

@@ -101,8 +101,8 @@ fn cells(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<Stri
     cells
 }
 
-/// The values of errors unchanged, and those of times divided by the base method's, in the views that both have. `None` if no
-/// view is left.
+/// Returns the values of an error unchanged, and the values of a time divided by those of the base method, in the views
+/// that both have. `None` if no view is left.
 fn relative(quantity: Quantity, views: &Views, base: Option<&Views>) -> Option<Views> {
     if !quantity.is_time() {
         return Some(views.clone());

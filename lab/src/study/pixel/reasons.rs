@@ -31,6 +31,7 @@ pub(super) fn sentences(report: &PixelReport, is_sky_surface: bool, traces_lobes
     all
 }
 
+/// Why a pixel does not reflect, as a sentence.
 fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
     let surface = &report.surface;
     match &surface.mesh {
@@ -42,6 +43,7 @@ fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
     }
 }
 
+/// Whether the reflection is right, and by how much it differs from the world's, as a sentence.
 fn verdict(report: &PixelReport) -> String {
     let off = report.colors.world.as_ref().map_or(0.0, |world| 100.0 * world.difference);
     let by = format!(
@@ -66,7 +68,7 @@ fn verdict(report: &PixelReport) -> String {
     }
 }
 
-/// Where the ray ends in the world, and what hides that place from the screen.
+/// Where the ray ends in the world, and what hides that place from the screen, as a sentence.
 fn world(end: &WorldEnd) -> String {
     let Some(mesh) = &end.mesh else { return "In the world the ray meets nothing: it ends in the sky.".to_owned() };
     let length = end.length_m.unwrap_or_default();
@@ -105,7 +107,8 @@ pub(super) fn unseen_text(unseen: &UnseenReason, is_before_near: bool) -> &'stat
     }
 }
 
-/// How the end of the method's ray differs from that of the oracle's ray, and from the end in the world.
+/// How the end of the method's ray differs from that of the oracle's ray, and from the end in the world, as a sentence.
+/// `None` for a ray that went on beyond the screen.
 fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Option<String> {
     // The screen's oracle says nothing about rays that went beyond the screen.
     let went_on = own.place_m.is_some() && !own.hits_screen;
@@ -144,7 +147,8 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
     })
 }
 
-/// Why the colour of a mirror's pixel is wrong, although its ray ends right and the reflection does not fade.
+/// Why the colour of a mirror's pixel is wrong, although its ray ends right and the reflection does not fade; `None` in
+/// any other case.
 fn color(report: &PixelReport) -> Option<String> {
     let (own, oracle, world) = (report.method_end.as_ref()?, report.oracle_end.as_ref()?, report.world_end.as_ref()?);
     let place = own.pixel.map(|p| p.map(f64::from));
@@ -158,7 +162,8 @@ fn color(report: &PixelReport) -> Option<String> {
     })
 }
 
-/// The share of the reflection that the fade leaves, if it is partial.
+/// The share of the reflection that the fade leaves, as a sentence; `None` if the fade leaves all of it, or the ray
+/// hits nothing.
 fn fade(report: &PixelReport) -> Option<String> {
     let fade = report.colors.fade;
     let is_hit = report.method_end.as_ref().is_none_or(|end| end.hits_screen);

@@ -62,6 +62,7 @@ impl Row for PrecisionRecord {
         &self.head.program
     }
 
+    /// One table with a line for each rung.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         vec![Table { id: "table", about: ABOUT.to_owned(), cells: cells(rows), ..Table::default() }]
     }
@@ -96,6 +97,7 @@ const ABOUT: &str = "The G-buffer is traced in f64 through the pixels' centres, 
     screen reference there; oracle is the oracle itself on what was stored: what storage costs, whatever the arithmetic. \
     Bytes are depth, normal, lit colour and 4 of reflectivity and roughness. Means over the views.";
 
+/// Points of a chart: bytes of a pixel against the error, with the Pareto front marked.
 fn named(points: &[(Storage, f64)]) -> Vec<NamedPoint> {
     let costs: Vec<_> = points.iter().map(|(s, e)| (f64::from(s.bytes_per_pixel()), *e)).collect();
     let on_front = pareto::front(&costs);
@@ -111,11 +113,12 @@ fn named(points: &[(Storage, f64)]) -> Vec<NamedPoint> {
         .collect()
 }
 
+/// The names of the methods in some records.
 fn methods(records: &[PrecisionRecord]) -> Vec<&str> {
     distinct(records.iter().map(|r| r.head.method.as_str()))
 }
 
-/// One line a rung, with the wrong hits (mean and worst view) and the RMSE by roughness of each method.
+/// A table with a line for each rung: of each method the wrong hits (mean and worst view), and the RMSE by roughness.
 fn cells(records: &[PrecisionRecord]) -> Vec<Vec<String>> {
     let methods: Vec<(&str, Vec<Rung>)> = methods(records).into_iter().map(|m| (m, rungs(records, m))).collect();
     let roughness = roughness_values(records);

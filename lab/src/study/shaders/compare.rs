@@ -104,6 +104,7 @@ pub fn tables((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<Table> {
     ]
 }
 
+/// The cells of the value in A, the value in B and the ratio B / A; a dash stands for a missing one.
 fn comparison_cells(a: Option<f64>, b: Option<f64>) -> [String; 3] {
     let ratio = a.zip(b).filter(|(a, _)| *a != 0.0).map(|(a, b)| format!("{:.3}", b / a));
     [statistic_text(a), statistic_text(b), ratio.unwrap_or_else(|| "-".into())]

@@ -63,6 +63,7 @@ impl Pixel<'_> {
         (self.screen.view_to_clip.project_point3(DVec3::new(0.0, 0.0, z)).z as f32).clamp(0.0, 1.0)
     }
 
+    /// The random number of this pixel with an index, from 0 to below 1.
     fn uniform(&self, n: u64) -> f64 {
         self.random.uniform(n)
     }
@@ -117,6 +118,7 @@ impl Pixel<'_> {
 
     /// Facets whose normals reflect every ray along a direction.
     fn aimed(&self, seed: u64, along: DVec3) -> Texel {
+        // A mirror with the half vector as its normal reflects the view ray into `along`.
         let normal = (along.normalize() - self.direction().normalize()).try_normalize().unwrap_or(DVec3::Y);
         match self.facets(seed) {
             Some((z, _)) => self.mirror(self.depth_of(z), normal),
@@ -126,6 +128,7 @@ impl Pixel<'_> {
 }
 
 impl Case {
+    /// A case whose hits can be compared; `texel` makes the contents of each pixel.
     fn new(
         name: impl Into<String>,
         extent: [u32; 2],
@@ -197,6 +200,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
     all
 }
 
+/// Cases of images with unusual sizes.
 fn sizes(quick: bool) -> Vec<Case> {
     let small = [[1, 1], [1, 257], [257, 1], [2, 2], [3, 5], [64, 64], [65, 63], ODD, [641, 479]];
     let large: &[[u32; 2]] = if quick { &[] } else { &[[1919, 1079], [4096, 2304]] };
@@ -215,6 +219,7 @@ fn sizes(quick: bool) -> Vec<Case> {
     small.iter().chain(large).map(case).collect()
 }
 
+/// Cases of unusual near and far planes and fields of view.
 fn ranges() -> Vec<Case> {
     let case = |(near_m, far_m): (f32, f32), fov: f32| {
         let lens = Lens::perspective(fov.to_radians(), near_m, far_m);
@@ -232,6 +237,7 @@ fn ranges() -> Vec<Case> {
     ]
 }
 
+/// Cases of depths that are constant, random, in steps, of thin objects, or of steep slopes.
 fn depths() -> Vec<Case> {
     let lens = Lens::default();
     let flat = |name: &str, depth: f32| {
@@ -263,6 +269,7 @@ fn depths() -> Vec<Case> {
     ]
 }
 
+/// Cases of normals that send all rays along one direction, back to the eye, or through corners of cells.
 fn directions() -> Vec<Case> {
     let axes: [(&str, DVec3); 15] = [
         ("+x", DVec3::X),
@@ -295,6 +302,7 @@ fn directions() -> Vec<Case> {
     all
 }
 
+/// Cases of normals that are no unit vectors, or do not face the camera.
 fn normals() -> Vec<Case> {
     let lens = Lens::default();
     let case = |name: &str, change: fn(&Pixel, Vec3) -> Vec3| {
@@ -319,6 +327,7 @@ fn normals() -> Vec<Case> {
     ]
 }
 
+/// Cases of lit colours that are extreme or no numbers, at three roughness values.
 fn colors() -> Vec<Case> {
     let lens = Lens::default();
     let case = |name: &str, color: fn(&Pixel) -> Vec3, roughness: f32| {
@@ -343,11 +352,12 @@ fn colors() -> Vec<Case> {
     all
 }
 
-/// One pixel in ten has the colour `odd`.
+/// The colour `odd` in one pixel of ten, and a random colour in the others.
 fn odd_color(p: &Pixel, odd: f32) -> Vec3 {
     if p.uniform(0) < 0.1 { Vec3::splat(odd) } else { p.color() }
 }
 
+/// Cases of roughness and reflectivity that are extreme or no numbers.
 fn materials() -> Vec<Case> {
     let lens = Lens::default();
     let rough = |name: &str, roughness: fn(&Pixel) -> f32| {

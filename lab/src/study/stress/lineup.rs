@@ -1,5 +1,5 @@
 //! Methods that are made once for many cases. The pipelines take a driver longer to compile than to draw, and can be used for
-//! other G-buffers and cameras, like the maps that they capture of a scene.
+//! other G-buffers and cameras, like the maps that methods capture of a scene.
 
 use crate::error::Result;
 use crate::stage::gbuffer::{self, reflection};
@@ -21,6 +21,7 @@ pub(super) struct FrameImages {
 }
 
 impl FrameImages {
+    /// Reads the images of a frame back; hits are read if the method wrote them.
     fn read(context: &mut FrameContext, report: FrameReport, output: &Output) -> Result<Self> {
         Ok(Self {
             reflection: reflection(context, output)?,
@@ -97,6 +98,7 @@ impl SceneLineup {
         Self::with(gpu, scene, setup, Wants::REFLECTION, methods)
     }
 
+    /// Makes methods that write the images that `wants` names.
     fn with(gpu: &Gpu, scene: Scene, setup: &Setup, wants: Wants, methods: &[&'static MethodInfo]) -> Result<Self> {
         let extent = setup.extent;
         let mut stage = Stage::new(gpu, &scene)?;
@@ -154,6 +156,7 @@ impl SceneLineup {
         self.each(Mode::Plain, |context, _, output| Ok(reflection(context, output)?))
     }
 
+    /// Runs each method on the last G-buffer drawn, and returns what `read` makes of the frame.
     fn each<T>(
         &mut self,
         mode: Mode,

@@ -64,40 +64,40 @@ impl Motion {
 columns! {
     /// How a method's reflection changed over some frames.
     pub struct MotionRecord {
-        /// "motion".
+        /// Kind of the record, which is always `motion`.
         pub kind: String,
-        /// Which program measured on what.
+        /// Program and device that measured.
         #[serde(flatten)]
         pub program: Provenance,
-        /// Scene.
+        /// Name of the scene.
         pub scene: String = figure(""),
-        /// View that the camera starts from.
+        /// Name of the view that the camera starts from.
         pub view: String = figure(""),
-        /// How it moves.
+        /// How the camera moves.
         pub motion: Motion = figure(""),
-        /// Method.
+        /// Name of the method.
         pub method: String = figure(""),
-        /// Pixels.
+        /// Width in pixels.
         pub width: u32 = figure(""),
-        /// Pixels.
+        /// Height in pixels.
         pub height: u32 = figure(""),
         /// Global roughness.
         pub roughness: f32 = figure(""),
         /// Everything that was set for the measurement, by name.
         pub setup: RecordedSetup,
-        /// Pairs of a pixel and the same surface a frame before.
+        /// Number of pairs of a pixel and the pixel that showed the same surface a frame before.
         pub pairs: usize = figure(""),
         /// Mean absolute difference of the linear reflection colour over the pairs and channels.
         pub flicker: f64 = figure(""),
-        /// The screen reference's own.
+        /// Flicker of the screen reference over these pairs.
         pub reference_flicker: f64 = figure(""),
-        /// The first over the second; null where the reference stands still. A method that shows nothing
-        /// has 0, so it says nothing alone.
+        /// Flicker of the method divided by that of the screen reference; null if the reference does not change. A
+        /// method that shows nothing has 0, so that the ratio alone says nothing.
         pub ratio: Option<f64> = figure(""),
-        /// Mean absolute difference of the method's change and the reference's, over the reference's own
-        /// flicker: 0 for the reference, 1 for a method that shows nothing.
+        /// Mean absolute difference between the method's changes and the reference's, divided by the flicker of the
+        /// reference: 0 for the reference, 1 for a method that shows nothing.
         pub deviation: Option<f64> = figure(""),
-        /// The method's change beside that of the world reference, if that was asked for.
+        /// Comparison of the method's changes with those of the world reference; null if it was not asked for.
         pub world: Option<WorldMotion>,
     }
 }
@@ -111,7 +111,7 @@ impl AsDatum for Motion {
 /// A method's change compared with that of the world reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WorldMotion {
-    /// The world reference's own flicker, as [`MotionRecord::flicker`].
+    /// Flicker of the world reference, computed like [`MotionRecord::flicker`].
     pub reference_flicker: f64,
     /// Ratio of the method's flicker to the reference's; null where the reference stands still.
     pub ratio: Option<f64>,
@@ -132,6 +132,7 @@ impl Row for MotionRecord {
         &self.program
     }
 
+    /// The flicker beside that of the screen reference, and beside that of the world reference if it was measured.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let screen = medians(rows, |r| r.ratio.zip(r.deviation));
         let mut tables = vec![Table::new("motion", "Flicker over the screen reference's own", ABOUT, screen)];
@@ -220,6 +221,7 @@ pub struct MotionStudy {
 pub type MotionCell = (usize, f32, Motion);
 
 impl MotionStudy {
+    /// The view and settings of a cell.
     fn spec(&self, &(view, roughness, _): &MotionCell) -> MotionSpec<'_> {
         let (extent, frames, rays) = (self.setup.extent, self.frames, self.rays);
         MotionSpec { view: &self.views[view], extent, roughness, frames, rays, against_world: true }
@@ -234,6 +236,7 @@ impl Study for MotionStudy {
         vec![&self.scene]
     }
 
+    /// Lists a cell for each view, roughness and motion.
     fn cells(&self) -> Vec<Planned<MotionCell>> {
         let (digest, mut cells) = (scene_digest(&self.scene), Vec::new());
         let set: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
@@ -249,6 +252,7 @@ impl Study for MotionStudy {
         cells
     }
 
+    /// Runs a motion. The methods are made anew if the view has another kind of projection.
     fn measure(&mut self, cell: &MotionCell, bench: &mut Bench) -> Result<Vec<MotionRecord>> {
         let view = &self.views[cell.0];
         let kind = view.lens.unwrap_or(self.scene.lens).kind();

@@ -20,15 +20,18 @@ pub enum StressRow {
 }
 
 impl StressRow {
+    /// The record of a case; `None` for a motion.
     fn case(&self) -> Option<&StressRecord> {
         if let Self::Case(record) = self { Some(record) } else { None }
     }
 
+    /// The record of a motion; `None` for a case.
     fn motion(&self) -> Option<&MotionRecord> {
         if let Self::Motion(record) = self { Some(record) } else { None }
     }
 }
 
+/// The records of cases among some rows.
 fn cases_of(rows: &[StressRow]) -> Vec<StressRecord> {
     rows.iter().filter_map(StressRow::case).cloned().collect()
 }
@@ -67,6 +70,7 @@ impl Row for StressRow {
         }
     }
 
+    /// The tables of methods, of violations, of motions and of all cases.
     fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
         let rule = format!(
             "Pixels are counted on the host's bits, in the reflection and, where the lit colour is sound, in the image. Hits \
@@ -90,11 +94,13 @@ impl Row for StressRow {
         all
     }
 
+    /// The records of cases and of motions have files of their own.
     fn files(rows: &[Self]) -> Vec<(&'static str, Vec<Self>)> {
         let (cases, motions) = rows.iter().cloned().partition(|row| row.case().is_some());
         vec![("stress", cases), ("motion", motions)]
     }
 
+    /// Names the first case that must pass and does not; `None` if there is no such case.
     fn failure(rows: &[Self]) -> Option<String> {
         let violated: Vec<_> = rows.iter().filter_map(Self::case).filter(|r| r.judged && !r.pass).collect();
         let first = violated.first()?;
@@ -103,7 +109,8 @@ impl Row for StressRow {
     }
 }
 
-/// A table of method × failure: the number of cases with such pixels, and the pixels over all of them.
+/// A table of method × failure: for each kind of wrong pixel, the number of such pixels, and the number of cases that
+/// have some.
 fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
     let header = ["method", "cases", "pass", "NaN", "infinite", "negative", "exhausted", "agreement %", "least %"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
@@ -162,7 +169,7 @@ fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// A table of cases × methods: what was wrong in each.
+/// A table of cases × methods, which says for each what was wrong.
 fn cases(records: &[StressRecord]) -> Vec<Vec<String>> {
     let (case, method) = (|r: &StressRecord| r.case.clone(), |r: &StressRecord| r.method.clone());
     pivot("case", records, [&case, &method], |here| here.first().map(|r| summary(r)))

@@ -97,6 +97,7 @@ impl StressStudy {
         MotionSpec { view: &self.scenes[0].views[view], extent, roughness, frames, rays, against_world: false }
     }
 
+    /// The name of a cell.
     fn name(&self, cell: StressCell) -> String {
         match cell {
             StressCell::Case(n) => self.cases[n].name.clone(),
@@ -108,6 +109,7 @@ impl StressStudy {
     }
 }
 
+/// Makes a row of each record of a case.
 fn of_cases(records: Vec<StressRecord>) -> Vec<StressRow> {
     records.into_iter().map(|record| StressRow::Case(Box::new(record))).collect()
 }
@@ -142,6 +144,7 @@ impl Study for StressStudy {
         cells.map(planned).collect()
     }
 
+    /// Runs a cell, with the methods of the cell before if they were made for the same size or scene.
     fn measure(&mut self, cell: &StressCell, bench: &mut Bench) -> Result<Vec<StressRow>> {
         let (gpu, mut scene_lineup) = (bench.gpu, std::mem::take(&mut self.scene));
         if let StressCell::Case(n) = *cell {

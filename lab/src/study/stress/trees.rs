@@ -141,6 +141,7 @@ struct Truth<'a> {
 }
 
 impl<'a> Truth<'a> {
+    /// Finds the mirror rays of a G-buffer in the scene that it shows.
     fn new(scene: &'a Scene, materials: &'a [Material], data: &GBufferData, place_share: f64) -> Self {
         let world = World::new(scene, materials);
         let shown = FirstHits::shown(&world, data);
@@ -158,6 +159,7 @@ impl<'a> Truth<'a> {
         Self { world, rays, rounding_m: rounding_m(scene), place_share }
     }
 
+    /// Whether a ray of a method ends where the world ends the ray, within the tolerances.
     fn is_right(&self, ray: &WorldRay, end: &RayEnd) -> bool {
         match (self.world.closest(ray), end) {
             (None, end) => *end == RayEnd::Sky,

@@ -66,6 +66,7 @@ pub struct TimeSettings {
 }
 
 impl TimeSettings {
+    /// The settings that a list of cells keeps; if they cannot be read, settings without samples.
     fn from_list(list: &CellList) -> Self {
         let none = Self { beside: ThesisFigures::Nothing, samples: 0, a_a: false, judges: false };
         Self::deserialize(&list.settings).unwrap_or(none)
@@ -91,7 +92,8 @@ pub struct TimeCell {
 }
 
 impl TimeStudy {
-    /// A study that times nothing yet.
+    /// Makes the study. `warmup` is the number of frames that warm up, and `reference_rays` the rays a pixel of the
+    /// world reference.
     pub fn new(jobs: Vec<TimeJob>, settings: TimeSettings, warmup: usize, reference_rays: u32) -> Self {
         let digests = jobs.iter().map(|job| scene_digest(&job.scene)).collect();
         Self { jobs, digests, settings, warmup, reference_rays, timer: Timer::default() }
@@ -99,6 +101,7 @@ impl TimeStudy {
 }
 
 impl TimeJob {
+    /// The study of one scene and view that times this job.
     fn spec<'a>(&'a self, gpu: &'a Gpu, warmup: usize, settings: &TimeSettings) -> TimeSpec<'a> {
         TimeSpec {
             gpu,
@@ -113,6 +116,7 @@ impl TimeJob {
         }
     }
 
+    /// The name of the cell of a size and a set of factors.
     fn place(&self, extent: [u32; 2], globals: &Globals) -> String {
         cell_name(&self.scene.name, &self.view.name, extent, globals.roughness)
     }
@@ -133,6 +137,7 @@ impl Study for TimeStudy {
         json!(self.settings)
     }
 
+    /// Lists the cells of all jobs; the cells that time the world reference come last.
     fn cells(&self) -> Vec<Planned<TimeCell>> {
         let (mut cells, mut references) = (Vec::new(), Vec::new());
         for (n, job) in self.jobs.iter().enumerate() {
@@ -156,6 +161,8 @@ impl Study for TimeStudy {
         cells
     }
 
+    /// The reference is one result; each variant of any other cell has a result, whose key begins the keys of its
+    /// samples.
     fn results(&self, gpu: &Gpu, planned: &Planned<TimeCell>) -> Vec<(String, Value)> {
         let cell = &planned.cell;
         if cell.is_reference {
@@ -172,6 +179,8 @@ impl Study for TimeStudy {
         if cell.is_reference { 1 } else { frames_of_a_group(variants, self.warmup, samples, a_a) }
     }
 
+    /// Times the reference, or every sample that the journal lacks. Rows of samples are made of the journal, and not
+    /// returned.
     fn measure(&mut self, cell: &TimeCell, bench: &mut Bench) -> Result<Vec<TimeRow>> {
         let job = &self.jobs[cell.job];
         if cell.is_reference {
@@ -202,6 +211,7 @@ pub enum TimeRow {
 }
 
 impl TimeRow {
+    /// The head of the record.
     fn head(&self) -> &Head {
         match self {
             Self::Reference(time) => &time.head,
@@ -239,6 +249,7 @@ impl Row for TimeRow {
         &self.head().program
     }
 
+    /// The thesis's figures beside the times, if they are asked for; all times; and verdicts, if they are asked for.
     fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
         let records = methods(rows);
         let settings = TimeSettings::deserialize(settings).ok();
@@ -264,6 +275,7 @@ impl Row for TimeRow {
         vec![chart(&methods(rows))]
     }
 
+    /// The file of raw samples, and the file of medians.
     fn sheets(rows: &[Self]) -> Vec<Sheet> {
         let records = methods(rows);
         vec![

@@ -13,11 +13,13 @@ impl VideoStudy {
         if self.jitter { camera.jittered(shift(frame), extent) } else { camera }
     }
 
+    /// The camera of a frame, without the jitter.
     fn unshifted(&self, frame: u32, extent: [u32; 2]) -> Camera {
         self.way.view(frame, self.frames, self.frames_per_second).camera(&self.scene, extent)
     }
 
-    /// The placements of meshes in a frame.
+    /// The placements of the meshes that move in a frame, each with the mesh's name: by the motion that is played, by
+    /// steps, or with the camera.
     pub(super) fn placed(&self, frame: u32) -> Vec<(&str, Placement)> {
         let time_s = frame as f32 / self.frames_per_second;
         let played = self.play.iter().flat_map(|motion| motion.placements_at(time_s));
@@ -59,6 +61,7 @@ mod tests {
     use glam::Vec3;
     use ssct_scenes::Lens;
 
+    /// Tests that a mesh that moves with the camera keeps its place in the image.
     #[test]
     fn what_is_held_stays_where_it_is_in_the_picture() {
         let cameras = [(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO), (Vec3::new(-2.0, 1.0, 0.5), Vec3::new(0.0, 4.0, 1.0))];

@@ -11,7 +11,7 @@ columns! {
     /// A frame of a film.
     #[derive(Copy)]
     pub struct VideoFrame {
-        /// Milliseconds of the method.
+        /// Time of the method in milliseconds.
         pub effect_ms: f64 = time(""),
         /// RMSE of the linear reflection colour against the world of this frame, over reflecting pixels.
         pub rmse: f64 = figure(""),
@@ -23,22 +23,22 @@ columns! {
 columns! {
     /// The film of a variant beside the world's.
     pub struct VideoRecord {
-        /// What it is of; the view is where the camera begins.
+        /// Subject of the record; the view is where the camera begins.
         #[serde(flatten)]
         pub head: Head = part(),
-        /// How the camera moves.
+        /// Name of the camera's way.
         pub way: String = figure("way"),
-        /// The motion that is played.
+        /// Name of the scene's motion that is played, if any.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub play: Option<String>,
-        /// The meshes that move besides.
+        /// Names of the meshes that move in addition.
         pub moving: Vec<String>,
-        /// By how much from one frame to the next, in metres.
+        /// Motion of these meshes from one frame to the next, in metres along the world's axes.
         pub step_m: [f32; 3],
-        /// Frames after which they rest; null if they never do.
+        /// Number of frames after which these meshes rest; null if they never do.
         #[serde(default)]
         pub step_frames: Option<u32>,
-        /// The meshes that the camera carries along.
+        /// Names of the meshes that move with the camera.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         pub held: Vec<String>,
         /// Whether each frame is shifted by another part of a pixel.
@@ -48,7 +48,7 @@ columns! {
         pub frames_per_second: f32,
         /// Rays a pixel of the world reference.
         pub rays: u32,
-        /// Median of the method's time over the frames.
+        /// Median over the frames of the method's time, in milliseconds.
         pub time_ms: f64 = time("ms").digits(1),
         /// Mean over the frames of [`VideoFrame::rmse`].
         pub rmse: f64 = figure("RMSE"),
@@ -56,13 +56,13 @@ columns! {
         pub flip: f64 = figure("FLIP"),
         /// Mean absolute change of the linear reflection colour from a pixel to the same surface a frame before.
         pub flicker: f64 = figure(""),
-        /// The world reference's own.
+        /// Flicker of the world reference, computed like `flicker`.
         pub reference_flicker: f64 = figure(""),
-        /// Mean absolute difference of the variant's change and the reference's.
+        /// Mean absolute difference between the variant's changes and those of the world reference.
         pub change_error: f64 = figure(""),
-        /// Quality of the finished images beside the world's, in JOD.
+        /// Quality of the finished images beside the world's, in just-objectionable differences (JOD): 10 is the world.
         pub jod: f64 = figure("JOD").digits(2).signed(),
-        /// Quality of the reflection colour alone beside the world's, in JOD.
+        /// Quality of the reflection colour alone beside the world's, in just-objectionable differences (JOD).
         pub jod_reflection: f64 = figure("JOD of reflections").digits(2).signed(),
         /// Mean over the frames of the world reference's standard error.
         pub standard_error: f64 = figure("standard error"),
@@ -72,7 +72,7 @@ columns! {
 }
 
 impl VideoRecord {
-    /// A change divided by that of the world reference; `None` where the world stands still.
+    /// A mean change divided by the flicker of the world reference; `None` if the reference does not change.
     fn over_reference(&self, change: f64) -> Option<f64> {
         (self.reference_flicker > 0.0).then(|| change / self.reference_flicker)
     }
@@ -114,6 +114,7 @@ impl Row for VideoRecord {
         &self.head.program
     }
 
+    /// One table, with changes divided by those of the world.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let more = [
             Column::derived("flicker over the world's", 2, |r: &Self| r.over_reference(r.flicker)),
@@ -122,7 +123,7 @@ impl Row for VideoRecord {
         vec![Table { about: ABOUT.to_owned(), ..Table::with_columns("table", rows, more) }]
     }
 
-    /// Charts of FLIP over the frames.
+    /// Draws FLIP over the frames, a line for each record.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
         let line = |r: &Self| {
@@ -133,6 +134,7 @@ impl Row for VideoRecord {
         vec![Chart::new("video", "FLIP from frame to frame", Drawing::Lines(axes, rows.iter().map(line).collect()))]
     }
 
+    /// The films of variants, grouped with the film of the world beside them.
     fn clips(rows: &[Self]) -> Vec<ClipGroup> {
         let mut groups: Vec<ClipGroup> = Vec::new();
         for r in rows {

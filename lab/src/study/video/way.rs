@@ -11,19 +11,19 @@ pub enum CameraWay {
     /// From a view towards the point that it looks at, at a person's walking pace, or slower, so that the camera comes at most
     /// half of the way.
     Walk(View),
-    /// At rest in a view for a third of the film, then turned quickly to the right, and at rest again.
-    Turn(View),
     /// At rest in a view for a third of the film, then a quick turn to the right, and at rest again.
-    Stop(View),
+    Turn(View),
     /// Sideways from a view for a third of the film, then at rest.
+    Stop(View),
+    /// At rest in a view for the whole film.
     Rest(View),
 }
 
-/// Metres a second.
+/// Speed of a walk, in metres a second.
 const WALK: f32 = 1.4;
-/// Metres a second of the sideways motion.
+/// Speed of the motion to the side, in metres a second.
 const ASIDE: f32 = 1.0;
-/// Degrees of the turn, and its seconds.
+/// Angle of the turn in degrees, and its duration in seconds.
 const TURN: (f32, f32) = (45.0, 0.2);
 
 impl CameraWay {

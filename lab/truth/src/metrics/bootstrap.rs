@@ -17,8 +17,8 @@ pub const CONFIDENCE: f64 = 0.95;
 /// contains the true median only seven times in eight (1 − 2 · 2⁻⁴).
 pub const MIN_SAMPLES: usize = 5;
 
-/// The ratio of B's median to A's, with its interval over resamples: 0 ≤ `low` ≤ `high`. Infinite where A's median is 0 and B's
-/// is not; 1 where both are 0.
+/// The ratio of B's median to A's, with its interval over resamples: 0 ≤ `low` ≤ `high`. The ratio is infinite if A's
+/// median is 0 and B's is not, and 1 if both medians are 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ratio {
     /// Ratio of the medians of the original samples.
@@ -84,6 +84,8 @@ pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) ->
     let change = (ratio - 1.0).abs();
     // Distance from the ratio to the end of the interval that is nearer to 1.
     let toward_one = if ratio > 1.0 { ratio - low } else { high - ratio };
+    // The share to which the interval and the noise floor must narrow, so that the interval lies beyond the bound or,
+    // for a small change, within the threshold.
     let narrowed = if change > threshold {
         ((change - threshold) / toward_one).min(change / (toward_one + floor))
     } else {
@@ -145,9 +147,9 @@ fn interval<const N: usize>(
     Some([percentile(&found, tail)?, percentile(&found, 1.0 - tail)?])
 }
 
-/// How far a time strays from itself, as a share. Two series of the same work, timed in turn, have the same true median, so that the
-/// ratio of their medians is truly 1. The distance from 1 of the farther end of that ratio's confidence interval is noise. `None` with
-/// fewer than [`MIN_SAMPLES`] in a series.
+/// The noise floor: how far a time strays from itself, as a share. Two series of the same work, timed in turn, have the
+/// same true median, so that the ratio of their medians is truly 1. The distance from 1 to the farther end of the
+/// ratio's confidence interval is therefore noise. `None` if a series has fewer than [`MIN_SAMPLES`].
 pub fn noise_floor(a: &[f64], again: &[f64], seed: u64) -> Option<f64> {
     if a.len().min(again.len()) < MIN_SAMPLES {
         return None;
@@ -182,6 +184,7 @@ mod tests {
         (0..n).map(|i| center + width * (Stream::new(seed, 99).uniform(i) - 0.5)).collect()
     }
 
+    /// The verdict on B compared with A for a threshold of 5 % and no noise floor.
     fn verdict(a: &[f64], b: &[f64]) -> Verdict {
         Verdict::for_ratio(&ratio_of_medians(a, b, 1).expect("samples"), 0.05, 0.0)
     }

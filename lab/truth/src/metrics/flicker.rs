@@ -9,13 +9,16 @@ pub fn sound(color: Vec3) -> Vec3 {
     if color.is_finite() { color } else { Vec3::ZERO }
 }
 
-/// A pixel, with the place where its surface was a frame before, in pixels.
+/// A pixel, with the place where its surface was a frame before.
 pub struct SamePlace {
+    /// Index of the pixel.
     now: usize,
+    /// Place in the image before, in pixels.
     before: [f64; 2],
 }
 
-/// The reflecting pixels whose surface also reflected on the screen a frame before, in all four pixels around its place there.
+/// The reflecting pixels whose surface was on the screen a frame before, and reflected in all four pixels around its
+/// place.
 pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
     let matrices = |data: &GBufferData| {
         let projection = data.view_to_clip();

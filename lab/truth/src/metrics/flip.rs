@@ -43,6 +43,7 @@ impl FlipMap {
 mod tests {
     use super::*;
 
+    /// An image of 32 × 24 pixels of one colour.
     fn flat(color: [u8; 3]) -> Vec<u8> {
         color.repeat(32 * 24)
     }

@@ -87,6 +87,7 @@ mod tests {
 
     const MISS: Option<[f64; 2]> = None;
 
+    /// A hit at pixel coordinates.
     fn hit(x: f64, y: f64) -> Option<[f64; 2]> {
         Some([x, y])
     }

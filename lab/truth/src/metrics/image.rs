@@ -39,11 +39,13 @@ pub fn error_map(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -> 
     pairs.map(|((a, b), masked)| if *masked { rmse(a, b) as f32 } else { 0.0 }).collect()
 }
 
+/// The pixels of an image that belong to a mask.
 fn select(image: LinearPixels, mask: &[bool]) -> Vec<[f32; 3]> {
     check(image, mask.len());
     image.iter().zip(mask).filter(|(_, masked)| **masked).map(|(rgb, _)| *rgb).collect()
 }
 
+/// Checks the number of an image's pixels.
 fn check(image: LinearPixels, pixels: usize) {
     assert_eq!(image.len(), pixels, "images and masks must have equal sizes");
 }

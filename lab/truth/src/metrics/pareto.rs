@@ -19,8 +19,8 @@ pub struct MeasuredPoint {
 }
 
 impl MeasuredPoint {
-    /// Whether this point keeps `other` off the front. This point must be possibly as fast, with no greater error; it must also
-    /// be certainly faster, or have a smaller error.
+    /// Whether this point keeps `other` off the front. This point must be possibly as fast as `other`, with no greater
+    /// error; this point must also be certainly faster, or have a smaller error.
     fn beats(&self, other: &Self) -> bool {
         let may_be_as_fast = self.least <= other.most;
         may_be_as_fast && self.error <= other.error && (self.most < other.least || self.error < other.error)

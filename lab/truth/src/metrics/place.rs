@@ -5,7 +5,7 @@ use crate::reference::world_hits::WorldHit;
 use glam::DVec3;
 use ssct_ground::math::constants::VISIBLE_WITHIN;
 
-/// Where a ray ends by a method.
+/// The end of a ray, as a method finds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RayEnd {
     /// At a place in the world, in metres.
@@ -44,6 +44,7 @@ pub fn agreement(truth: &[WorldHit], method: &[RayEnd]) -> Option<f64> {
 mod tests {
     use super::*;
 
+    /// A hit at `z` metres on the z axis, after a ray of `length_m` metres.
     fn hit(z: f64, length_m: f64) -> WorldHit {
         WorldHit::Hit { position: DVec3::Z * z, pixel: None, view_z_m: z, length_m, visible: false }
     }

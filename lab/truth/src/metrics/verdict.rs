@@ -28,6 +28,7 @@ pub enum PixelVerdict {
 impl PixelVerdict {
     /// Judges a reflection, after its fade, by the references of the same pixel.
     pub fn judge(shown: Vec3, screen: &EstimatedColor, world: &EstimatedColor) -> Self {
+        // Whether the shown reflection and the screen reference differ from the world reference.
         let [own, best] =
             [EstimatedColor { color: shown, ..EstimatedColor::default() }, *screen].map(|one| differs(&one, world));
         match (own, best) {
@@ -65,6 +66,7 @@ fn display(color: Vec3) -> Vec3 {
     color.map(|v| linear_to_srgb(if v.is_nan() { v } else { v.clamp(0.0, 1.0) }))
 }
 
+/// The root mean square of three numbers.
 fn rms(v: Vec3) -> f32 {
     (v.length_squared() / 3.0).sqrt()
 }
@@ -80,6 +82,7 @@ fn differs(a: &EstimatedColor, b: &EstimatedColor) -> bool {
 mod tests {
     use super::*;
 
+    /// A grey colour that is known without error.
     fn exact(grey: f32) -> EstimatedColor {
         EstimatedColor { color: Vec3::splat(grey), standard_error: Vec3::ZERO }
     }

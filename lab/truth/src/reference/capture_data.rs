@@ -9,8 +9,8 @@ use ssct_scenes::{Capture, GBufferData, Surface, sky};
 pub struct CaptureData {
     /// Place from which the images were made, in the world, in metres.
     pub place: Vec3,
-    /// The faces in Vulkan's order +x −x +y −y +z −z. All have the same size and lens; normals are in the view space of
-    /// the face, and colours are the lit colour, black where the sky is seen.
+    /// The faces in Vulkan's order +x −x +y −y +z −z. All faces have the same size and lens. Normals are in the view
+    /// space of the face, and colours are the lit colour, black where the sky is seen.
     pub faces: Vec<GBufferData>,
 }
 

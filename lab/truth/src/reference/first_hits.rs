@@ -1,6 +1,6 @@
 //! The surface that each pixel of an image sees first, and the point on it that reflects. First hits can be traced through the
-//! pixels' centres, which needs no G-buffer and is therefore independent evidence. They can also be taken from a G-buffer,
-//! which leaves the reflection as the only difference between a method and the reference.
+//! pixels' centres, which needs no G-buffer and is therefore independent evidence. First hits can also be taken from a
+//! G-buffer, which leaves the reflection as the only difference between a method and the reference.
 
 use super::surface::{SurfacePoint, World, sky_color};
 use glam::{DMat4, DVec3, Vec3};
@@ -148,6 +148,7 @@ impl FirstHits {
         all
     }
 
+    /// The lit colour, the view-space z and the receiver of the point that a camera ray hits.
     fn seen(world: &World, ray: &WorldRay, hit: &TriangleHit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
         let point = world.point(ray, hit);
         (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, Receiver::hit_by(ray, &point))
@@ -180,8 +181,8 @@ impl FirstHits {
 
     /// Takes the pixels of a G-buffer that shows a world, with the points where the camera's rays meet the world, and the
     /// triangles' planes there, below which no light leads. The depths alone are too inexact on a device that rounds vertices
-    /// to fractions of a pixel. At a grazing angle they lie millimetres beside the surface, so that rays from there would meet
-    /// the surface itself. A point stays in place if the world has no surface near it.
+    /// to fractions of a pixel. At a grazing angle, points from these depths lie millimetres beside the surface, so
+    /// that rays from there would meet the surface itself. A point stays in place if the world has no surface near it.
     pub fn shown(world: &World, gbuffer: &GBufferData) -> Self {
         Self::from_gbuffer(gbuffer).onto(world, gbuffer)
     }
@@ -228,6 +229,7 @@ impl FirstHits {
         all
     }
 
+    /// An image without pixels yet, with room for those of `extent`.
     fn empty(extent: [u32; 2]) -> Self {
         let pixels = extent[0] as usize * extent[1] as usize;
         Self {

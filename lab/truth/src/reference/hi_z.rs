@@ -56,6 +56,7 @@ pub fn chain(depth: &Level<f32>) -> Vec<Level<MinMax>> {
 mod tests {
     use super::*;
 
+    /// A level of these standard depths.
     fn depth(width: u32, height: u32, texels: &[f32]) -> Level<f32> {
         Level { width, height, texels: texels.to_vec() }
     }

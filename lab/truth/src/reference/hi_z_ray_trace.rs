@@ -127,6 +127,7 @@ pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZCon
     HiZTrace { from: p_ss, entered, steps, end }
 }
 
+/// Numbers of cells of a level across and down.
 fn cell_count(chain: &[Level<MinMax>], level: usize) -> Vec2 {
     Vec2::new(chain[level].width as f32, chain[level].height as f32)
 }

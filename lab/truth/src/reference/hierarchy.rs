@@ -169,6 +169,7 @@ struct Lane<'s> {
     axis: usize,
     /// 1, −1, or 0 if the ray does not move along this axis.
     direction: i32,
+    /// The column (or row) in which the ray begins.
     first: i32,
     pixel: i32,
     /// The number of pixels along this axis.
@@ -176,6 +177,7 @@ struct Lane<'s> {
 }
 
 impl<'s> Lane<'s> {
+    /// The walk at the start of a segment, along axis 0 (x) or 1 (y) of an image with `side` pixels along this axis.
     fn new(segment: &'s Segment, axis: usize, side: u32) -> Self {
         let delta = segment.delta[axis];
         let first = segment.start[axis].floor() as i32;
@@ -190,6 +192,7 @@ impl<'s> Lane<'s> {
         self.crossing(((if self.direction > 0 { cell + 1 } else { cell }) << level).min(self.side))
     }
 
+    /// The s at which the ray crosses the boundary before column (or row) `boundary`.
     fn crossing(&self, boundary: i32) -> f64 {
         self.segment.crossing(self.axis, boundary)
     }

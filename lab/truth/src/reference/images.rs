@@ -1,21 +1,22 @@
 //! The oracle of images (docs/definitions.md, "Images"): finds what a reflection ray hits in the screen and in captures
-//! by examining every pixel on its path, in f64. It is slow, short and meant to be read.
+//! by examining every pixel on its path, in f64. The code is slow, short and meant to be read.
 //!
 //! The screen is one image of the scene, and each face of a capture is another. In each image the ray is a straight line over a
 //! field of blocks, as in [`super::oracle`].
 //!
-//! - **The screen** gives the hits of version 2 of the oracle while it sees the ray. It loses the ray at the first pixel whose
-//!   block the ray passes behind, or where a miss ends. A ray that leaves through the far plane ends in the sky. Any other ray
-//!   that hits nothing is followed in captures, from where the screen lost it.
+//! - **The screen** gives the hits of version 2 of the oracle while it sees the ray. The screen loses the ray at the
+//!   first pixel whose block the ray passes behind, or where a miss ends. A ray that leaves through the far plane ends
+//!   in the sky. Any other ray that hits nothing is followed in captures, from where the screen lost it.
 //! - **A capture sees a point** if the point is not behind the back of its block there, and not before the near plane.
 //!   A lost ray goes on in the nearest capture that sees the point where it was lost.
 //! - **A face follows a ray** until the ray leaves it or is behind the front of a block. A ray that leaves by a side goes on in
 //!   the next face, through the far plane it ends in the sky, and through the near plane it is lost. A ray behind the front of
 //!   a block that runs along the normal there passes inside the block, because it leaves that surface; behind the block's back
-//!   it is lost. A ray that runs against the normal hits if it was in front of the block where it entered the pixel. It also
-//!   hits if it came through the joint to the previous pixel's block, by the rule of version 2 of the oracle; else it is lost.
-//!   A ray that begins inside the block hits at once. A ray from another face also hits if it is behind the block by no more
-//!   than the thickness of that face's last block. The ray then came through the joint of a surface that both faces show.
+//!   it is lost. A ray that runs against the normal hits if it was in front of the block where it entered the pixel.
+//!   Such a ray also hits if it came through the joint to the previous pixel's block, by the rule of version 2 of the
+//!   oracle; else the ray is lost. A ray that begins inside the block hits at once. A ray from another face also hits
+//!   if it is behind the block by no more than the thickness of that face's last block. The ray then came through the
+//!   joint of a surface that both faces show.
 //! - **A ray that a capture lost** goes on in the nearest other capture that sees the point where it was lost. A capture in
 //!   which the ray did not advance is left out until the ray advances in another. If no capture is left, the end of the ray is
 //!   unknown.
@@ -97,8 +98,11 @@ struct Face<'a> {
 /// Result of following a ray in a face or a capture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FollowEnd {
+    /// The ray hits a block.
     Hit,
+    /// The ray leaves through the far plane.
     Sky,
+    /// The face or the capture does not show where the ray goes.
     Lost,
     /// The ray left a face by a side.
     On {
@@ -212,11 +216,14 @@ impl<'a> ImageOracle<'a> {
         }
     }
 
+    /// Whether a point, relative to the eye, lies outside the scene's bounds.
     fn is_outside_scene(&self, point: DVec3) -> bool {
         let [least, greatest] = self.bounds;
         point.cmplt(least).any() || point.cmpgt(greatest).any()
     }
 
+    /// The index of the nearest capture that sees a point, given relative to the eye, among those that are not
+    /// excluded.
     fn nearest_seeing_capture(&self, point: DVec3, excluded: &[usize]) -> Option<usize> {
         let distance = |index: &usize| self.captures[*index].place.distance(point);
         let seeing = (0..self.captures.len()).filter(|index| !excluded.contains(index));
@@ -250,7 +257,8 @@ impl Cube<'_> {
         position.z < 1.0 && (block == DepthBlock::EMPTY || position.z >= block.back)
     }
 
-    /// Follows a ray from face to face, beginning at a point that the capture sees.
+    /// Follows a ray from face to face, beginning at a point that the capture sees. Returns how the ray ends, and the
+    /// place of its end; both places are relative to the capture's.
     fn follow(&self, point: DVec3, direction: DVec3) -> (FollowEnd, DVec3) {
         let (mut face, mut position, mut before) = (self.cube_face(point), point, 0.0);
         // A line crosses each of the six planes between faces at most once.
@@ -265,12 +273,14 @@ impl Cube<'_> {
 }
 
 impl Face<'_> {
+    /// Turns a vector from world axes to the face's view axes.
     fn to_view(&self, v: DVec3) -> DVec3 {
         self.view_to_world.transpose() * v
     }
 
-    /// Follows a ray over the face, from a point in it; both are in world axes, and the point is relative to the capture's
-    /// place. `before` is the thickness of the block at which the ray left the previous face, or 0.
+    /// Follows a ray over the face, from a point in it. Returns how the ray ends, and the place of its end. Point,
+    /// direction and place are in world axes, and points are relative to the capture's place. `before` is the thickness
+    /// of the block at which the ray left the previous face, or 0.
     fn follow(&self, point: DVec3, direction: DVec3, before: f64) -> (FollowEnd, DVec3) {
         let (image, rays) = (&self.image, &self.image.rays);
         let Some(segment) = rays.segment_from(self.to_view(point), self.to_view(direction)) else {

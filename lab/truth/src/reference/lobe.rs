@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 /// Samples a direction of the lobe cos^α around the unit vector `axis`, with density (α + 1)/2π · cos^α (thesis
-/// Eq. 4.5 with arccos, ξ = 1 − u₀). For an infinite exponent the result is `axis` itself.
+/// Eq. 4.5 with arccos, ξ = 1 − u₀). `u` are two random numbers from 0 to 1. For an infinite exponent the result is
+/// `axis` itself.
 pub fn lobe_direction(axis: DVec3, exponent: f64, u: [f64; 2]) -> DVec3 {
     if exponent.is_infinite() {
         return axis;

@@ -1,19 +1,19 @@
 //! The oracle (docs/definitions.md, "Oracle"): finds what a reflection ray really hits in a G-buffer by examining every
-//! pixel on its path, in f64. It is slow, short and meant to be read.
+//! pixel on its path, in f64. The code is slow, short and meant to be read.
 //!
 //! Version 2 hits a block only if the ray can have come from in front of it. A block's thickness is a guess that keeps rays
 //! from slipping through surfaces. Where the screen does not show what lies between two pixels, rays of version 1 can hit this
-//! guess. In the world such rays pass behind the object, or end on a side of it that is not visible.
+//! guess. In the world these rays pass behind the object, or end on a side of the object that is not visible.
 //!
 //! - The block of the first pixel after the start usually belongs to the surface that the ray leaves. Depths one pixel apart
 //!   cannot tell whether it does, but the pixel's normal can: a ray that runs along the normal passes as if the pixel were
 //!   empty; any other ray hits.
-//! - Any later block is hit if the ray is in front of it where it enters the pixel. It is also hit if the ray was in front of
-//!   the previous pixel's block, and therefore passes between the two fronts, provided that both fronts are close enough to
-//!   belong to one surface ([`JOINED`]). Otherwise the ray is at the edge of a visible surface, and hits the block's side only
-//!   down to a limited depth. The limit is the thickness times the cosine between the ray and the reversed normal: the more a
-//!   ray runs along the surface, the sooner it has passed behind it. In all other cases the ray is behind what is visible, and
-//!   misses.
+//! - Any later block is hit if the ray is in front of it where it enters the pixel. The block is also hit if the ray
+//!   was in front of the previous pixel's block, and therefore passes between the two fronts. Both fronts must then be
+//!   close enough to belong to one surface ([`JOINED`]). Otherwise the ray is at the edge of a visible surface, and
+//!   hits the block's side only down to a limited depth. The limit is the thickness times the cosine between the ray
+//!   and the reversed normal: the more a ray runs along the surface, the sooner it has passed behind it. In all other
+//!   cases the ray is behind what is visible, and misses.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
@@ -41,7 +41,8 @@ pub struct Meeting {
     pub pixel: [u32; 2],
     /// The position: pixel x, pixel y and reversed depth.
     pub position: DVec3,
-    /// Whether the ray crosses the block's front at the position. Otherwise it enters by a side or through the back.
+    /// Whether the ray crosses the block's front at the position. Otherwise the ray enters by a side or through the
+    /// back.
     pub crosses_front: bool,
     /// The side from which the ray comes; only version 2 uses it.
     pub approach: Approach,
@@ -191,6 +192,7 @@ impl<'a> Oracle<'a> {
         (x < self.blocks.width && y < self.blocks.height).then(|| self.blocks.at_clamped(x, y))
     }
 
+    /// The result for a ray that ends at s = `end` in the pixel `last`, behind that pixel's block or not.
     fn miss(&self, last: [i32; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
         let block = self.block(last).unwrap_or(DepthBlock::EMPTY);
         let behind = block != DepthBlock::EMPTY && segment.depth_at(end) < block.back;

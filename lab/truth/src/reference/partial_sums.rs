@@ -38,7 +38,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         self.first
     }
 
-    /// The number after the last sample's.
+    /// The number of the sample that follows the last one.
     pub fn end(&self) -> u32 {
         self.end
     }
@@ -165,7 +165,7 @@ mod tests {
     use proptest::prelude::*;
     use ssct_ground::math::random::Stream;
 
-    /// Adds numbers of very different sizes, whose sum depends on its grouping; some at a time.
+    /// Adds numbers of very different sizes, whose sum depends on its grouping; `at_once` of them are added at a time.
     fn summed(first: u32, end: u32, at_once: u32) -> PartialSums<f64> {
         let mut sums = PartialSums::new(first, 3);
         while sums.end() < end {

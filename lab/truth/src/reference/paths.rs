@@ -70,16 +70,17 @@ impl<'a> Paths<'a> {
         (0..extent[0] as usize * extent[1] as usize).into_par_iter().map(pixel).collect()
     }
 
-    /// The light along a ray from the camera.
+    /// The radiance along a ray from the camera, by one path; `number` gives the random numbers of the path.
     fn path(&self, mut ray: WorldRay, number: &impl Fn(u64) -> f64) -> DVec3 {
         let (mut light, mut share) = (DVec3::ZERO, DVec3::ONE);
         for bounce in 0..=u64::from(self.bounces) {
             let first = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * bounce;
-            // Beyond the scene it is dark, since the area lights are the only light.
+            // A ray that leaves the scene brings no light, since the area lights are the only light.
             let Some(hit) = self.world.closest(&ray) else { return light };
             let point = self.world.point(&ray, &hit);
             if point.emission > 0.0 {
-                // A lamp shows its colour to the camera; its light on other surfaces is added where they choose a point on it.
+                // A lamp shows its colour to the camera. Its light on another surface is added where a point of the
+                // lights is chosen there.
                 return if bounce == 0 { point.albedo } else { light };
             }
             share *= point.albedo;
@@ -112,11 +113,13 @@ impl<'a> Paths<'a> {
         if self.world.closest(&shadow).is_some() {
             return DVec3::ZERO;
         }
+        // A diffuse surface reflects albedo / π, and the point was chosen with the density 1 / `all` over the area.
         panel.radiance * (shines * falls * all / (PI * length * length))
     }
 }
 
 impl Panel {
+    /// The rectangle of an area light; `None` for a light of another shape.
     fn from_light(light: &AreaLight) -> Option<Self> {
         let AreaShape::Rectangle { centre, half_u, half_v } = light.shape else { return None };
         let [centre, half_u, half_v, radiance] = [centre, half_u, half_v, light.radiance].map(|v| v.as_dvec3());

@@ -101,11 +101,13 @@ struct Names<'a> {
 }
 
 impl Names<'_> {
+    /// The name of the mesh of a hit triangle.
     fn hit(&self, hit: &TriangleHit) -> String {
         let mesh = self.world.triangle(hit).mesh as usize;
         self.world.scene.meshes.get(mesh).map_or_else(String::new, |mesh| mesh.name.clone())
     }
 
+    /// The name of the mesh that the centre of a pixel shows; `None` for sky.
     fn shown_at(&self, index: usize) -> Option<String> {
         self.world.closest(&self.rays.ray(index).0).map(|hit| self.hit(&hit))
     }
@@ -143,6 +145,7 @@ pub fn all_references(
     of_mask(world, gbuffer, &gbuffer.reflecting(), &FirstHits::shown(world, gbuffer), sampling)
 }
 
+/// The reflections of a mask's pixels by the screen reference and by the world reference; black in all other pixels.
 fn of_mask(
     world: &World,
     gbuffer: &GBufferData,
@@ -171,6 +174,7 @@ mod tests {
     use glam::DVec2;
     use ssct_scenes::{Camera, FieldOfView, Lens, Material, Mesh, Scene};
 
+    /// A mesh with another name.
     fn named(name: &str, mesh: Mesh) -> Mesh {
         Mesh { name: name.to_owned(), ..mesh }
     }
@@ -187,10 +191,12 @@ mod tests {
         (scene, Camera::new(Vec3::ZERO, Vec3::Z, lens(), 1.0))
     }
 
+    /// A lens that sees 90° from bottom to top.
     fn lens() -> Lens {
         Lens { opening: FieldOfView::Angle(90_f32.to_radians()), ..Lens::default() }
     }
 
+    /// The analysis of a pixel in an image of 40 × 40 pixels of the room with more meshes.
     fn seen(more: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
         let (scene, camera) = room(more);
         let world = World::new(&scene, &scene.materials);

@@ -92,7 +92,7 @@ impl Segment {
     }
 
     /// The s at which the ray crosses the line x = `boundary` (axis 0) or y = `boundary` (axis 1); infinite if
-    /// the ray does not move along that axis. It increases with the boundary's distance from the start, even
+    /// the ray does not move along that axis. The result increases with the boundary's distance from the start, even
     /// under rounding.
     pub fn crossing(&self, axis: usize, boundary: i32) -> f64 {
         if self.delta[axis] == 0.0 {
@@ -184,7 +184,8 @@ impl<'a> RaySetup<'a> {
     }
 }
 
-/// The t at which P + tD leaves the frustum, and the side where it does. `None` if it leaves by no side, because of NaN.
+/// The t at which P + tD leaves the frustum, and the side where it does. `None` if the ray leaves by no side, because
+/// of NaN.
 fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
     // Each plane is given by its value at P and its rate along D; values inside are ≥ 0. Depth is reversed.
     let planes = [

@@ -104,6 +104,8 @@ struct Pixels<'a> {
 }
 
 impl Pixels<'_> {
+    /// The reflection of a pixel, as the mean over samples. Sample i draws four random numbers, from 4 i on: two for
+    /// the lobe, and two for the place within the pixel.
     fn estimate(&self, x: u32, y: u32) -> Estimate {
         let (rays, Sampling { samples, seed, .. }) = (self.hierarchy.rays(), self.sampling);
         let index = rays.gbuffer.index(x, y);

@@ -107,6 +107,7 @@ impl<'a> World<'a> {
         geometric.lerp(bumped, deviation).normalize_or(geometric)
     }
 
+    /// The linear value of an image at texture coordinates.
     fn sample(&self, texture: usize, uv: DVec2) -> DVec4 {
         bilinear(&self.scene.textures[texture], uv)
     }
@@ -138,6 +139,7 @@ pub fn sky_color(direction: DVec3) -> DVec3 {
     sky::radiance(direction.as_vec3()).as_dvec3()
 }
 
+/// An attribute at a hit, interpolated between the three vertices of the triangle.
 fn interpolate(vertices: &[&Vertex; 3], hit: &TriangleHit, attribute: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
     vertices.iter().zip(hit.barycentrics).map(|(v, weight)| weight * Vec3::from(attribute(v)).as_dvec3()).sum()
 }
@@ -163,11 +165,13 @@ pub(super) mod tests {
         Mesh { name: "rectangle".into(), vertices, indices: vec![0, 1, 2, 0, 2, 3], material, bounds }
     }
 
+    /// An image of this width from its bytes, four for each texel.
     pub fn texture(width: u32, rgba: Vec<u8>, encoding: Encoding) -> Texture {
         let height = rgba.len() as u32 / 4 / width;
         Texture { name: "test".into(), width, height, rgba, encoding }
     }
 
+    /// A ray whose hits count at any distance from 0 on.
     fn ray(origin: [f64; 3], direction: [f64; 3]) -> WorldRay {
         WorldRay {
             origin: DVec3::from(origin),

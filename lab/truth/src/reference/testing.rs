@@ -8,6 +8,7 @@ use ssct_ground::math::random::Stream;
 use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 use std::cell::Cell;
 
+/// A camera at the origin that looks along +z with the default lens.
 fn camera(aspect: f32) -> Camera {
     Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), aspect)
 }
@@ -132,14 +133,17 @@ impl Random {
         self.0.uniform(self.1.get())
     }
 
+    /// A random number between two numbers.
     pub fn range(&self, from: f64, to: f64) -> f64 {
         from + (to - from) * self.unit()
     }
 
+    /// A random whole number from 0 to n − 1.
     pub fn below(&self, n: u32) -> u32 {
         (self.unit() * f64::from(n)) as u32
     }
 
+    /// A random vector whose components lie in −1…1; its length is not 1.
     pub fn direction(&self) -> DVec3 {
         DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
     }

@@ -1,5 +1,5 @@
-//! The block of depth that a pixel stands for when rays are traced. It extends from the pixel's own depth to a back that is T
-//! behind it (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
+//! The block of depth that a pixel stands for when rays are traced. The block extends from the pixel's own depth to a
+//! back that lies T behind this depth (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
 
 use super::Level;
 use glam::DVec3;

@@ -39,26 +39,32 @@ pub struct TreeRay {
 
 /// A scene's triangles, for rays that are traced as in the shaders.
 pub struct TriangleWalk<'a> {
+    /// [`NODE_WORDS`] vectors for each node, as in [`Tree::nodes`].
     nodes: Cow<'a, [Words]>,
     /// Root of the tree of moving triangles.
     moving: Option<u32>,
+    /// Three vectors for each triangle, as in [`TriangleRecords::corners`].
     corners: Cow<'a, [Words]>,
+    /// Greatest coordinate of a corner from the tree's origin, in metres, without its sign.
     extent: f32,
 }
 
-/// Adds in the shader's order.
+/// The scalar product, whose terms are added in the shader's order.
 fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
+/// The vector product, by the shader's operations.
 fn cross(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
+/// The point whose coordinates are the first three words, as bits of floats.
 fn corner(words: &Words) -> Vec3 {
     Vec3::from_array([words[0], words[1], words[2]].map(f32::from_bits))
 }
 
+/// Byte `i` of a word, counted from the lowest.
 fn byte(word: u32, i: u32) -> u32 {
     word >> (8 * i) & 0xff
 }
@@ -92,9 +98,11 @@ impl<'a> TriangleWalk<'a> {
         let octant = [0x0404_0404, 0x0202_0202, 0x0101_0101];
         let octant = octant.iter().zip(back).filter(|(_, back)| !back).fold(0, |all, (bits, _)| all | bits);
         let stands = self.moving.map_or(!self.nodes.is_empty(), |root| root > 0);
+        // A group of nodes: the first child's number, and the bits of the children that are still to be looked at.
         let mut group = [0, if stands { 0x8000_0000 } else { 0 }];
         stack.extend(self.moving.map(|root| [root, 0x8000_0000]));
         loop {
+            // A group of triangles: the first one's slot, and the bits of the triangles that are still to be tested.
             let mut leaves = [0; 2];
             if group[1] & 0xff00_0000 != 0 {
                 let bits: u32 = group[1];
@@ -165,6 +173,8 @@ impl<'a> TriangleWalk<'a> {
         best
     }
 
+    /// Makes the hit on the triangle of a slot the best one, if the ray meets the triangle and this hit is nearer than
+    /// the best one so far. `walk.glsl` gives the reason of each test.
     fn update_nearest_hit(&self, ray: &TreeRay, slot: usize, best: &mut TriangleHit) {
         let words = &self.corners[3 * slot..3 * slot + 3];
         let [a, b, c] = [0, 1, 2].map(|k| corner(&words[k]) - ray.origin);

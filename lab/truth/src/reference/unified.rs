@@ -90,6 +90,7 @@ impl Block {
     /// The block of sky, which no depth meets.
     pub const EMPTY: Self = Self { front: -1.0, back: 2.0 };
 
+    /// The smallest interval that contains both blocks.
     fn union(self, other: Self) -> Self {
         Self { front: self.front.max(other.front), back: self.back.min(other.back) }
     }
@@ -150,6 +151,7 @@ struct Walk {
     pixel: IVec2,
     /// Level of the cell that is looked at next; below 0, the ray has met the pixel's block.
     level: i32,
+    /// s at which the ray enters the pixel, and its reversed depth there.
     entry: f32,
     entry_depth: f32,
     steps: i32,
@@ -187,7 +189,7 @@ impl Ray {
         self.start.extend(self.depth) + s * self.rate
     }
 
-    /// Twin of `Ahead`.
+    /// Twin of `Ahead`: along each axis 1 if the ray leaves a cell by the side of the greater coordinate, else 0.
     fn ahead(&self) -> IVec2 {
         IVec2::new(i32::from(self.inverse.x > 0.0), i32::from(self.inverse.y > 0.0))
     }
@@ -267,6 +269,8 @@ impl<'a> Traversal<'a> {
         (depth > 0.0).then(|| self.make_ray(start, pixel, depth, direction, change.extend(change_z)))
     }
 
+    /// `PixelPoint`: x and y, at z = 1, of the direction in which a pixel is seen, and its place as ndc from the view's
+    /// axis.
     fn pixel_point(&self, pixel: IVec2) -> (Vec2, Vec2) {
         let p = &self.parameters;
         let centre = IVec2::new(2 * pixel.x + 1 - p.size.x, p.size.y - 2 * pixel.y - 1).as_vec2() - p.shift;
@@ -274,6 +278,7 @@ impl<'a> Traversal<'a> {
         (view, centre * p.pixel_to_clip)
     }
 
+    /// `MakeRay`: a ray along a view-space direction, which `change` gives as a change of (ndc x, ndc y, depth).
     fn make_ray(&self, start: Vec2, pixel: IVec2, depth: f32, direction: Vec3, change: Vec3) -> Ray {
         let size = self.parameters.size;
         let moved = change.truncate() * size.as_vec2() * Vec2::new(0.5, -0.5);
@@ -310,7 +315,7 @@ impl<'a> Traversal<'a> {
         Some(self.traverse(&ray).steps.max(0) as u32)
     }
 
-    /// Twin of `Traverse`.
+    /// Twin of `Traverse`: walks over the pyramid until the ray hits a block or ends.
     pub fn traverse(&self, ray: &Ray) -> Hit {
         self.walk(ray, |_| {})
     }
@@ -406,6 +411,7 @@ impl<'a> Traversal<'a> {
         }
     }
 
+    /// The block of a pixel.
     fn block(&self, pixel: IVec2) -> Block {
         self.levels[0].at_clamped(pixel.x as u32, pixel.y as u32)
     }
@@ -416,7 +422,8 @@ impl<'a> Traversal<'a> {
         if is_inside { self.gbuffer.normal[self.gbuffer.index(pixel.x as u32, pixel.y as u32)] } else { Vec3::ZERO }
     }
 
-    /// Twin of `IsBehind`.
+    /// Twin of `IsBehind`: whether a ray that enters a pixel at `entry_depth`, behind the front of its block, passes
+    /// behind the block and does not hit it (version 2 of the oracle).
     fn is_behind(&self, ray: &Ray, entry_depth: f32, pixel: IVec2, block: Block, ahead: IVec2) -> bool {
         let before = self.block(pixel_before(ray, pixel, ahead));
         let (d, n) = (ray.direction, self.normal(pixel));
@@ -429,7 +436,8 @@ impl<'a> Traversal<'a> {
     }
 }
 
-/// Twin of `PixelBefore`.
+/// Twin of `PixelBefore`: the pixel that a ray comes from as it enters another, across the boundary that it crossed
+/// last.
 fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
     let entries = ((pixel + 1 - ahead).as_vec2() - ray.start) * ray.inverse;
     let back = 1 - 2 * ahead;
@@ -452,7 +460,7 @@ fn front_crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
     if far <= front && front <= near && far < near { crossing.max(walk.entry).min(last) } else { walk.entry }
 }
 
-/// `Dot`: adds in the shader's order.
+/// `Dot`: the scalar product, whose terms are added in the shader's order.
 fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }

@@ -13,8 +13,8 @@ pub struct Range {
     pub far_m: f32,
 }
 
-/// Eq. 4.2 as printed. It is meant for depths in −1…1 but receives 0…1 (an erratum that is kept). The result is
-/// monotonic, from 2n / (f + n) at 0 to 1 at 1, but it is not a distance.
+/// Eq. 4.2 as printed. The equation is meant for depths in −1…1 but receives 0…1 (an erratum that is kept). The result
+/// is monotonic, from 2n / (f + n) at 0 to 1 at 1, but it is not a distance.
 pub fn linearize(z: f32, range: Range) -> f32 {
     let Range { near_m: near, far_m: far } = range;
     (2.0 * near) / (far + near - z * (far - near))

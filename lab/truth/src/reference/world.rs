@@ -1,6 +1,6 @@
 //! The world reference of docs/definitions.md, "Image error": the glossy reflection of each pixel as the mean over rays of its
-//! Phong lobe, traced against the triangles of the whole scene, with its standard error. It includes surfaces that are off
-//! screen or hidden, which no screen-space method can see.
+//! Phong lobe, traced against the triangles of the whole scene, with its standard error. The reflection includes
+//! surfaces that are off screen or hidden, which no screen-space method can see.
 //!
 //! Each sample reflects the camera ray through a random place within the pixel, at the pixel's own point with the pixel's own
 //! normal, as the screen reference does.
@@ -134,8 +134,8 @@ impl<'a> WorldReference<'a> {
     }
 
     /// A state without samples, whose first sample will have the number `first`, a multiple of
-    /// [`LEAF`](super::partial_sums::LEAF). It becomes a part of the samples, which [`super::world_part`] merges with the other
-    /// parts.
+    /// [`LEAF`](super::partial_sums::LEAF). The state becomes a part of the samples, which [`super::world_part`] merges
+    /// with the other parts.
     pub fn start_at(&self, first: u32) -> WorldState {
         let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
             (None, _) => Kind::None,
@@ -221,7 +221,7 @@ impl<'a> WorldReference<'a> {
         }
     }
 
-    /// Traces one ray of the lobe.
+    /// Takes sample `number` of the pixel `index`: traces one ray of the receiver's lobe, and its further bounces.
     fn sample(&self, index: usize, receiver: &Receiver, number: u64, stream: &Stream) -> WorldSample {
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
         let (receiver, lobe) = match &self.footprint {
@@ -267,7 +267,7 @@ impl<'a> WorldReference<'a> {
     }
 }
 
-/// A ray, with the place and the surface where it ends; `None` if it escapes.
+/// A ray, with the place and the surface where it ends; both are `None` if the ray escapes.
 #[derive(Clone, Copy)]
 struct TracedRay {
     ray: WorldRay,

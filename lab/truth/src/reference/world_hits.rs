@@ -72,7 +72,7 @@ impl<'a> ShownPlaces<'a> {
         Self { gbuffer, colors, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }
     }
 
-    /// Where a mirror ray ends, and the triangle that it meets, if any.
+    /// Where a mirror ray ends, and the triangle that the ray meets; `None` if the ray escapes.
     pub(super) fn end(&self, world: &World, receiver: &Receiver) -> (WorldHit, Option<TriangleHit>) {
         let direction = receiver.mirror();
         let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
@@ -115,7 +115,8 @@ mod tests {
     use glam::Vec3;
     use ssct_scenes::{Camera, FieldOfView, Lens, Material, Scene};
 
-    /// A camera at the origin, 1 m above a mirror floor, in front of a wall at z = 4 that stands on the floor.
+    /// A camera at the origin, 1 m above a mirror floor, in front of a wall at z = 4 that stands on the floor. The
+    /// wall's distances in the G-buffer are multiplied by a factor.
     fn gbuffer(wall_depth_factor: f32) -> (Scene, GBufferData) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);

@@ -111,7 +111,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     Ok(MergedParts { merged, missing })
 }
 
-/// Samples in words.
+/// The numbers of some samples, in words.
 pub fn named(samples: &Range<u32>) -> String {
     format!("samples {} to {}", samples.start, samples.end.saturating_sub(1))
 }
@@ -147,6 +147,7 @@ mod tests {
         check(&reference(1), &WorldReference { seed: 2, ..reference(1) }, folder.path());
     }
 
+    /// Takes some samples of a reference, and reads them from a file in the folder.
     fn part(reference: &WorldReference, folder: &Path, samples: Range<u32>) -> WorldPart {
         let path = folder.join(format!("{}-{}-{}", reference.seed, samples.start, samples.end));
         let mut state = reference.start_at(samples.start);

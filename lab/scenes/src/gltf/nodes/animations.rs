@@ -18,6 +18,7 @@ use std::sync::Arc;
 /// Greatest number of nodes that a motion may have, counted on the way from each moving thing up to its root.
 const MAX_NODES: usize = 1 << 20;
 
+/// An animation, as the JSON of glTF states it.
 #[derive(Deserialize)]
 struct AnimationJson {
     name: Option<String>,
@@ -27,19 +28,23 @@ struct AnimationJson {
     samplers: Vec<SamplerJson>,
 }
 
+/// A channel of an animation: the index of a sampler, and the thing that the sampler's values change.
 #[derive(Deserialize)]
 struct ChannelJson {
     sampler: usize,
     target: TargetJson,
 }
 
+/// The target of a channel.
 #[derive(Deserialize)]
 struct TargetJson {
     /// Node of the target; the target of an extension has none.
     node: Option<usize>,
+    /// The changed property: `translation`, `rotation`, `scale` or `weights`.
     path: String,
 }
 
+/// A sampler: the accessors of its times and of its values.
 #[derive(Deserialize)]
 struct SamplerJson {
     input: usize,
@@ -47,7 +52,8 @@ struct SamplerJson {
     interpolation: Option<String>,
 }
 
-/// The motions of a file's animations. `names` has the names of the nodes' meshes, by the nodes' indices.
+/// The motions of a file's animations. `names` has the names of the nodes' meshes, by the nodes' indices; `origin` is
+/// subtracted from every place in the world, in metres.
 pub(super) fn motions(
     (data, animations): (&Data, &Value),
     (nodes, origin): (&Nodes, DVec3),
@@ -79,7 +85,7 @@ pub(super) fn motions(
     motions
 }
 
-/// The changes of each node by an animation.
+/// The changes of each node by an animation; the keys of the result are indices of nodes.
 ///
 /// # Errors
 /// A clause that says what is wrong.
@@ -118,6 +124,10 @@ fn changes(
     Ok(changed)
 }
 
+/// The keys of a channel: times from the accessor `input`, and values of `N` numbers from the accessor `output`.
+///
+/// # Errors
+/// A clause that says what is wrong.
 fn keys<const N: usize>(
     (data, input, output, between): (&Data, &Accessor, &Accessor, Interpolation),
     dimensions: Dimensions,
@@ -201,6 +211,7 @@ fn chain<'a>(way: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> 
     chain
 }
 
+/// The transform of a node, to its parent's space, while no animation plays.
 fn rest(node: &Node) -> Rest {
     match node.transform() {
         Transform::Matrix { matrix } => Rest::Matrix(DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from)))),
@@ -211,7 +222,8 @@ fn rest(node: &Node) -> Rest {
     }
 }
 
-/// The meshes of a node; a large mesh is split into parts.
+/// The names of the meshes of a node: its own name or, for a large mesh that was split into `n` parts, the name with `
+/// k/n`.
 fn meshes_of(name: &str, meshes: &[Mesh]) -> Vec<String> {
     let is_part = |rest: &str| {
         let part = rest.strip_prefix(' ').and_then(|rest| rest.split_once('/'));

@@ -42,10 +42,10 @@ pub(super) fn lamp(
             if light.range().is_some() {
                 notes.add("ranges", "ranges of lights are not supported; lights reach as far as they fade".to_owned());
             }
-            // The file's unit of length is the metre; the brightness of a light at the centre itself is taken one metre away.
+            // The file's unit of length is the metre. A light less than a metre from the centre counts as a metre away.
             let scale = f64::from(units.scale);
             let away = ((position - units.centre.as_dvec3()).length() / scale).max(1.0);
-            // An energy is scaled like a squared length.
+            // The attenuation is energy / distance², so that the energy is scaled like a squared length.
             let light = Light::Point { position: position.as_vec3(), energy: (intensity * scale * scale) as f32 };
             PlacedLight { light, illuminance: intensity / (away * away) }
         }

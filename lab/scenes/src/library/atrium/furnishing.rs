@@ -36,6 +36,7 @@ fn curtains() -> Vec<MeshBuilder> {
 /// at the pole, gathered where it is tied, and hangs straight below.
 fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     const HEIGHT: f32 = 2.7;
+    /// Height of the tie, as a share of the curtain's height.
     const TIE: f32 = 0.42;
     let surface = |s: f32, t: f32| {
         let above = ((t - TIE) / (1.0 - TIE)).max(0.0);
@@ -77,11 +78,14 @@ fn banners() -> Vec<MeshBuilder> {
     parts
 }
 
-/// A point of a banner, which runs from its lower end in the court over the parapet into the gallery.
+/// A point of a banner, which runs from its lower end in the court over the parapet into the gallery, and its texture
+/// coordinates in metres. `s` and `t` run from 0 to 1 across and along the cloth; `court` is the sign of z towards the
+/// court.
 fn banner(s: f32, t: f32, court: f32) -> (Vec3, Vec2) {
     const WIDTH: f32 = 2.2;
-    /// The length that hangs into the court, and half the length that lies on the parapet, in metres.
+    /// The length that hangs into the court, in metres.
     const OUTSIDE: f32 = 1.45;
+    /// Half the length that lies on the parapet, in metres.
     const ROUND: f32 = 0.42;
     let a = WIDTH * (s - 0.5) * court;
     let length = OUTSIDE + 2.0 * ROUND + 0.3;

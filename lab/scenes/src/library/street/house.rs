@@ -11,7 +11,9 @@ const GROUND_M: f32 = 4.0;
 const STOREY_M: f32 = 3.15;
 /// Width and height of a window, and the height of its sill above the storey's floor.
 const WINDOW: [f32; 3] = [1.15, 1.75, 0.85];
+/// Least width of a bay; each bay has one opening a storey.
 const BAY_M: f32 = 2.55;
+/// Depth of the openings in the wall.
 const RECESS_M: f32 = 0.2;
 /// Depth of a house; its gables show where they rise above lower neighbours.
 const DEPTH_M: f32 = 7.0;
@@ -54,10 +56,14 @@ struct Opening {
     filling: Filling,
 }
 
+/// The fillings of an opening.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Filling {
+    /// The window of a room.
     Pane,
+    /// The window of a shop.
     Shop,
+    /// A glass door of the cinema.
     Glass,
     Door,
 }
@@ -78,6 +84,7 @@ pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
         face.reveals(&mut trim, rect, RECESS_M);
         match filling {
             Filling::Pane => {
+                // A random number from the opening and the house decides whether the room is lit.
                 let place = IVec2::new(k as i32, (front.height * 10.0) as i32 + front.span[0] as i32);
                 let pane = if unit(place, 467) < LIT { &mut lit } else { &mut dark };
                 face.picture(pane, rect, -RECESS_M);

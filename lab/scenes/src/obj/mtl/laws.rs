@@ -32,7 +32,7 @@ pub(super) enum Exporter {
 }
 
 impl Exporter {
-    /// Reads from a file's comments which program wrote the file.
+    /// The program that a comment of a file names as the file's writer; `None` for any other comment.
     pub(super) fn from_comment(line: &str) -> Option<Self> {
         let rest = line.trim_start_matches('#').trim_start().strip_prefix("Blender ")?;
         let (version, rest) = rest.split_once(' ')?;
@@ -89,7 +89,7 @@ impl Definition {
         }
     }
 
-    /// The material that results from its law.
+    /// The material that results from its numbers by its law.
     pub(in crate::obj) fn reading(&self) -> MaterialReading {
         let factors = Factors {
             base: self.base(),
@@ -110,17 +110,19 @@ impl Definition {
         MaterialReading { material, factors, is_metallic, roughness_factor: self.perceptual().unwrap_or(1.0) }
     }
 
-    /// A black colour together with an image counts as white, as exporters mean it.
+    /// The linear base colour. Black together with an image counts as white, as exporters mean it.
     fn base(&self) -> Vec3 {
         let base = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
         if base == Vec3::ZERO && self.images.albedo.is_some() { Vec3::ONE } else { base }
     }
 
+    /// The linear emission. Black together with an image counts as white.
     fn emitted(&self) -> Vec3 {
         let stated = self.emission.unwrap_or(Vec3::ZERO).clamp(Vec3::ZERO, Vec3::splat(1e6));
         if stated == Vec3::ZERO && self.images.emission.is_some() { Vec3::ONE } else { stated }
     }
 
+    /// The metalness, 0…1. A number of 0 together with an image counts as 1.
     fn metallic(&self) -> f32 {
         let stated = match self.law {
             Law::Wavefront => 0.0,
@@ -140,6 +142,7 @@ impl Definition {
         let ior = self.ior.filter(|ior| ior.is_finite() && *ior > 1.0);
         let of_ior = ior.map_or(F0, f0_of_ior);
         let has_image = self.images.reflectivity.is_some();
+        // The level of specular is 0.5 by default, which leaves the reflection as it is.
         let level = |major| {
             let level = self.specular.map_or(if has_image { 1.0 } else { 0.5 }, luminance).max(0.0);
             2.0 * level * if major >= BLENDER_WITH_IOR { of_ior } else { F0 }
@@ -151,8 +154,8 @@ impl Definition {
         }
     }
 
-    /// The perceptual roughness of glTF, or the factor on an image of roughness. Under every law but Blender's it is `None` if the
-    /// material gives no roughness.
+    /// The perceptual roughness of glTF, or the factor on an image of roughness. The result is `None` if the material
+    /// gives no roughness and the law is not Blender's.
     fn perceptual(&self) -> Option<f32> {
         if self.images.roughness.is_some() {
             return Some(self.roughness.filter(|r| *r > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));

@@ -7,7 +7,9 @@ use std::path::Path;
 /// The options of a map that are used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct MapOptions {
+    /// The bump multiplier (`-bm`).
     multiplier: f32,
+    /// Whether `-s`, `-o` or `-t` would transform texture coordinates.
     transformed: bool,
 }
 
@@ -46,8 +48,9 @@ fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
 /// Parses the options and the file name of a map; `None` if there is no file name.
 ///
 /// Names may contain blanks, hyphens and `#`. Several readings of the text are tried, and the first that names an existing file
-/// is used. These are everything after the options, the same without a comment, the same without options after the name, and
-/// the last word, which may follow unknown options. If no file exists, the third reading is the name.
+/// is used. The readings are: everything after the options; this text without a comment; this text without options
+/// after the name; and the last word, which may follow unknown options. If no file exists, the third reading is the
+/// name.
 pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatement> {
     let mut options = MapOptions { multiplier: 1.0, transformed: false };
     let whole = take_options(rest, &mut options);

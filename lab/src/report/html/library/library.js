@@ -80,6 +80,8 @@ function groups(samples, other) {
   return found;
 }
 
+// The rows of the table of times: for each subject of both runs, the medians, their ratio with its interval, and the
+// verdict.
 function times(a, b) {
   const [ofA, ofB] = [groups(a.samples, b.samples), groups(b.samples, a.samples)];
   const rows = [];
@@ -96,6 +98,7 @@ function times(a, b) {
   return rows;
 }
 
+// Figures that both runs have: how many there are, how many differ, and the rows of the 200 that differ most.
 function errors(a, b) {
   const key = (figure) => figure.slice(0, 4).join(" ");
   const ofA = new Map(a.figures.map((figure) => [key(figure), figure[4]]));

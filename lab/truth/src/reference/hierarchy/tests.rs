@@ -27,6 +27,7 @@ fn exact_segment(random: &Random, g: &GBufferData) -> Segment {
     Segment { start, delta, direction: random.direction(), end: MissReason::LeftScreen }
 }
 
+/// Asserts that two traces end alike: in the same pixel at the same place, but for rounding, or by the same miss.
 fn assert_agree(found: Trace, truth: Trace, what: impl Fn() -> String) {
     match (found.outcome, truth.outcome) {
         (Outcome::Hit { pixel: a, position: p }, Outcome::Hit { pixel: b, position: q }) => {
@@ -69,6 +70,7 @@ fn compare(case: u64, rays: u64) -> [u64; 2] {
     [rays, hits]
 }
 
+/// Compares about `rays` rays in each of `cases` G-buffers.
 fn agree(cases: u64, rays: u64) {
     let totals: Vec<_> = (0..cases).into_par_iter().map(|case| compare(case, rays)).collect();
     let [rays, hits] = [0, 1].map(|i| totals.iter().map(|t| t[i]).sum::<u64>());

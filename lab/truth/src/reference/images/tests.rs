@@ -16,17 +16,21 @@ fn screen() -> GBufferData {
     gbuffer(1, 1, |_, _| 0.0, |_, _| Vec3::ZERO)
 }
 
+/// A capture whose near plane is 5 cm away, times a scale.
 fn capture(position: Vec3, resolution: u32, scale: f32) -> Capture {
     Capture { position, resolution, near_m: 0.05 * scale }
 }
 
 /// A room, 6 by 4 by 8 metres times a scale around the origin, with some spheres in it and a hole in its roof.
 struct Room {
+    /// Half of the room's extent.
     half: DVec3,
+    /// Centres and radii of the spheres.
     spheres: Vec<(DVec3, f64)>,
 }
 
 impl Room {
+    /// A room with up to five random spheres.
     fn new(random: &Random, scale: f64) -> Self {
         let half = scale * DVec3::new(3.0, 2.0, 4.0);
         let spheres = (0..random.below(6)).map(|_| (half * random.direction() * 0.8, scale * random.range(0.1, 0.8)));
@@ -49,10 +53,12 @@ impl Room {
             .then_some(nearest)
     }
 
+    /// Whether a point lies inside any of the spheres.
     fn is_inside_sphere(&self, p: DVec3) -> bool {
         self.spheres.iter().any(|(centre, radius)| centre.distance(p) <= *radius)
     }
 
+    /// The images of a capture in the room, computed by [`Self::hit`].
     fn capture(&self, capture: &Capture) -> CaptureData {
         CaptureData::from_texels(capture, |d| match self.hit(capture.position.as_dvec3(), d.as_dvec3()) {
             Some((z, normal)) => (z, normal.as_vec3(), Vec3::ONE),
@@ -123,16 +129,20 @@ fn a_capture_loses_a_ray_behind_a_sphere_and_another_finds_it() {
 #[derive(Debug, Default, Clone, Copy)]
 struct Count {
     rays: u64,
+    /// Rays that hit a capture by the oracle.
     hits: u64,
+    /// Rays whose end is unknown by the oracle.
     unknown: u64,
     /// Rays whose end differs, but that the oracle ends there, too, if they are moved by rounding.
     ties: u64,
+    /// All other rays whose end differs.
     wrong: u64,
     most_steps: i32,
     most_faces: i32,
 }
 
 impl Count {
+    /// The sums of the counts of two sets of rays, and the greater ones of their greatest numbers.
     fn add(self, o: Self) -> Self {
         Self {
             rays: self.rays + o.rays,
@@ -198,8 +208,11 @@ fn noise(random: &Random, capture: &Capture, scale: f64) -> CaptureData {
     })
 }
 
+/// The resolutions of captures, one of which each case has.
 const SIDES: [u32; 8] = [1, 2, 3, 16, 33, 64, 97, 128];
 
+/// Compares the twin with the oracle over random rays among the captures of a case. Returns the counts of each kind of
+/// ray, and a text for each difference that neither rounding nor the border of faces explains.
 fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
     let random = Random::new(17, case);
     let side = SIDES[(case % 8) as usize];

@@ -10,6 +10,7 @@ fn row(depths_m: &[f64]) -> GBufferData {
     gbuffer(depths_m.len() as u32, 1, |x, _| depth_of(depths_m[x as usize]), |_, _| Vec3::NEG_Z)
 }
 
+/// A miss; `behind` says whether the ray ends behind a block.
 fn miss(reason: MissReason, behind: bool) -> Outcome {
     Outcome::Miss { reason, behind }
 }
@@ -77,8 +78,8 @@ fn rays_away_from_the_camera_go_behind_things_and_end_far() {
 
 #[test]
 fn a_ray_passes_behind_a_thin_pole_and_meets_a_thick_one() {
-    // A ray from column 0, 4 m away, along +x. The pole is 3 m away. Alone in front of the sky it is T = 0.004
-    // · 3 = 0.012 m thick. Column 8 is 3.99 m away with T = 0.01596, so 4 m is inside its block.
+    // A ray from column 0, 4 m away, along +x. The pole is 3 m away. Alone in front of the sky the pole is T = 0.004 ·
+    // 3 = 0.012 m thick. Column 8 is 3.99 m away with T = 0.01596, so 4 m is inside its block.
     let thin = row(&[4.0, SKY, SKY, SKY, 3.0, SKY, SKY, SKY, 3.99]);
     let trace = Oracle::new(&thin).trace_direction(0, 0, DVec3::X);
     let Outcome::Hit { pixel: [8, 0], position } = trace.outcome else { panic!("{trace:?}") };
@@ -184,6 +185,7 @@ fn ends_of(depths_m: &[f64], [start_m, end_m]: [f64; 2], direction: DVec3) -> [O
     [OracleVersion::V1, OracleVersion::V2].map(|v| Oracle::new(&g).of_version(v).trace_segment(&segment).outcome)
 }
 
+/// Whether a ray hits the pixel in this column of a row.
 fn hits(outcome: Outcome, pixel: u32) -> bool {
     matches!(outcome, Outcome::Hit { pixel: p, .. } if p == [pixel, 0])
 }

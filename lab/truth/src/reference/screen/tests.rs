@@ -38,6 +38,7 @@ fn footprint_ray(rays: &RaySetup, [x, y]: [u32; 2], sample: u64) -> DVec3 {
     rays.camera_ray(f64::from(x) + stream.uniform(4 * sample + 2), f64::from(y) + stream.uniform(4 * sample + 3))
 }
 
+/// The screen reference of the stage whose floor has this roughness.
 fn render(roughness: f32, sampling: Sampling) -> ScreenReference {
     let (g, mask) = stage(roughness);
     ScreenReference::render(&g, &mask, sampling, &|| ())

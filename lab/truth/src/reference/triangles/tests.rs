@@ -11,6 +11,7 @@ use ssct_scenes::{Aabb, Material, Mesh, Placement, Scene, Vertex};
 
 type Corners = [Vec3; 3];
 
+/// A scene of one mesh with these triangles.
 fn scene(triangles: &[Corners]) -> Scene {
     let vertex = |p: &Vec3| Vertex { position: p.to_array(), ..Vertex::zeroed() };
     let vertices: Vec<Vertex> = triangles.iter().flatten().map(vertex).collect();
@@ -25,6 +26,7 @@ fn signed(i: u64, j: u64) -> f32 {
     (2.0 * Stream::new(11, i).uniform(j) - 1.0) as f32
 }
 
+/// A random vector whose components lie in −1…1; `i` and `j` choose it.
 fn vector(i: u64, j: u64) -> Vec3 {
     Vec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
 }
@@ -67,6 +69,7 @@ fn rays(around: Vec3, reach: f32, count: u64) -> impl Iterator<Item = (Vec3, Vec
     })
 }
 
+/// Random triangles of about this size, whose middles lie up to 5 m from the origin along each axis.
 fn scattered(count: u64, size: f32) -> Vec<Corners> {
     (0..count).map(|i| [1, 2, 3].map(|k| 5.0 * vector(i, 0) + size * vector(i, k))).collect()
 }

@@ -5,7 +5,7 @@ use glam::IVec2;
 use ssct_ground::math::constants;
 use ssct_scenes::GBufferData;
 
-/// A pixel's block; `DepthBlock` of `pyramid.comp`.
+/// The block of a pixel, from its depth and those of its four neighbours; `DepthBlock` of `pyramid.comp`.
 pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
     let depth_at = |p: IVec2| {
         let inside = p.cmpge(IVec2::ZERO).all() && p.cmplt(parameters.size).all();

@@ -1,6 +1,6 @@
 //! Twin of following rays through captures (`captures/faces.glsl`, `captures/follow.comp`, and `PushIfLost` of
-//! `captures/seen.glsl`), operation for operation. The twin keeps the shaders' names, and their comments give the reasons. It
-//! does not compute the colour that a ray sees.
+//! `captures/seen.glsl`), operation for operation. The twin keeps the shaders' names, and their comments give the
+//! reasons. The twin does not compute the colour that a ray sees.
 
 use super::{Hit, HitCode, NEVER, Ray, Traversal, Walk, WalkMode, dot, front_crossing};
 use crate::reference::CaptureData;
@@ -10,6 +10,7 @@ use ssct_scenes::{Aabb, Camera, ProjectionKind};
 
 /// Distance at which the sky is put, in metres.
 const SKY_DISTANCE: f32 = constants::SKY_DISTANCE as f32;
+/// Least way in a capture after which a ray counts as having moved, in metres.
 const LEAST_ADVANCE_M: f32 = constants::LEAST_ADVANCE_M as f32;
 
 /// Captures in which the rays of one camera are followed.
@@ -20,6 +21,7 @@ pub struct CaptureTraversal<'a> {
     /// Offset from the camera's eye to each capture's place, in world axes, in metres.
     pub places: Vec<Vec3>,
     view_to_world: Mat3,
+    /// Metres in one unit of the points that are computed from depth: on the screen, and in a face.
     view_unit: f32,
     face_unit: f32,
     /// Position of the camera in the world, in metres.
@@ -90,9 +92,13 @@ pub struct CaptureRayEnd {
 /// Twin of the values `FOLLOW_*`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FollowEnd {
+    /// The ray hits a block from in front.
     Hit,
+    /// The ray leaves the scene through the far plane.
     Sky,
+    /// The ray goes behind something, or too near to the capture's place.
     Lost,
+    /// The ray leaves a face by a side, and goes on in the next face.
     On,
 }
 
@@ -139,7 +145,7 @@ impl<'a> CaptureTraversal<'a> {
         }
     }
 
-    /// Twin of `PushIfLost`.
+    /// Twin of `PushIfLost`: a ray of the screen as a lost ray, from the place at which the screen lost it.
     fn lost_ray(&self, screen: &Traversal, ray: &Ray, hit: &Hit) -> LostRay {
         let p = &screen.parameters;
         let depth = ray.depth + hit.s * ray.rate.z;
@@ -148,13 +154,13 @@ impl<'a> CaptureTraversal<'a> {
         LostRay { start: self.to_world(start), direction: along * (1.0 / dot(along, along).sqrt()) }
     }
 
-    /// Twin of `ToWorld`.
+    /// Twin of `ToWorld`: turns a vector from view space to world axes.
     fn to_world(&self, v: Vec3) -> Vec3 {
         let m = &self.view_to_world;
         m.x_axis * v.x + m.y_axis * v.y + m.z_axis * v.z
     }
 
-    /// Twin of `TraceCaptures`.
+    /// Twin of `TraceCaptures`: follows a lost ray from capture to capture until it ends.
     pub fn trace_captures(&self, ray: &LostRay) -> CaptureRayEnd {
         let mut ray_end =
             CaptureRayEnd { kind: RayEndKind::Unknown, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
@@ -192,12 +198,13 @@ impl<'a> CaptureTraversal<'a> {
         ray_end
     }
 
-    /// Twin of `IsOutsideScene`.
+    /// Twin of `IsOutsideScene`: whether a point, relative to the eye, lies outside the bounds.
     fn is_outside_scene(&self, point: Vec3) -> bool {
         point.cmplt(self.bounds.min).any() || point.cmpgt(self.bounds.max).any()
     }
 
-    /// Twin of `NearestSeeingCapture`.
+    /// Twin of `NearestSeeingCapture`: the nearest capture that sees a point, given relative to the eye. Bit k of
+    /// `excluded` leaves capture k out.
     fn nearest_seeing_capture(&self, point: Vec3, excluded: u32) -> Option<usize> {
         let (mut nearest, mut least) = (None, NEVER);
         for (capture, place) in self.places.iter().enumerate() {
@@ -210,7 +217,7 @@ impl<'a> CaptureTraversal<'a> {
         nearest
     }
 
-    /// Twin of `CaptureSees`.
+    /// Twin of `CaptureSees`: whether a capture sees the point `o`, which is relative to the capture's place.
     fn capture_sees(&self, capture: usize, o: Vec3) -> bool {
         let face = cube_face(o);
         let image = &self.faces[6 * capture + face];
@@ -221,12 +228,12 @@ impl<'a> CaptureTraversal<'a> {
         depth < 1.0 && (block.front < block.back || depth >= block.back)
     }
 
-    /// Twin of `FaceDepth`.
+    /// Twin of `FaceDepth`: the reversed depth, in a face, of a point at view-space z in metres.
     fn face_depth(&self, image: &Traversal, z: f32) -> f32 {
         self.face_unit / z - image.parameters.depth_offset
     }
 
-    /// Twin of `FacePoint`.
+    /// Twin of `FacePoint`: the point of a ray at its parameter s, in the face's view space, in metres.
     fn face_point(&self, image: &Traversal, ray: &Ray, s: f32) -> Vec3 {
         let depth = ray.depth + s * ray.rate.z;
         let position = ray.start + s * ray.rate.truncate();
@@ -234,7 +241,9 @@ impl<'a> CaptureTraversal<'a> {
         image.parameters.view_ray(position) * z
     }
 
-    /// Twin of `TraceFace`; the side comes last in the result.
+    /// Twin of `TraceFace`: follows a ray over one face, from the point `q` in the face's view space. Returns how the
+    /// ray ends, its last point, and the axis of the side by which it leaves. `before` is the thickness of the last
+    /// block of the face before, and becomes that of this face.
     fn trace_face(
         &self,
         image: &Traversal,
@@ -309,7 +318,8 @@ impl<'a> CaptureTraversal<'a> {
         })
     }
 
-    /// Twin of `TraceCapture`.
+    /// Twin of `TraceCapture`: follows a ray through a capture, from face to face, from the point `o`. Returns how the
+    /// ray ends, and its last point; both points are relative to the capture's place.
     fn trace_capture(
         &self,
         capture: usize,
@@ -345,7 +355,7 @@ impl Traversal<'_> {
     }
 }
 
-/// Twin of `ToFace`.
+/// Twin of `ToFace`: turns a vector from world axes to the view axes of a face (0 to 5).
 fn to_face(v: Vec3, face: usize) -> Vec3 {
     match face {
         0 => Vec3::new(-v.z, v.y, v.x),
@@ -357,7 +367,7 @@ fn to_face(v: Vec3, face: usize) -> Vec3 {
     }
 }
 
-/// Twin of `FromFace`.
+/// Twin of `FromFace`: turns a vector from the view axes of a face (0 to 5) to world axes.
 fn from_face(v: Vec3, face: usize) -> Vec3 {
     match face {
         0 => Vec3::new(v.z, v.y, -v.x),
@@ -369,7 +379,7 @@ fn from_face(v: Vec3, face: usize) -> Vec3 {
     }
 }
 
-/// Twin of `CubeFace`.
+/// Twin of `CubeFace`: the face (0 to 5) in which a direction lies.
 fn cube_face(v: Vec3) -> usize {
     let a = v.abs();
     let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
@@ -382,7 +392,7 @@ fn cube_face(v: Vec3) -> usize {
     }
 }
 
-/// Twin of `FacePosition`.
+/// Twin of `FacePosition`: the continuous pixel coordinates, and the pixel, of a point in a face's view space.
 fn face_position(image: &Traversal, q: Vec3) -> (Vec2, IVec2) {
     let size = image.parameters.size;
     let side = size.x as f32;

@@ -13,16 +13,19 @@ use ssct_ground::math::constants;
 const CONTACT_WEIGHT: f32 = constants::CONTACT_WEIGHT as f32;
 const CONTACT_END: f32 = constants::CONTACT_END as f32;
 
-/// `RaySum` of `gathered.glsl`.
+/// `RaySum` of `gathered.glsl`: weighted sums over rays.
 #[derive(Default)]
 struct RaySum {
+    /// Sum of the colours of hits, with their fades in the fourth component.
     color: Vec4,
+    /// Sum of the weights of all rays.
     weight: f32,
+    /// Sum of the weights of the rays that hit.
     hits: f32,
 }
 
 impl RaySum {
-    /// Twin of `AddRay`.
+    /// Twin of `AddRay`: adds a ray with a weight; the colour of a miss does not count.
     fn add_ray(&mut self, weight: f32, is_hit: bool, color: Vec4) {
         let hits = if is_hit { weight } else { 0.0 };
         self.weight += weight;
@@ -30,7 +33,8 @@ impl RaySum {
         self.hits += hits;
     }
 
-    /// `ReflectionFromSum`; `over` says that rays that missed leave the reflection transparent, and not black.
+    /// `ReflectionFromSum`: the mean colour, and the mean fade of the hits. A ray that missed counts as black or, with
+    /// `over`, leaves the colour of the hits unchanged and lowers the fade.
     fn reflection(&self, over: bool) -> Vec4 {
         if self.hits <= 0.0 {
             return Vec4::ZERO;
@@ -68,18 +72,21 @@ pub struct ResolvedCell {
 struct GatherPoint {
     point: Vec3,
     lobe: Lobe,
+    /// Logarithm of the density in the middle of the lobe.
     peak: f32,
 }
 
 /// `CellSum`: the rays that a cell gathers.
 struct CellSum {
     rays: RaySum,
+    /// Colour of the closest cells' rays, and their weight in the fourth component.
     closest: Vec4,
+    /// Least squared distance of a hit of the closest cells.
     nearest: f32,
 }
 
 impl CellSum {
-    /// Twin of `WeightedSum`.
+    /// Twin of `WeightedSum`: the sum of all rays, with the colours of the closest cells counted once more by a weight.
     fn with_closest(self, weight: f32) -> RaySum {
         let Self { rays, closest, .. } = self;
         let both = rays.color.truncate().extend(rays.weight) + weight * closest;
@@ -89,7 +96,8 @@ impl CellSum {
 }
 
 impl GatherPoint {
-    /// Twin of `GatherRay` for wide lobes.
+    /// Twin of `GatherRay` for wide lobes: adds a ray as a sample of the cell's lobe. `closeness` is the ray's weight
+    /// among the closest cells, and 0 for all other cells.
     fn gather_ray(&self, sum: &mut CellSum, ray: NeighbourRay, closeness: f32) {
         let ended_near = ray.key.w > 0.75 * NEAR_MARK;
         let density = ray.key.w - if ended_near { NEAR_MARK } else { 0.0 };
@@ -189,7 +197,8 @@ impl Gloss<'_> {
         ResolvedCell { reflection: rays.reflection(self.is_over), surface: lobe.normal.extend(z) }
     }
 
-    /// Twin of `Row`.
+    /// Twin of `Row`: the five rays of one of the rows around a cell, from two cells inwards to two cells outwards. `y`
+    /// is −1, 0 or 1 for the rows that are read.
     fn row(&self, rays: &Level<NeighbourRay>, cell: IVec2, y: i32) -> [NeighbourRay; 5] {
         let load_cell_ray = |cell: IVec2, x: i32| {
             let texel = cell + 2 * direction_out_of_block(cell) * IVec2::new(x, y);

@@ -12,8 +12,8 @@ const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 /// Cells of 2 × 2 pixels along a side of a tile.
 const CELLS: i32 = constants::TILE_SIDE / 2;
 
-/// The glossy passes of one G-buffer. Its normals, materials and colours must be rounded to 16-bit floats, since the shaders
-/// load them in this format.
+/// The glossy passes of one G-buffer. Normals, materials and colours of the G-buffer must be rounded to 16-bit floats,
+/// since the shaders load them in this format.
 #[derive(Debug, Clone)]
 pub struct Gloss<'a> {
     pub(super) traversal: &'a Traversal<'a>,
@@ -53,6 +53,7 @@ impl<'a> Gloss<'a> {
         gloss
     }
 
+    /// The index of a pixel in the G-buffer.
     fn index(&self, pixel: IVec2) -> usize {
         self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32)
     }
@@ -108,6 +109,7 @@ impl<'a> Gloss<'a> {
         if is_inside { self.traversal.gbuffer.normal[self.index(pixel)] } else { Vec3::ZERO }
     }
 
+    /// A pixel's roughness ϱ.
     pub(super) fn roughness(&self, pixel: IVec2) -> f32 {
         self.traversal.gbuffer.roughness[self.index(pixel)]
     }

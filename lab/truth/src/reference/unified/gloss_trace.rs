@@ -34,9 +34,9 @@ pub struct AimedRay {
 /// The result of a ray, as neighbours gather it: `NeighbourRay`. All values are 0 without a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NeighbourRay {
-    /// Values that the weight of the ray depends on; w is 0 without a ray and negative for a miss. For a narrow lobe they are
-    /// the middle of the lobe and the root of α + 1. For a wide lobe they are the point of the hit, or the direction of a miss,
-    /// and the density.
+    /// Values that the weight of the ray depends on; w is 0 without a ray and negative for a miss. For a narrow lobe
+    /// these values are the middle of the lobe and the root of α + 1. For a wide lobe these values are the point of the
+    /// hit, or the direction of a miss, and the density.
     pub key: Vec4,
     /// Colour of the hit, and its fade in the fourth component.
     pub color: Vec4,
@@ -141,7 +141,7 @@ pub fn encode_octahedral(v: Vec3) -> Vec2 {
     if v.z >= 0.0 { v.truncate() } else { Vec2::new(sign(v.x, folded.x), sign(v.y, folded.y)) }
 }
 
-/// Twin of `DecodeOctahedral`.
+/// Twin of `DecodeOctahedral`: the unit vector of octahedral coordinates, the inverse of [`encode_octahedral`].
 fn decode_octahedral(o: Vec2) -> Vec3 {
     let z = 1.0 - o.x.abs() - o.y.abs();
     let fold = (-z).max(0.0);

@@ -6,18 +6,19 @@ use glam::{IVec2, Vec2, Vec3};
 use ssct_ground::math::constants;
 use ssct_scenes::ProjectionKind;
 
-/// `LOG2_E`.
+/// The logarithm of e to base 2; `LOG2_E` in the shaders.
 pub(super) const LOG2_E: f32 = std::f32::consts::LOG2_E;
 pub(super) const LEAST_WEIGHT: f32 = constants::LEAST_WEIGHT as f32;
 pub(super) const LOG_DENSITY_BIAS: f32 = constants::LOG_DENSITY_BIAS as f32;
 
 /// `LobePower`: α + 1 of a roughness in 0…1.
 pub fn lobe_power(roughness: f32) -> f32 {
+    // The divisor is −ln cos(ϱ / 2), as a series in h = (ϱ / 2)².
     let h = 0.25 * roughness * roughness;
     -(constants::XI as f32).ln() / (h * (0.5 + h * (1.0 / 12.0 + h / 45.0))).max(1e-12)
 }
 
-/// `LogCos`: ln cos of an angle, from 1 − cos.
+/// `LogCos`: ln cos of an angle from x = 1 − cos, by the series of ln(1 − x).
 pub(super) fn log_cos(x: f32) -> f32 {
     -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)))
 }
@@ -25,6 +26,7 @@ pub(super) fn log_cos(x: f32) -> f32 {
 /// `LobeDirection`: a direction around the unit vector `axis` whose cos^(α + 1) has the logarithm `log_rest`,
 /// turned around the axis by an angle with the cosine and sine `turn`.
 pub(super) fn lobe_direction(axis: Vec3, power: f32, log_rest: f32, turn: Vec2) -> Vec3 {
+    // x is 2 ln cos θ, and sin² θ = 1 − eˣ is computed by its series, since cos θ may be near 1.
     let x = 2.0 * log_rest / power;
     let sin_theta = (-x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0)))).max(0.0).sqrt();
     let cos_theta = (1.0 - sin_theta * sin_theta).max(0.0).sqrt();
@@ -73,7 +75,7 @@ impl Lobe {
     }
 }
 
-/// Same as `inversesqrt` in GLSL.
+/// 1 / √v, as `inversesqrt` in GLSL.
 pub(super) fn inverse_sqrt(v: f32) -> f32 {
     1.0 / v.sqrt()
 }
@@ -107,13 +109,13 @@ impl Parameters {
         if self.kind.is_orthographic() { Vec3::Z } else { point }
     }
 
-    /// Twin of `NdcChange`.
+    /// Twin of `NdcChange`: the change of ndc along a view-space vector, from a point that is seen at `ndc`.
     pub(super) fn ndc_change(&self, ndc: Vec2, along: Vec3) -> Vec2 {
         let parallel = self.view_to_clip * along.truncate();
         if self.kind.is_orthographic() { parallel } else { parallel - ndc * along.z }
     }
 
-    /// Twin of `DepthChange`.
+    /// Twin of `DepthChange`: the change of reversed depth with a change `z` of view-space z.
     pub(super) fn depth_change(&self, depth: f32, z: f32) -> f32 {
         let slope = if self.kind.is_orthographic() { self.depth_offset } else { depth + self.depth_offset };
         -(slope * z)

@@ -19,7 +19,8 @@ impl Gloss<'_> {
         self.is_wide(pixel).then(|| self.composite_pixel(pixel, self.upsample_cells(cells, pixel)))
     }
 
-    /// Twin of `UpsampleCells`.
+    /// Twin of `UpsampleCells`: the reflection of a pixel as the mean of four cells, weighted by their nearness and by
+    /// how alike their surfaces are.
     fn upsample_cells(&self, cells: &Level<ResolvedCell>, pixel: IVec2) -> Vec4 {
         let p = &self.traversal.parameters;
         let (depth, normal, power) = (self.depth(pixel), self.normal(pixel), lobe_power(self.roughness(pixel)));

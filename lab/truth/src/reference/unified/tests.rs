@@ -14,6 +14,7 @@ use ssct_scenes::Lens;
 /// Number of units in the last place of an f32 by which a step may be rounded.
 const ULPS: f64 = 8.0;
 
+/// Compares the twin's end of a ray with the oracle's.
 fn verdict(found: &Hit, truth: &Trace) -> HitVerdict {
     let position = (found.code == HitCode::Surface).then(|| found.position.as_dvec2().to_array());
     HitVerdict::compare(position, truth.position_px())
@@ -135,7 +136,7 @@ fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
             (twin.mirror_ray(x, y).map(|(ray, _)| ray), setup.mirror(x, y))
         } else {
             let from = setup.position(x, y).unwrap_or(DVec3::ZERO);
-            // Both get the direction as rounded to f32.
+            // The twin and the oracle both get the direction rounded to f32.
             let d = direction(chosen, &random, &setup, from).normalize_or_zero().as_vec3();
             (twin.ray_along(x, y, d), d.as_dvec3().try_normalize())
         };
@@ -149,7 +150,8 @@ fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
         if verdict(&found, &truth) != HitVerdict::Agrees {
             let second = version == OracleVersion::V2;
             let first = first_of(&twin, &ray).filter(|_| second).map(|pixel| (cosine(&twin, &ray, pixel), pixel));
-            // Rounding may decide whether the ray leaves its first pixel. Otherwise that pixel either cannot be hit, or is hit.
+            // Rounding may decide whether the ray leaves its first pixel. Where rounding does not decide, the first
+            // pixel either cannot be hit, or is hit.
             let start = first.is_some_and(|(cosine, _)| cosine.abs() <= ULPS * f64::from(f32::EPSILON));
             let left = first.filter(|(cosine, _)| *cosine > 0.0).map(|(_, pixel)| pixel);
             // Blocks that version 2 leaves out are hits for this test, too.

@@ -44,6 +44,7 @@ pub struct WorldState {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Sums {
     color: DVec3,
+    /// Squares of the colours, channel by channel, for the standard error.
     squares: DVec3,
 }
 
@@ -71,6 +72,7 @@ impl Kind {
 }
 
 impl Sums {
+    /// Adds a sample's colour.
     pub(crate) fn add(&mut self, color: DVec3) {
         self.color += color;
         self.squares += color * color;
@@ -95,8 +97,8 @@ impl WorldState {
         self.sums.first()
     }
 
-    /// One past the number of the last sample. In a whole state, whose first sample is 0, that is how many samples each glossy pixel
-    /// has so far.
+    /// One more than the number of the last sample. In a whole state, whose first sample has the number 0, this is the
+    /// number of samples that each glossy pixel has so far.
     pub fn samples(&self) -> u32 {
         self.sums.end()
     }
@@ -142,8 +144,9 @@ impl WorldState {
         })
     }
 
-    /// Root mean square of the standard errors over all channels of all reflecting pixels. Its square is the amount by which
-    /// the noise of this reference raises the square of an RMSE measured against it. 0 if nothing reflects.
+    /// Root mean square of the standard errors over all channels of all reflecting pixels. The square of this number is
+    /// the amount by which the noise of this reference raises the square of an RMSE measured against the reference. 0
+    /// if nothing reflects.
     pub fn overall_standard_error(&self) -> f64 {
         let reflecting = self.kinds.iter().filter(|k| **k != Kind::None).count();
         let squares: f64 = self.standard_errors().map(|e| e.length_squared()).sum();
@@ -192,8 +195,8 @@ pub(crate) fn write_state(
 /// Reads a state of any reference.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or truncated, or
-/// was made by another version.
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if the file is not a state, is damaged or truncated,
+/// or was made by another version.
 pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     let unreadable = |e| Error::io("read", path, e);
     let file = PathInFolder::file(path).open()?.ok_or_else(|| unreadable(std::io::ErrorKind::NotFound.into()))?;
@@ -241,7 +244,7 @@ impl WorldReference<'_> {
     /// Reads a state of this reference.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or
+    /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if the file is not a state, is damaged or
     /// truncated, or was made from another scene, camera, size, seed or version.
     pub fn load(&self, path: &Path) -> Result<WorldState> {
         let kept = read_state(path)?;
@@ -337,18 +340,21 @@ impl WorldReference<'_> {
 struct Hash(Sha256);
 
 impl Hash {
+    /// Hashes whole numbers.
     fn numbers(&mut self, values: &[u64]) {
         for v in values {
             self.0.update(v.to_le_bytes());
         }
     }
 
+    /// Hashes floats by their bits.
     fn floats(&mut self, values: &[f32]) {
         for v in values {
             self.0.update(v.to_le_bytes());
         }
     }
 
+    /// Hashes the length of a block, and then its bytes.
     fn block(&mut self, bytes: &[u8]) {
         self.numbers(&[bytes.len() as u64]);
         self.0.update(bytes);

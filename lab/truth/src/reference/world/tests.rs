@@ -39,6 +39,7 @@ fn in_a_sphere() -> Scene {
     Scene { meshes: vec![sphere(0)], materials, ..Scene::default() }
 }
 
+/// A receiver at the origin whose normal is +y.
 fn receiver(incoming: DVec3, roughness: f64) -> Receiver {
     let incoming = incoming.normalize();
     Receiver {
@@ -51,11 +52,13 @@ fn receiver(incoming: DVec3, roughness: f64) -> Receiver {
     }
 }
 
+/// The first hits of an image of one row with these receivers.
 fn one_row(receivers: Vec<Option<Receiver>>) -> FirstHits {
     let n = receivers.len();
     FirstHits { width: n as u32, height: 1, lit: vec![Vec3::splat(0.1); n], view_z_m: vec![1.0; n], receivers }
 }
 
+/// A reference without footprints, whose escaping rays are black.
 fn reference<'a>(world: &'a World<'a>, first_hits: &'a FirstHits) -> WorldReference<'a> {
     WorldReference::of_centres(world, first_hits, 1)
 }
@@ -253,6 +256,7 @@ fn threads_interruptions_and_files_change_no_bit() {
     threads_and_interruptions_change_nothing(&WorldReference { footprint, ..reference(&world, &first_hits) });
 }
 
+/// Asserts that a state has the same bits on one thread, and after an interruption.
 fn threads_and_interruptions_change_nothing(reference: &WorldReference) {
     let straight = {
         let mut state = reference.start();
