@@ -39,12 +39,15 @@ fn main() {
     }
 }
 
+/// Compiles every program, and writes the modules and the Rust declarations into the output folder that cargo gives the
+/// script. An error is the sentence that `main` prints.
 fn run() -> Result<(), String> {
     let out = PathBuf::from(std::env::var("OUT_DIR").map_err(|e| e.to_string())?);
     let fingerprint = fingerprint()?;
     let compiler = Compiler::new(&fingerprint)?;
     let modules = out.join(MODULES);
-    // A module of a program that was renamed or removed would be packaged with the others.
+    // The folder is emptied, since the module of a program that was renamed or removed would be packaged with the
+    // others.
     if modules.exists() {
         std::fs::remove_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
     }
@@ -95,7 +98,8 @@ fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Compiles a permutation of a program, and writes its module.
+/// Compiles a permutation of a program, writes its SPIR-V module into the folder `modules`, and reads the module's
+/// interface.
 fn compile(compiler: &Compiler, path: &Path, named: &NamedProgram, modules: &Path) -> Result<Permutation, String> {
     let file = path.strip_prefix(ROOT).map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
     let stage = match path.extension().and_then(|e| e.to_str()) {
@@ -114,7 +118,8 @@ fn compile(compiler: &Compiler, path: &Path, named: &NamedProgram, modules: &Pat
     Ok(Permutation { named: named.clone(), stage, file, module, interface, stored: Vec::new() })
 }
 
-/// Adds the blocks of a program to the known ones. Every program that uses a block has to declare it alike.
+/// Adds the uniform and push-constant blocks of a program to `structs`, by their names. Fails if another program
+/// declares a block of the same name with other fields.
 fn collect(interface: &Interface, file: &str, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
     for (name, block) in &interface.blocks {
         match structs.get(name) {
@@ -128,7 +133,7 @@ fn collect(interface: &Interface, file: &str, structs: &mut BTreeMap<String, Blo
     Ok(())
 }
 
-/// Hashes the paths and texts of all sources (FNV-1a).
+/// Returns a hash of the paths and texts of all GLSL sources (FNV-1a, 64 bits), as 16 hexadecimal digits.
 fn fingerprint() -> Result<String, String> {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |bytes: &[u8]| {
@@ -144,7 +149,7 @@ fn fingerprint() -> Result<String, String> {
     Ok(format!("{hash:016x}\n"))
 }
 
-/// The source of the modules: shaderc.
+/// Gets the SPIR-V of a program by compiling its GLSL with shaderc.
 #[cfg(feature = "compile-shaders")]
 struct Compiler(shaderc::Compiler);
 
@@ -154,12 +159,13 @@ impl Compiler {
         shaderc::Compiler::new().map(Self).map_err(|e| format!("shaderc: {e}"))
     }
 
+    /// Compiles a shader with macros, and returns the words of its SPIR-V.
     fn words(&self, path: &Path, defines: &[String], _: &str) -> Result<Vec<u32>, String> {
         Ok(glsl::compile(&self.0, Path::new(ROOT), path, defines)?.words)
     }
 }
 
-/// The source of the modules: the package.
+/// Gets the SPIR-V of a program from the folder of compiled modules in the package.
 #[cfg(not(feature = "compile-shaders"))]
 struct Compiler;
 
@@ -167,6 +173,8 @@ struct Compiler;
 impl Compiler {
     const PACKAGED: &str = "shaders-spirv";
 
+    /// Fails if the folder of modules is missing, or if the modules were compiled from GLSL with another hash than
+    /// `fingerprint`.
     fn new(fingerprint: &str) -> Result<Self, String> {
         let folder = Self::PACKAGED;
         println!("cargo:rerun-if-changed={folder}");
@@ -190,6 +198,7 @@ impl Compiler {
         }
     }
 
+    /// Reads the words of a module from its file in the package.
     fn words(&self, _: &Path, _: &[String], module: &str) -> Result<Vec<u32>, String> {
         let path = Path::new(Self::PACKAGED).join(format!("{module}.spv"));
         let bytes = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;

@@ -23,6 +23,7 @@ use ssct_truth::reference::world::RAY_START_M;
 use std::time::Instant;
 
 const SIZE: [u32; 2] = [192, 108];
+/// Numbers of captures.
 const COUNTS: [usize; 6] = [0, 1, 2, 3, 4, 8];
 
 /// Whether a place lies inside the image.
@@ -31,13 +32,14 @@ fn on_screen(camera: &Camera, place: DVec3) -> bool {
     clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w
 }
 
-/// The share of the ends of a view's mirror rays that the screen and so many captures show.
+/// For each number of [`COUNTS`], the share of the ends of a view's mirror rays that the screen or one of so many
+/// captures shows.
 fn shares(scene: &Scene, view: &View, captures: &[Capture]) -> [f64; COUNTS.len()] {
     let materials = scene.materials_in(view);
     let (world, triangles) = (World::new(scene, &materials), Triangles::new(scene, &materials));
     let camera = view.camera(scene, SIZE);
     let first = FirstHits::trace(&world, &camera, SIZE);
-    // How many captures it takes; None where none of them sees the end.
+    // For each end, how many captures it takes until one shows the end; 0 if the screen does, and None if nothing does.
     let needed: Vec<Option<usize>> = first
         .receivers
         .par_iter()
@@ -56,6 +58,7 @@ fn shares(scene: &Scene, view: &View, captures: &[Capture]) -> [f64; COUNTS.len(
     COUNTS.map(|count| needed.iter().flatten().filter(|k| **k <= count).count() as f64 / all)
 }
 
+/// Places captures in a scene, and prints the scene's lines and table.
 fn measure(scene: &Scene) {
     let start = Instant::now();
     let placed = place(scene, WantedCaptures::Count(8));

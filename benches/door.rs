@@ -6,7 +6,7 @@
 //! timestamps: the median of [`FRAMES`] frames; `import` is the pass that only the door has, and does not count. The
 //! ratio is the median of the ratios of neighbouring frames.
 //!
-//! Both know of the materials that are drawn what they reflect ([`ssct::Reflectors`]).
+//! Both are told which kinds of reflectors the frame may have ([`ssct::Reflectors`]).
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// File below `shaders-glsl`, the text that stands there once, and what stands in its place.
+/// A file below `shaders-glsl`, a text that stands in the file exactly once, and the text that replaces it.
 pub type Edit = (&'static str, &'static str, &'static str);
 
 /// Changes of some files.
@@ -21,18 +21,18 @@ type Replaced = Vec<(&'static Shader, Arc<[u8]>)>;
 pub struct Shaders {
     root: PathBuf,
     compiler: shaderc::Compiler,
-    /// What was compiled before: every program is compiled to find those that some edits change.
+    /// Results of earlier calls, since every program must be compiled to find those that some edits change.
     compiled: RefCell<HashMap<Edits, Replaced>>,
 }
 
 impl Shaders {
-    /// The shaders as they stand.
+    /// The shaders of this repository, without a change.
     pub fn new() -> Self {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders-glsl");
         Self { root, compiler: shaderc::Compiler::new().expect("a compiler"), compiled: RefCell::default() }
     }
 
-    /// Does something while every pipeline that is made has the changed shaders.
+    /// Runs `act`. Every pipeline that is made meanwhile has the shaders with the edits.
     pub fn with<T>(&self, gpu: &Gpu, edits: Edits, act: impl FnOnce() -> T) -> T {
         let replaced = self.compiled.borrow_mut().entry(edits).or_insert_with(|| self.edited(edits)).clone();
         for (shader, code) in &replaced {
@@ -71,6 +71,7 @@ impl Shaders {
         found
     }
 
+    /// Copies all shaders into a folder.
     fn copy_to(&self, to: &Path) {
         for folder in std::fs::read_dir(&self.root).expect("the shaders").flatten() {
             let target = to.join(folder.file_name());
@@ -82,7 +83,8 @@ impl Shaders {
     }
 }
 
-/// Share of pixels that differ by more than 1 of 255 in a channel, and the root mean square difference.
+/// The share of the pixels that differ by more than 1/255 in a channel, and the root mean square difference over all
+/// channels.
 pub fn difference(a: &Rgb, b: &Rgb) -> (f64, f64) {
     let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
     let pixels = a.bytes.chunks_exact(3).zip(b.bytes.chunks_exact(3));

@@ -34,7 +34,7 @@ use std::collections::BTreeMap;
 const SIZE: [u32; 2] = [480, 270];
 const RAYS: u32 = 32;
 
-/// Where a method ended a ray, how that compares, and what shows the true end.
+/// A kind of pixels, by the three columns `method`, `end` and `truth`.
 type Kind = [&'static str; 3];
 
 /// The parts of a scene that show a place.
@@ -47,6 +47,8 @@ struct Shown<'a> {
 }
 
 impl Shown<'_> {
+    /// The kind of a pixel, by the end of its ray in the world (`truth`) and by the method's end; `None` if the pixel
+    /// has no ray.
     fn kind(&self, from: &Receiver, truth: &WorldHit, code: PathCode, end: &RayEnd) -> Option<Kind> {
         let method = match (code, end) {
             (PathCode::HiZ, _) => "screen",
@@ -79,6 +81,7 @@ impl Shown<'_> {
     }
 }
 
+/// Draws a view, and prints a row for each kind of pixels.
 fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
     let setup = Setup::new(SIZE).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));

@@ -1,8 +1,8 @@
-//! Measures what the departures from print change: each line of `VARIANTS` changes one thing of a method back, or on, in
-//! a copy of its shaders or by its parameters, and the image is held against that of the method as it stands. Prints a
-//! table in CSV to standard output, a row for each variant and view: `share` is the share of pixels of which a channel of the
-//! display image differs by more than 1/255, and `rmse` the root mean square difference of that image. The pages of errata
-//! (`shaders-glsl/*/ERRATA.md`) show medians and maxima over the views.
+//! Measures what the departures from print change. Each entry of `VARIANTS` changes one thing of a method back to
+//! print, or to another choice, in a copy of its shaders or by its parameters. The image is compared with the unchanged
+//! method's. Prints a table in CSV to standard output, a row for each variant and view: `share` is the share of pixels
+//! of which a channel of the display image differs by more than 1/255, and `rmse` the root mean square difference of
+//! that image. The pages of errata (`shaders-glsl/*/ERRATA.md`) show medians and maxima over the views.
 //!
 //! Usage: `cargo bench --bench errata [-- VARIANT…]`
 
@@ -29,7 +29,7 @@ use std::collections::HashMap;
 /// A change of parameters.
 type Change = fn(&Setup) -> Setup;
 
-/// One departure: what its row shows, where it is measured, and the two sides.
+/// One departure: its name in the table, where it is measured, and the two sides that are compared.
 struct Variant {
     name: &'static str,
     method: &'static str,
@@ -38,26 +38,27 @@ struct Variant {
     both: Change,
     /// Parameters of the changed side, after those of both.
     change: Change,
-    /// What stands otherwise in the shaders of the changed side.
+    /// Changes of the shaders of the changed side.
     edits: Edits,
 }
 
 /// The views of a variant, with their size and materials.
 #[derive(Clone, Copy, PartialEq)]
 enum Views {
-    /// All of the rooms and `hall` of the atrium at roughness and normal deviation 0.1.
+    /// All views of the rooms and `hall` of the atrium, at roughness and normal deviation 0.1.
     Gloss,
     /// Views of `Gloss` with roughness 0.
     GlossMirrors,
-    /// Five of the rooms and `hall` at roughness 0.
+    /// Five views of the rooms, and `hall`, at roughness 0.
     Mirrors,
     /// Views of `Mirrors`, and `ceiling`.
     MirrorsAndCeiling,
-    /// Four of the street and one of the museum, with their own roughness.
+    /// Four views of the street and one of the museum, with the materials' own roughness.
     Billboards,
 }
 
 impl Views {
+    /// The views, each with its scene before it.
     fn list(self) -> Vec<(&'static str, &'static str)> {
         let mirrors = ["corridor", "cylinder", "window", "window-floor", "two-cylinders"].map(|v| ("rooms", v));
         let hall = ("atrium", "hall");
@@ -89,10 +90,12 @@ impl Views {
 
 const SAME: Change = Setup::clone;
 
+/// A variant by changed lines of shaders.
 const fn edited(name: &'static str, method: &'static str, views: Views, edits: Edits) -> Variant {
     Variant { name, method, views, both: SAME, change: SAME, edits }
 }
 
+/// A variant by changed parameters.
 const fn changed(name: &'static str, method: &'static str, views: Views, change: Change) -> Variant {
     Variant { name, method, views, both: SAME, change, edits: &[] }
 }
@@ -324,7 +327,8 @@ fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_scenes
     display(&image::render(stage, &shot, false).expect("an image").reflection)
 }
 
-/// Measures a variant on its views of a scene, and prints a row for each. `kept` has images of methods as they stand.
+/// Measures a variant on its views of a scene, and prints a row for each. `kept` has the images of unchanged
+/// methods.
 fn measure(
     stage: &mut Stage,
     variant: &Variant,

@@ -10,14 +10,14 @@ const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
 const BILLBOARDS: &str = "schmidt/billboard_reflections.glsl";
 const RIGHT_EQ_28: Edits = &[(SCHMIDT, "camera.near_plane - z *", "camera.near_plane - (2.0 * z - 1.0) *")];
 
-/// Depth between the four texels around a place.
+/// Interpolates depth between the four texels around a place.
 const LINEAR_DEPTH: Edits = &[(
     SCHMIDT,
     "    float sampledDepth = linearizeDepth(1.0 - textureLod(DepthTex, samplingPosition, 0.0).r);",
     "    vec4 four = textureGather(DepthTex, samplingPosition);\n    vec2 share = fract(samplingPosition * camera.resolution - 0.5);\n    float sampledDepth = linearizeDepth(1.0 - mix(mix(four.w, four.z, share.x), mix(four.x, four.y, share.x), share.y));",
 )];
 
-/// Parameters of the order "nearest", which others are held against.
+/// Chooses the order "nearest", with which other variants are compared.
 const NEAREST: Change = |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Nearest);
 
 /// The departures, in the order of the page.

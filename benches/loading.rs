@@ -8,7 +8,7 @@ use ssct_scenes::obj::{ObjFile, ObjOptions};
 use ssct_scenes::{LoadOptions, gltf, obj};
 use std::fmt::Write;
 
-/// An OBJ file of twenty faces that are spirals of so many corners.
+/// The text of an OBJ file with twenty faces, each a spiral of `corners` corners.
 fn spirals(corners: usize) -> String {
     let mut text = String::new();
     for face in 0..20 {
@@ -29,7 +29,7 @@ fn spirals(corners: usize) -> String {
     text
 }
 
-/// A glTF file of a triangle and so many cameras of one name.
+/// The text of a glTF file with a triangle, and with `many` cameras of one name.
 fn cameras(many: usize) -> String {
     let camera = r#"{"camera":0,"name":"cam","translation":[0,0,4]}"#;
     let nodes = vec![camera; many].join(",");
@@ -46,6 +46,7 @@ fn cameras(many: usize) -> String {
     )
 }
 
+/// Times the loading of both kinds of files in three sizes each.
 fn loading(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().expect("a folder");
     let written = |name: &str, text: &str| {

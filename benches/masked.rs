@@ -2,7 +2,8 @@
 
 use ssct_scenes::GBufferData;
 
-/// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
+/// A copy of a G-buffer in which only a rectangle in the middle reflects. `share` is the rectangle's share of all
+/// pixels.
 pub fn masked(data: &GBufferData, share: f64) -> GBufferData {
     let mut masked = data.clone();
     let [w, h] = [data.width, data.height].map(|n| (f64::from(n) * share.sqrt()).round() as u32);

@@ -20,6 +20,7 @@ const FRAMES: usize = 15;
 /// Scenes, and the mesh of each that moves.
 const MOVING: [(&str, &str); 3] = [("rooms", "ball"), ("museum", "ball"), ("street", "car-body")];
 
+/// The wall time of an action, in milliseconds.
 fn milliseconds(run: impl FnOnce()) -> f64 {
     let begun = Instant::now();
     run();

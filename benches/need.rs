@@ -70,6 +70,7 @@ fn covered(data: &GBufferData) -> f64 {
     f64::from(pixels) / data.depth.len() as f64
 }
 
+/// Records the effect on a G-buffer in a frame of its own, and returns the frame's times.
 fn run(context: &mut FrameContext, effect: &Effect, gbuffer: GBuffer, camera: &Camera) -> FrameReport {
     let mut frame = context.begin(Mode::Timed).expect("a frame");
     frame.begin_effect();

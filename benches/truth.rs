@@ -28,8 +28,10 @@ use ssct_truth::reference::world_hits::world_hits;
 
 const SIZES: [[u32; 2]; 2] = [[960, 540], [641, 479]];
 
+/// The place of a hit in pixels; `None` for a miss.
 type Place = Option<[f64; 2]>;
 
+/// Traces a view, and prints a row for each version of the oracle.
 fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
     let setup = Setup::on_screen(size);

@@ -14,6 +14,7 @@ out=${1:?usage: scripts/bars.sh OUT [SCENES]}
 scenes=${2:-}
 mkdir -p "$out"
 
+# Measures views of a scene, and writes OUT/time-NAME-VIEW.json and OUT/error-NAME-VIEW.json.
 views() { # scene, name, views...
     local scene=$1 name=$2 view
     shift 2

@@ -12,7 +12,8 @@ cd "$(dirname "$0")/../examples/bevy"
 "${CARGO:-cargo}" build --quiet
 example=${CARGO_TARGET_DIR:-target}/debug/embed-bevy
 separator='['
-draw() { # what it is called, arguments
+# Draws the picture OUT/NAME.png with arguments of the example, and prints its figures as an item of the list in JSON.
+draw() { # name, arguments...
     local name=$1 line
     shift
     line=$("$example" "$out/$name.png" --size "$size" --frames "$frames" "$@" | grep "^{")
@@ -23,7 +24,7 @@ draw() { # what it is called, arguments
     for with in ssct traced screen bevy bevy-steps; do
         draw "$with" --with "$with" --truth "$out/truth.png"
     done
-    # Where a lamp shines on the surfaces, the truth of a mirror is the hall seen through the floor.
+    # With the lamp, the truth of the mirror is another picture: the hall as seen from below, through the floor.
     draw lit-truth --lit --with nothing --mirrored
     for with in ssct guess screen bevy bevy-steps; do
         draw "lit-$with" --lit --with "$with" --mirror "$out/lit-truth.png"

@@ -31,6 +31,7 @@ else
     sweep=(--no-sweep)
 fi
 
+# Measures a scene, unless ONLY leaves out its name: the errors of the scene into OUT/NAME, and the times of the views.
 views() { # scene, name, views...
     local scene=$1 name=$2 view
     shift 2
@@ -68,7 +69,7 @@ else
     echo 'beyond: no folder of shared scenes is given; only built-in scenes are used' >&2
 fi
 
-# The times and the errors against the world in one table each, a view and roughness and variant a row.
+# Writes one table of the times and one of the errors against the world. A row is a view, a roughness and a variant.
 python3 - "$out" <<'PYTHON'
 import csv, json, sys
 from pathlib import Path

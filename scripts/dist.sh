@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Makes one archive of the program for machines that have nothing but a Vulkan driver, with its loader, and the C library:
-# target/dist/ssct-VERSION-x86_64-linux.tar.gz with ssct, the window ssct-view, the licences (those of all crates, which are
-# checked, among them), a README of one screen and gpu-study.sh. What the programs need of the C library is read off them, and stands in the README.
+# Makes target/dist/ssct-VERSION-x86_64-linux.tar.gz, an archive of the program for machines that have only the C library and a
+# Vulkan driver with its loader. It contains ssct, the window ssct-view, the licences (also of all crates, which are checked), a
+# README of one screen, and gpu-study.sh. The README names the version of the C library that the programs need.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
@@ -24,7 +24,7 @@ cp LICENSE-APACHE LICENSE-MIT "$folder/"
 CARGO="$cargo" python3 scripts/licences.py "$folder/LICENCES-OF-CRATES" >&2
 install -m 755 scripts/gpu-study.sh "$folder/gpu-study.sh"
 
-# The youngest version of a library's symbols that the programs ask for.
+# Prints the newest version among the symbols that the programs take from a library, such as 2.34 for GLIBC.
 youngest() { objdump -T "${programs[@]}" | grep -o "\b$1_[0-9.]*" | sort -uV | tail -n 1 | cut -d_ -f2; }
 glibc=$(youngest GLIBC)
 libraries=$(objdump -p "${programs[@]}" | awk '/NEEDED/ { print $2 }' | sort -u | paste -sd ' ')

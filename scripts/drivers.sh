@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fetches SwiftShader, a younger Khronos validation layer and a younger Mesa into .drivers/, for `make test-drivers`.
-# SwiftShader is a Vulkan driver on the CPU that was written independently of Mesa. Debian's package chromium-common holds
-# it and the layer; Mesa 25 is that of Debian 12's backports, whose lavapipe needs nothing that Debian 12 lacks. The script
+# SwiftShader is a Vulkan driver on the CPU that was written independently of Mesa. Debian's package chromium-common contains
+# SwiftShader and the layer. Mesa 25 comes from Debian 12's backports; its lavapipe runs on a plain Debian 12. The script
 # unpacks packages and installs nothing. It fetches only what is missing, so it is safe to run again.
 #   scripts/drivers.sh         fetch
 #   scripts/drivers.sh --env   print the variables with which a program sees both drivers and the younger layer
@@ -31,8 +31,8 @@ case "${1:-}" in
 esac
 
 if [ "${1:-}" = --env ]; then
-    # The driver is added to those that the loader finds. The folder of layers is replaced, since both layers have the
-    # same name.
+    # The driver is added to those that the loader finds. The folder of layers is replaced, since the younger layer has the
+    # same name as the one of the system.
     printf 'export VK_ADD_DRIVER_FILES=%q VK_LAYER_PATH=%q\n' "$folder/swiftshader.json" "$folder/layers"
     exit 0
 fi
@@ -55,7 +55,7 @@ if [ "${1:-}" = --radv ]; then
     exit 0
 fi
 
-# The backports are of Debian 12. A younger system has a younger Mesa of its own.
+# The younger Mesa is fetched on Debian 12 alone, whose backports have it. A younger system has a younger Mesa of its own.
 codename=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME:-}")
 wants_mesa=
 [ "$codename" != bookworm ] || [ -s "$mesa/radv.json" ] || wants_mesa=1
@@ -70,7 +70,8 @@ trap 'rm -rf "$scratch"' EXIT
 as_root=()
 [ "$(id -u)" -eq 0 ] || as_root=(sudo -n)
 
-# Fetches Mesa of the backports, by lists of packages of its own: the system's need not have them.
+# Fetches Mesa of the backports. apt reads the lists of packages into the scratch folder, so that the system's lists stay
+# unchanged.
 fetch_mesa() {
     local mirror options archive
     mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' | head -n 1)
@@ -91,7 +92,7 @@ fetch_mesa() {
     cat >"$mesa/lavapipe.json" <<JSON
 {"file_format_version": "1.0.0", "ICD": {"library_path": "./libvulkan_lvp.so", "api_version": "1.4.0"}}
 JSON
-    # The driver for AMD's GPUs, with the libraries that it needs in a younger version than Debian 12 has.
+    # The driver for AMD's GPUs needs younger versions of two libraries than Debian 12 has: they are unpacked beside it.
     dpkg-deb --fsys-tarfile "$archive" | tar -x -O --wildcards './usr/lib/*/libvulkan_radeon.so' >"$mesa/libvulkan_radeon.so"
     local library
     for library in libdrm2 libdrm-amdgpu1; do
@@ -107,6 +108,7 @@ JSON
 [ -z "$wants_mesa" ] || fetch_mesa
 [ ! -s "$folder/version" ] || exit 0
 
+# Downloads the package to the scratch folder.
 fetch() { (cd "$scratch" && apt-get download -q "$package" >"$scratch/log" 2>&1); }
 if ! fetch; then
     # The lists of packages may be missing or old.

@@ -25,7 +25,8 @@ from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 
 SHADERS = Path(__file__).resolve().parent.parent / "shaders-glsl"
-# What a hit is coloured by, and in its place numbers of the walk alone: the place on the triangle, found at its end.
+# The statement in the shader that colours a hit, and the statement that replaces it. The replacement writes the hit's distance
+# and weights, so that the image shows where each ray hit.
 COLORED = "vec3 color = HitColor(ray, hit, width);"
 WALKED = "vec3 color = vec3(hit.t, hit.weight);"
 

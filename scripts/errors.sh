@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Measures again every error against the screen reference that pages quote (benches/runs/README.md has a row for each folder):
-# after a change of that reference, the older records say something else. Errors do not depend on what else a machine does, so
-# that this may run beside other programs; its times are rough. An hour on two cores.
+# Measures every error against the screen reference that pages quote (benches/runs/README.md has a row for each folder) again.
+# This is needed after a change of that reference, since older records then no longer hold. Other programs may run at the same
+# time: they make the recorded times rough, but do not change the errors. It takes an hour on two cores.
 #
-#   scripts/errors.sh OUT SCENES [FOLDER...]   SCENES contains ssct-rooms/ and sponza/; of the folders, all by default
+#   scripts/errors.sh OUT SCENES [FOLDER...]   SCENES contains ssct-rooms/ and sponza/; without FOLDER, all folders are measured
 #
 # The environment may set SSCT, the program. An interrupted run goes on where it was.
 set -euo pipefail
@@ -16,7 +16,7 @@ scenes=${2:?usage: scripts/errors.sh OUT SCENES [FOLDER...]}
 shift 2
 mkdir -p "$out"
 
-# One run, of which the records stay, and files that are named after --.
+# Measures into OUT/whole/FOLDER, and copies the records error.json, and the files named after --, to OUT/FOLDER.
 run() { # folder, options... [-- file...]
     local folder=$1 options=() file
     shift
@@ -26,8 +26,8 @@ run() { # folder, options... [-- file...]
     for file in error.json "${@:2}"; do cp "$out/whole/$folder/$file" "$out/$folder/"; done
 }
 
-# One run for each of several scenes, whose records become one file.
-together() { # folder, "scenes", options...
+# Measures each scene of a list by its own run, and joins the records of all scenes to OUT/FOLDER/error.json.
+together() { # folder, scenes separated by spaces, options...
     local folder=$1 all=$2 scene files=()
     shift 2
     for scene in $all; do

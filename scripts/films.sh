@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# The films behind "Films" in docs/findings.md: a walk through two scenes at four roughness values; what a history leaves
-# behind when the camera turns suddenly and when something moves while it rests; and 64 frames after something stopped.
+# Makes the films behind "Films" in docs/findings.md: a walk through two scenes at four roughness values; traces that a history
+# leaves when the camera suddenly turns, or when something moves before a camera at rest; and 64 frames after something stopped.
 #
 #   scripts/films.sh OUT
 #
-# The environment may set ROUGHNESS of the walks in the folders rooms and museum, and SIZE, FRAMES and RAYS of all films but those of stops. Interrupted, the same
-# command goes on where it was.
+# The environment may set ROUGHNESS for the films in the folders rooms and museum. SIZE, FRAMES and RAYS hold for all films but
+# those in which something stops. Interrupted, the same command goes on where it was.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
@@ -15,7 +15,8 @@ out=${1:?usage: scripts/films.sh OUT}
 roughness=${ROUGHNESS:-0.05,0.1,0.3,0.6}
 mkdir -p "$out"
 
-# The first three show the screen alone. Then `unified` has the scene's triangles behind the screen, and `stochastic` captures.
+# The first three variants reflect the screen alone. In the other three, `unified` also reflects the scene's triangles beyond the
+# screen, and `stochastic` the captures.
 walk=(
     --variant "ssct" --variant "unified --beyond none" --variant "stochastic --history on"
     --variant "unified" --variant "unified --history on" --variant "stochastic --fallback captures --history on"
@@ -29,7 +30,8 @@ stops=(
     --variant "unified" --variant "unified --history on" --variant "stochastic --fallback captures --history on"
 )
 
-film() { # folder, flags...
+# Makes a film in OUT/FOLDER.
+film() { # folder, options of ssct video...
     local folder=$out/$1
     shift
     "$ssct" video "$@" -o "$folder" --resume
@@ -44,7 +46,7 @@ film turn --way turn "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
 rolls=(--way rest --moving ball --step=-0.02,0,-0.02)
 film moving "${rolls[@]}" "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
 
-# By itself, `unified` gives pixels rays of their own on a GPU alone.
+# By default, `unified` traces own rays on a GPU alone; --own-rays traces them on every device.
 own=(--variant "stochastic --fallback captures --history on")
 for rays in 4 8; do
     own+=(--variant "unified --own-rays $rays" --variant "unified --own-rays $rays --history on")

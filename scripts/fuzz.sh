@@ -16,9 +16,10 @@ flags="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-leve
 flags+=" -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table"
 flags+=" -Cllvm-args=-sanitizer-coverage-trace-compares"
 
-# The greatest length of a mutated input. It is short for images, each byte of which unpacks to thousands.
+# Prints the greatest length of a mutated input, in bytes. It is short for images, since a byte can unpack to thousands of bytes.
 longest() { case $1 in texture) echo 512 ;; run) echo 20000 ;; *) echo 4096 ;; esac; }
 
+# Prints the path of the dictionary of a target.
 words() {
     case $1 in
         scene | camera_path) echo fuzz/dictionaries/toml.dict ;;
@@ -26,6 +27,7 @@ words() {
     esac
 }
 
+# Builds all targets.
 build() {
     RUSTFLAGS="$flags" cargo build --release --manifest-path fuzz/Cargo.toml --target "$host" --target-dir "$target_dir"
 }
@@ -38,13 +40,14 @@ unpack() {
     [ ! -e "fuzz/corpus/$target.tar.gz" ] || tar -xzf "fuzz/corpus/$target.tar.gz" -C "$out/$target-kept"
 }
 
-# Packs OUT/TARGET-kept; equal inputs make equal archives.
+# Packs OUT/TARGET-kept into fuzz/corpus/TARGET.tar.gz. Equal inputs give equal archives, to the byte.
 pack() {
     local out=$1 target=$2
     tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=644 --format=ustar \
         -C "$out/$target-kept" -cf - $(cd "$out/$target-kept" && ls) | gzip -9n >"fuzz/corpus/$target.tar.gz"
 }
 
+# Fuzzes each target for a number of executions. The arguments are those of the command `run` at the head of this file.
 run() {
     local out=$1 runs=$2 target
     shift 2
@@ -61,6 +64,7 @@ run() {
     done
 }
 
+# Adds the new inputs of each target that increase its coverage to its archive. The arguments are those of `merge`.
 merge() {
     local out=$1 target
     shift

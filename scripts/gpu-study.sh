@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Measures a device, on a machine that needs nothing but its driver and the program:
+# Measures the Vulkan device of this machine, which needs only a driver and the program:
 #   scripts/gpu-study.sh [PROGRAM] [FOLDER] [OPTIONS of ssct gpu-study]
 # PROGRAM is ssct, which may have been built elsewhere (default: ssct beside this script, as in the archive of `make dist`, else
-# target/release/ssct). FOLDER is made; its page is
-# index.html. In the repository, the device's images are also compared with the kept ones of lavapipe and SwiftShader.
+# target/release/ssct). The result is the page FOLDER/index.html. In the repository, the device's images are also compared with
+# the kept ones of lavapipe and SwiftShader.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the C libraries of ssct, and puts them into a folder with their header and what pkg-config and CMake read:
-# PREFIX/include, PREFIX/lib, PREFIX/lib/pkgconfig and PREFIX/lib/cmake/ssct. It knows Linux.
+# Builds the C libraries of ssct, and installs them with their header and the files for pkg-config and CMake:
+# PREFIX/include, PREFIX/lib, PREFIX/lib/pkgconfig and PREFIX/lib/cmake/ssct. The script works on Linux alone.
 #
 # usage: install-c.sh PREFIX [OPTIONS OF cargo build]
 set -euo pipefail
@@ -12,9 +12,10 @@ shift
 cd "$(dirname "$0")/.."
 cargo=${CARGO:-cargo}
 
-# Cargo says where the libraries are.
+# The messages of Cargo, in JSON, contain the paths of the libraries.
 messages=$("$cargo" build --package ssct-c --features compile-shaders --message-format json "$@")
-library() { # its extension
+# Prints the path of a library that was built.
+library() { # its extension, so or a
     sed -n '/"name":"ssct_c"/ s/.*"\([^"]*libssct_c\.'"$1"'\)".*/\1/p' <<<"$messages" | tail -n 1
 }
 shared=$(library so) static=$(library a)
@@ -25,7 +26,8 @@ mkdir -p "$prefix/include" "$prefix/lib/pkgconfig" "$prefix/lib/cmake/ssct"
 install -m 644 c/include/ssct.h "$prefix/include/ssct.h"
 install -m 755 "$shared" "$prefix/lib/libssct_c.so"
 install -m 644 "$static" "$prefix/lib/libssct_c.a"
-fill() { # a template, a file
+# Writes a file from its template in c/, which has marks such as @PREFIX@.
+fill() { # template, file
     sed "s|@PREFIX@|$prefix|; s|@VERSION@|$version|; s|@PRIVATE@|-lgcc_s -lutil -lrt -lpthread -lm -ldl -lc|" "$1" >"$2"
 }
 fill c/ssct.pc.in "$prefix/lib/pkgconfig/ssct.pc"

@@ -19,7 +19,7 @@ from pathlib import Path
 def png(side: int, seed: int) -> bytes:
     """A picture of noise around one colour, as an RGB file."""
     noise = random.Random(seed)
-    # Five bits of noise on a colour of the picture's own, so that tiles can be told apart.
+    # Five bits of noise are added to one random colour of the picture, so that pictures can be told apart.
     tables = [bytes(base * 7 // 8 + (n >> 3) for n in range(256)) for base in noise.randbytes(3)]
     rows = bytearray()
     for _ in range(side):

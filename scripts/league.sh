@@ -1,6 +1,7 @@
 #!/bin/sh
-# The league (docs/findings/league.md): installs what runs in the browser and what judges it into a folder, and runs both beside a
-# program ssct. A quarter of an hour on two cores. Folders of further methods may follow (docs/custom-methods.md).
+# Runs the league (docs/findings/league.md): compares ssct with engines in a browser. Installs the engines and the Python packages
+# into OUT/packages. It takes a quarter of an hour on two cores. METHOD is the folder of a further method
+# (docs/custom-methods.md).
 #
 # Usage: scripts/league.sh SSCT OUT [METHOD]...
 set -eu
@@ -13,7 +14,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 . "$here/league/packages.sh"
 install_packages "$out/packages"
 
-# Each further folder is a method.
+# Puts --method before each further folder.
 for folder in "$@"; do
     shift
     set -- "$@" --method "$folder"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Copies a scene file whose places are left-handed and that does not say so: the copy says it (coordinates = "left"). A file that
-# names its coordinates keeps them. The copy names meshes and images by their whole paths.
+# Copies a scene file with left-handed places that does not declare them. The copy gets the line coordinates = "left", unless the
+# file declares its coordinates already. The copy names meshes and images by absolute paths.
 #
 #   scripts/left_handed.sh FILE.scene.toml COPY.scene.toml
 set -euo pipefail

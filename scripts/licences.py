@@ -14,7 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-# Licences that ask for no more than that their text, or a notice, goes along.
+# Licences that only require that their text, or a notice, is passed on with the program.
 ALLOWED = {
     "0BSD", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD-2-Clause", "BSD-3-Clause", "BSL-1.0", "CC0-1.0", "ISC", "MIT",
     "MIT-0", "OFL-1.1", "Ubuntu-font-1.0", "Unicode-3.0", "Unlicense", "Zlib",

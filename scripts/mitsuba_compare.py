@@ -241,8 +241,8 @@ def sample_reflection(truth, samples, seed, scale=1.0):
         exponent = np.where(roughness > 0, math.log(XI) / np.log(np.cos(roughness / 2)) - 1, np.inf)
     count = len(position)
     total, squares = np.zeros((count, 3)), np.zeros((count, 3))
-    # Mitsuba's own frame around the mirror direction; the arithmetic is NumPy's, since LLVM 15 lacks
-    # an instruction that drjit.maximum wants.
+    # Mitsuba makes the frame around the mirror direction. NumPy computes the rest, since LLVM 15 lacks
+    # an instruction that drjit.maximum needs.
     frame = mi.Frame3f(mi.Vector3f(mirror.T.astype(np.float32)))
     across, up = (np.array(axis).T.astype(np.float64) for axis in (frame.s, frame.t))
     sampler = mi.load_dict({"type": "independent"})

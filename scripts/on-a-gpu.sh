@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Measures on a GPU, in at most eight minutes, what nobody measured on one yet, the most wanted first: the price of a history by
-# stage, at rest and along a path; every method by stage; methods of two builds in turns; what the device's compiler makes of the
-# programs; a film; and ray queries. Each is a run of its own in OUT, kept at every moment: an interrupted script goes on where it
-# was, and what time does not suffice for is named at the end.
+# Measures on a GPU, in at most eight minutes, what was not measured on a GPU yet. The most wanted runs come first. They are
+# the time of a history by stage, at rest and along a path; every method by stage; methods of two builds in turns; the compiled
+# programs; a film; and ray queries. Each run has a folder in OUT. An interrupted script goes on where it
+# was, and names at its end the runs for which no time was left.
 #
 #   scripts/on-a-gpu.sh [OUT]
 #
-# The environment may set SSCT (the program, built in release by default), BEFORE (an older program, for the third), SIZES
-# (960x540,1920x1080), SAMPLES (15), VIEWS (4, the number of views) and LIMIT (480, in seconds); SSCT_DEVICE chooses a device.
+# The environment may set SSCT (the program, built in release by default), and BEFORE (an older build of it, for the third run).
+# It may also set SIZES (960x540,1920x1080), SAMPLES (15), VIEWS (4, the number of views) and LIMIT (480, in seconds). SSCT_DEVICE
+# chooses a device.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 
@@ -26,7 +27,7 @@ places=("${places[@]:0:${VIEWS:-4}}")
 mkdir -p "$out"
 left_out=()
 
-# Runs a program as long as time is left; a run that time ends goes on at the next call.
+# Runs a program for as long as the limit allows. A run that is stopped at the limit goes on when the script is called again.
 run() { # name, program, arguments...
     local name=$1 program=$2 left=$((limit - SECONDS)) status=0
     shift 2
@@ -43,25 +44,25 @@ run() { # name, program, arguments...
     esac
 }
 
-# Sets scene, view and place, the arguments that choose them.
+# Splits "SCENE VIEW" into scene and view, and sets place to the options of ssct that choose them.
 choose() { read -r scene view <<<"$1" && place=(--scene "$scene" --view "$view"); }
 
 "$ssct" devices >"$out/devices.txt"
 
-# 1. What a history costs, in either stage.
+# 1. The time of a history, in the fragment stage and in the compute stage.
 for view in "${places[@]}"; do
     choose "$view"
     run "history-$scene" "$ssct" time "${place[@]}" --size "$sizes" --roughness 0.05,0.1,0.3,0.6 --samples "$samples" \
         --variant unified --variant 'unified --history on --history-stage fragment' \
         --variant 'unified --history on --history-stage compute' -o "$out/history-$scene" --resume
-    # That was a camera at rest; a history searches while the camera moves.
+    # The run above has a camera at rest. Along a path, the history also has to find where a surface was.
     for history in off on; do
         run "moving-$scene-$history" "$ssct" path --scene "$scene" --size "$largest" --roughness 0.1 --frames 60 \
             --method unified --history "$history" -o "$out/moving-$scene-$history" --resume
     done
 done
 
-# 2. Published methods in either stage, and what follows rays beyond the screen.
+# 2. Published methods in both stages, and the methods that trace rays beyond the screen.
 for view in "${places[@]}"; do
     choose "$view"
     variants=()
@@ -75,7 +76,7 @@ for view in "${places[@]}"; do
         --variant unified --variant traced --variant 'unified --captures 4' -o "$out/methods-$scene" --resume
 done
 
-# 3. Two builds in turns: three rounds, so that what the device's clock does is seen.
+# 3. Two builds in turns, for three rounds, so that a drift of the device's clock shows as a difference of the rounds.
 for round in ${before:+1 2 3}; do
     for which in before after; do
         program=$ssct
@@ -89,18 +90,18 @@ for round in ${before:+1 2 3}; do
     done
 done
 
-# 4. What compilers make of the programs: the device's own, and AMD's, where scripts/drivers.sh has fetched it.
+# 4. The programs as compilers compile them: the device's own compiler, and AMD's if scripts/drivers.sh has fetched it.
 run shaders "$ssct" shaders -o "$out/shaders" --resume
 if radv=$("$root/scripts/drivers.sh" --radv 2>/dev/null) && [ -n "$radv" ]; then
     read -r -a variables <<<"${radv#export }"
     run shaders-radv env -u SSCT_DEVICE "${variables[@]}" RADV_FORCE_FAMILY=navi31 "$ssct" shaders -o "$out/shaders-radv" --resume
 fi
 
-# 5. A film beside the truth's.
+# 5. A film of methods beside the reference.
 run film "$ssct" video --scene rooms --view corridor --way walk --roughness 0.1 --size 320x180 --frames 30 --rays 32 \
     --variant ssct --variant unified --variant 'unified --history on' -o "$out/film" --resume
 
-# 6. Ray queries beside the tree, where the device has them.
+# 6. Ray queries beside the tree, if the device supports ray queries.
 for view in "${places[@]}"; do
     choose "$view"
     run "queries-$scene" "$ssct" time "${place[@]}" --size "$largest" --roughness 0,0.1 --samples "$samples" \

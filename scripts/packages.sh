@@ -1,6 +1,6 @@
 # Installs packages on Debian and Ubuntu. It is sourced by the scripts that need packages, not run.
 
-# Those of the named packages that are not installed.
+# Prints those of the named packages that are not installed.
 missing_of() {
     local package status
     for package in "$@"; do
@@ -9,8 +9,8 @@ missing_of() {
     done
 }
 
-# Sets as_root to the words before a command that root must run. Without a way to become root, says what to type and
-# ends.
+# Sets as_root to the words that stand before a command that root must run, such as sudo. If the script cannot become root,
+# it prints what to type as root, and ends.
 become_root() { # packages that are to be installed
     as_root=()
     [ "$(id -u)" -ne 0 ] || return 0
@@ -26,7 +26,7 @@ become_root() { # packages that are to be installed
     exit 1
 }
 
-# Installs packages, after become_root.
+# Installs packages. Call become_root before, which sets as_root.
 install_packages() {
     echo "${0##*/}: installing $*" >&2
     "${as_root[@]}" apt-get update -q >&2

@@ -44,7 +44,7 @@ def main():
             left, top = (n % 2) * (WIDTH + GAP), (n // 2) * (HEIGHT + CAPTION + GAP)
             sheet.paste(Image.open(file).convert("RGB").resize((WIDTH, HEIGHT), Image.Resampling.BOX), (left, top))
             draw.text((left + 2, top + HEIGHT + 3), caption, fill="black", font=font)
-    # 256 colours: a third of the bytes, and no difference that the eye finds.
+    # 256 colours take a third of the bytes, and the eye sees no difference.
     sheet.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.FLOYDSTEINBERG).save(out, optimize=True)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from mathutils import Vector
 
 AOVS = [("roughness", "VALUE", "Roughness"), ("metallic", "VALUE", "Metallic"), ("base color", "COLOR", "Base Color")]
-# Lumens of a watt, by which Blender's glTF files turn watts into candela.
+# Lumens per watt: the factor by which Blender's glTF exporter converts watts to candela.
 LUMENS = 683.0
 MAP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "examples", "gbuffer-maps", "blender.toml")
 
@@ -160,7 +160,7 @@ def main():
     size = [int(side) for side in options.size.split("x")]
     bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = size
     bpy.context.scene.camera = next(thing for thing in bpy.data.objects if thing.type == "CAMERA")
-    # The importer takes a glTF camera's angle from top to bottom as that of the sensor's height.
+    # The importer sets the field of view of glTF, which is vertical, with the sensor's height.
     assert bpy.context.scene.camera.data.sensor_fit == "VERTICAL"
     for image in [image for image in bpy.data.images if image.size[0]]:
         image.filepath_raw, image.file_format = os.path.join(folder, image.name.split(".")[0] + ".png"), "PNG"

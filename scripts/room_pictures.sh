@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Renders one room as glTF, as OBJ, as OBJ with PBR extensions, with meshes of meshopt, with copies by EXT_mesh_gpu_instancing, and from
-# the G-buffer that Cycles makes of it, and sets the six pictures side by side (docs/formats.md).
+# Renders one room from six files, and joins the pictures to one (docs/formats.md). The files are glTF, OBJ, OBJ with PBR
+# extensions, glTF with meshes packed by meshopt, glTF with copies by EXT_mesh_gpu_instancing, and the G-buffer that Cycles
+# renders.
 #   scripts/room_pictures.sh SSCT ROOM.glb FOLDER    PYTHON is a Python 3.13 with bpy 5.2.3, numpy and pillow
 # It needs npm for gltf-transform, which packs the meshes.
 set -euo pipefail
@@ -15,7 +16,7 @@ size=480x270
 "$PYTHON" "$here/room_files.py" "$room" "$folder" --size "$size" --samples 64 >"$folder/blender.log" 2>&1
 npx --yes @gltf-transform/cli@4.5.1 meshopt "$room" "$folder/meshopt.glb" >/dev/null
 cp "$room" "$folder/room.glb"
-# OBJ has no lights and no camera: the scene files have those of the glTF file.
+# OBJ has no lights and no camera. The scene files of the OBJ files therefore have the lights and the camera of the glTF file.
 for scene in room.glb plain.scene.toml pbr.scene.toml meshopt.glb instanced.glb; do
     "$ssct" render --scene "$folder/$scene" --method unified --size "$size" -o "$folder/${scene%%.*}.png"
 done

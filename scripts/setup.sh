@@ -18,7 +18,7 @@ packages=(
     spirv-tools             # and the SPIRV-Tools archives
     spirv-headers
     libvulkan-dev           # Vulkan's headers, for the example in C,
-    cmake pkg-config        # which a test builds by both
+    cmake pkg-config        # which a test builds with each of the two
     xvfb xdotool            # the window's test, without a screen, with mouse and keys
     # What ssct view loads at run time:
     libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0 xkb-data libwayland-client0
@@ -52,16 +52,16 @@ if [ ${#missing[@]} -gt 0 ]; then
     install_packages "${missing[@]}"
 fi
 
-# Debian's libshaderc_combined.a leaves glslang and SPIRV-Tools undefined. One
-# archive with all of them links; .cargo/config.toml tells the crate where it is,
-# so that a bare `cargo build` works without a variable set by hand.
+# Debian's libshaderc_combined.a lacks the code of glslang and SPIRV-Tools, so that programs do not link with it. This script
+# merges all of these libraries into one archive. .cargo/config.toml tells the crate where the archive lies, so that a bare
+# `cargo build` works without a variable set by hand.
 archive_dir="$root/.shaderc"
 archive_name=libshaderc_combined.a
 system_lib="/usr/lib/$(gcc -print-multiarch 2>/dev/null || dpkg-architecture -qDEB_HOST_MULTIARCH)"
 if [ ! -s "$archive_dir/$archive_name" ]; then
     say 'merging the shader compiler into one archive'
     mkdir -p "$archive_dir"
-    # Relative names: ar's scripts know no quoting, and a path may hold what they would split at.
+    # The archive has a relative name: a script of ar cannot quote names, and an absolute path may contain spaces.
     cd "$archive_dir"
     script="CREATE $archive_name.new"$'\n'
     for library in shaderc_static shaderc_util glslang MachineIndependent GenericCodeGen \

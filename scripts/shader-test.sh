@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs the tests of a shader that changed, and compiles no Rust: the tests as they were built last compile shaders-glsl/ anew.
+# Runs the tests of a changed shader without compiling Rust: the tests that were built last compile shaders-glsl/ when they run.
 #   scripts/shader-test.sh shaders-glsl/common/history.glsl            the tests whose files share a word with the shader's name
 #   scripts/shader-test.sh shaders-glsl/common/history.glsl moving::   the tests whose names contain one of these texts
 # A change of a shader's bindings, blocks or constants needs `make build`, and the message says so. The command, which some
@@ -25,7 +25,7 @@ done
 younger=$(find src lab tests -name '*.rs' -newer "$tests" -print -quit)
 [ -z "$younger" ] || say "$younger is younger than the tests, which were built without it"
 
-# The words of the file's name and of its folder; those of several tests' files, such as common, are of no help.
+# Prints the words in the shader's path that may name its tests. Short words, file extensions and "common" fit too many tests.
 words() { tr '/_.' '\n' <<<"${file#*shaders-glsl/}" | grep -vxE 'common|frag|vert|comp|glsl|[a-z]{1,3}' | sort -u; }
 wanted=("$@")
 if [ ${#wanted[@]} -eq 0 ]; then

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures table 5.8 of the thesis in the scene of the print, Sponza, and in the atrium: the records that the verdicts on time
-# quote (docs/findings/documents.md). On an idle machine: half an hour on two cores.
+# Measures table 5.8 of the thesis in Sponza, the scene of the printed table, and in the atrium. The verdicts on time quote these
+# records (docs/findings/documents.md). Run it on an idle machine; it takes half an hour on two cores.
 #
 #   scripts/table-5.8.sh OUT SPONZA     SPONZA is the scene file of Crytek Sponza; OUT gets a folder for each scene
 #
@@ -13,6 +13,7 @@ ssct=${SSCT:-${CARGO_TARGET_DIR:-$root/target}/debug/ssct}
 out=${1:?usage: scripts/table-5.8.sh OUT SPONZA}
 sponza=${2:?usage: scripts/table-5.8.sh OUT SPONZA}
 
+# Measures the table into OUT/FOLDER: the table and its records, and the time of the effect for each sample.
 table() { # folder, options of the scene...
     local folder=$out/$1 whole
     shift

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs a test command beside eight busy loops, as on a machine that many share: every test must pass there, too.
+# Runs a test command beside eight busy loops, as on a machine that many people share. Every test must pass there too.
 #   scripts/test-busy.sh [COMMAND …]   `cargo test` without a command
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Runs the README's two commands, `make study` and `make test`, in a bare Debian that debootstrap makes: the last commit
-# of this repository, on the drivers and layers of that Debian. It needs root, the network and 8 GB of disk, and takes
-# about half an hour on two cores. Rust and what Cargo has downloaded are those of this machine.
+# Runs the README's two commands, `make study` and `make test`, on the last commit of this repository. They run in a bare Debian
+# that debootstrap makes, with the drivers and layers of that Debian. It needs root, the network and 8 GB of disk, and takes
+# about half an hour on two cores. Rust, and the crates that Cargo has downloaded, come from this machine.
 #   scripts/test-debian.sh 13            both commands in Debian 13
 #   scripts/test-debian.sh 12 make test  one command in Debian 12
-#   scripts/test-debian.sh 13-backports  the same with what its backports have of Mesa, Vulkan's loader and layers
+#   scripts/test-debian.sh 13-backports  both commands, with Mesa and Vulkan's loader and layers from the backports
 #   scripts/test-debian.sh 12 --archive FILE
 #                                        the archive of `make dist`, in a Debian 12 that has nothing but a Vulkan driver: the list
 #                                        of devices and a quick study of the first one
-# MIRROR names another mirror of Debian than that of debootstrap, TMPDIR another folder than /var/tmp. However the script
-# ends, it leaves nothing mounted and nothing running: all happens in namespaces that go with it.
+# MIRROR names another mirror of Debian than debootstrap's default, TMPDIR another folder than /var/tmp. However the script ends,
+# nothing stays mounted and no process stays: all runs in namespaces that end with the script.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
@@ -17,8 +17,9 @@ cd "$(dirname "$0")/.."
 say() { printf 'test-debian: %s\n' "$*" >&2; }
 wrong() { say "$1"; exit 2; }
 
-# Mounts what programs need into the system's folder and runs the commands there, in the namespaces of its own.
-inside() { # the system's folder, a command
+# Mounts /dev, /proc, /sys and this machine's Rust into the system's folder, and runs a command there. The script calls itself
+# with --inside for this, so that the mounts are in namespaces of their own.
+inside() { # the system's folder, command...
     local system=$1 status=0
     shift
     mount --rbind /dev "$system/dev"
@@ -64,7 +65,7 @@ source scripts/packages.sh
 mapfile -t missing < <(missing_of debootstrap)
 as_root=()
 [ ${#missing[@]} -eq 0 ] || install_packages "${missing[@]}"
-# What the README expects of a machine beside Rust, and the certificates with which Cargo downloads; or what the archive does.
+# The packages that the README expects beside Rust, and the certificates with which Cargo downloads. The archive needs others.
 packages=ca-certificates,gcc,make
 [ -z "$archive" ] || packages=libvulkan1,mesa-vulkan-drivers
 TEST_DEBIAN_RUST=
@@ -74,7 +75,8 @@ export TEST_DEBIAN_RUST TEST_DEBIAN_CARGO
 
 system=$(mktemp -d "${TMPDIR:-/var/tmp}/ssct-debian.XXXXXX")
 child=
-# The mounts are seen in the child's namespace alone, so that nothing of this machine lies below the folder here.
+# Kills the child, and removes the system's folder. The mounts exist in the child's namespace alone, so that rm deletes nothing of
+# this machine.
 clean() {
     if [ -n "$child" ]; then
         kill -KILL "$child" 2>/dev/null || true
@@ -86,8 +88,8 @@ trap clean EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM HUP
 
-# Runs a command that dies with this script, in namespaces that die with the command. It runs in the background, so that
-# a signal is heard at once.
+# Runs a command in new namespaces, which end with the command. The command is killed when this script ends. It runs in the
+# background, so that the script handles a signal at once.
 alone() {
     setpriv --pdeathsig KILL unshare --mount --pid --fork --kill-child "$@" &
     child=$!
@@ -110,7 +112,7 @@ if [ -n "$backports" ]; then
     echo "deb $mirror $backports main" >"$system/etc/apt/sources.list.d/backports.list"
     printf 'Package: mesa-* *-mesa-* *-mesa0 libgbm* libvulkan* vulkan-* libdrm*\nPin: release n=%s\nPin-Priority: 600\n' "$backports" \
         >"$system/etc/apt/preferences.d/backports"
-    # What debootstrap installed of them, if anything, is of the suite itself.
+    # debootstrap may have installed the suite's own version of some of these packages: the upgrade replaces it.
     alone chroot "$system" sh -c 'apt-get -q update && DEBIAN_FRONTEND=noninteractive apt-get -qy upgrade' >"$system.log" 2>&1 || {
         tail -n 5 "$system.log" >&2
         rm -f "$system.log"

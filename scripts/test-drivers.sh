@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Runs the tests that hold for any driver on lavapipe and on SwiftShader, under a validation layer that is three years
-# younger than Debian's, and those that a driver has made fail before on the lavapipe of Mesa 25, which is Debian 13's
-# (scripts/drivers.sh fetches all three). Before that, every program is compiled for GPUs that are not there.
-# tests/expected_failures.toml lists under "suite" the tests that fail on a driver for a reason outside this program. Each
+# Runs the tests that must pass on any driver, on lavapipe and on SwiftShader, under a validation layer that is three years
+# younger than Debian's. On the lavapipe of Mesa 25, which Debian 13 has, it runs the tests that a driver has made fail before.
+# scripts/drivers.sh fetches drivers and layer. Before all tests, every program is compiled for GPUs that this machine does not
+# have. tests/expected_failures.toml lists under "suite" the tests that fail on a driver for a reason outside this program. Each
 # of them must fail, and no other test may.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
@@ -23,8 +23,8 @@ echo 'drivers: one against the other' >&2
 echo 'drivers: lavapipe under the younger layer' >&2
 SSCT_DEVICE=llvmpipe "$cargo" test --test suite -- validation::
 
-# Runs tests of the suite, and holds those that fail against the list of a driver.
-check() { # a part of the driver's name, tests
+# Runs tests of the suite, and fails unless exactly the tests fail that the list expects to fail on the driver.
+check() { # the driver's name in the list, tests...
     local driver=$1 failed expected
     shift
     echo "drivers: $driver" >&2
@@ -48,7 +48,7 @@ SSCT_DEVICE=SwiftShader check SwiftShader area_light:: billboard:: camera_captur
 unset VK_ADD_DRIVER_FILES VK_LAYER_PATH
 eval "$(scripts/drivers.sh --mesa)"
 if [ -n "${VK_DRIVER_FILES:-}" ]; then
-    # A whole quick study takes two minutes, and draws what the other tests draw; the tests on Debian 13 make one on this Mesa.
+    # The quick study is skipped: it takes two minutes and draws what other tests draw, and test-debian.sh makes one on this Mesa.
     check 'Mesa 25' --skip cli::a_quick_study bounces:: camera_capture:: captures:: cli:: cube_maps:: filters:: gloss_twin:: golden:: gbuffer_maps:: \
         many:: mirror:: planar:: ray_queries:: renewal:: stochastic:: unified:: unified_stages:: validation::
 else

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs the tests of the interface for C under AddressSanitizer, then under ThreadSanitizer: null pointers, wrong sizes, objects that
-# were destroyed, and two threads on one object (c/src/tests/misuse.rs). The compiler is the stable one, which has both
-# runtimes; RUSTC_BOOTSTRAP lets it take the flags. ThreadSanitizer has to see the locks of the standard library, which is
-# compiled with it from its source: rustup component add rust-src. Two builds: a quarter of an hour on two cores.
+# Runs the tests of the C interface under AddressSanitizer, then under ThreadSanitizer. They pass null pointers, wrong sizes and
+# destroyed objects, and use one object from two threads (c/src/tests/misuse.rs). The stable compiler has both
+# runtimes, and RUSTC_BOOTSTRAP lets it accept the flags. ThreadSanitizer has to see the locks of the standard library, which is
+# therefore built from its source (rustup component add rust-src). Both builds take a quarter of an hour on two cores.
 #
-#   scripts/test-sanitized.sh [address | thread]    one of the two
+#   scripts/test-sanitized.sh [address | thread]    with an argument, only that sanitizer
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 cd "$(dirname "$0")/.."
@@ -13,12 +13,13 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-# The driver is not compiled with a sanitizer. So nobody looks for leaks, which the driver has, and only races count that stand in
-# the code of this program or of its crates.
+# The driver is not compiled with a sanitizer. The driver leaks memory, so that leaks are not reported. Races are reported only in
+# the code of this program and of its crates.
 export ASAN_OPTIONS=detect_leaks=0
 export TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=66"
 
-sanitized() { # a sanitizer, options of Cargo
+# Runs the tests under a sanitizer, and fails if the sanitizer reports anything.
+sanitized() { # sanitizer, options of Cargo...
     local name=$1
     shift
     echo "test-sanitized: $name" >&2

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Runs the tests of `make test` and says how long each took, the longest first. They run beside each other, so that a test's time
-# depends on what ran with it. All are in OUT, a CSV file (out/test-times.csv); the longest twenty are printed. Then come the tests that
-# took longer than they may: BUDGET seconds, or what tests/budgets.csv allows a test with its reason. Nothing fails for it.
+# Runs the tests of `make test`, and writes the time of each to the CSV file OUT (out/test-times.csv), the longest first. Tests
+# run at the same time, so that each slows down the others. The script prints the twenty longest, and then the tests that took
+# longer than their budget: BUDGET (30) seconds, or the number in tests/budgets.csv. A test over its budget is no failure.
 #
 #   scripts/test-times.sh [OUT [FILTER]...]     only tests whose names contain a filter
 set -euo pipefail
@@ -13,8 +13,8 @@ mkdir -p "$(dirname "$out")"
 said=$(mktemp)
 trap 'rm -f "$said"' EXIT
 budget=${BUDGET:-30}
-# Rust's test harness tells times by an unstable option, which a stable toolchain allows with this variable. The tests alone get it,
-# since with it the compiler would build everything anew.
+# Rust's test harness prints times by an unstable option, which a stable toolchain allows with RUSTC_BOOTSTRAP. Only the tests get
+# this variable: if the compiler had it, it would build everything anew.
 host=$(rustc -vV | sed -n 's/^host: //p' | tr 'a-z-' 'A-Z_')
 export "CARGO_TARGET_${host}_RUNNER=env RUSTC_BOOTSTRAP=1"
 status=0
@@ -27,7 +27,8 @@ status=0
 } >"$out"
 awk -F, 'NR > 1 { sum += $3 } NR > 1 && NR <= 21 { printf "%8.1f s  %s %s\n", $3, $1, $2 }
     END { printf "%8.1f s  of %d tests together\n", sum, NR - 1 }' "$out"
-# The reason may have commas. A budget whose test is gone is named as well, unless only some tests ran.
+# A budget whose test did not run is named as well, unless a filter chose the tests. The last column of tests/budgets.csv, the
+# reason, may contain commas.
 awk -F, -v usual="$budget" -v all="$#" '
     FNR == 1 { file++; next }
     file == 1 { allowed[$1 "," $2] = $3; next }

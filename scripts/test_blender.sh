@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Renders the scene of examples/gbuffer-maps with Blender 5.2 as a Python module, in the ways of docs/gbuffer-maps.md, reads each
-# frame by its map, and fails if a frame is refused or contradicts itself. A cropped frame must be doubted.
+# Renders the scene of examples/gbuffer-maps with Blender 5.2 as a Python module, in the ways of docs/gbuffer-maps.md. Reads each
+# frame by its map, and fails if ssct refuses a frame or warns about it. About a cropped frame, ssct must warn.
 #   scripts/test_blender.sh SSCT FOLDER    SSCT is the command, FOLDER gets the virtual environment and the frames
 # It needs Python 3.13 and the package bpy, which pip installs (400 MB). Without Python 3.13 it says so, and ends with status 2.
 set -euo pipefail
@@ -24,14 +24,16 @@ if ! "$folder/venv/bin/python" -c 'import bpy' 2>/dev/null; then
     "$folder/venv/bin/pip" install --quiet bpy==5.2.3
 fi
 
-frame() { # a name, arguments of the script
+# Renders FOLDER/NAME.exr with arguments of blender_scene.py.
+frame() { # name, arguments...
     local name=$1
     shift
     "$folder/venv/bin/python" blender_scene.py "$folder/$name.exr" --samples 4 "$@" >"$folder/$name.log" 2>&1 ||
         { tail -20 "$folder/$name.log" >&2; say "$name: Blender failed"; exit 1; }
 }
 
-doubts() { # a frame, a map, what a warning must say, or nothing
+# Reads a frame by a map. Fails unless ssct warns with the given text, or, without a text, if it warns at all.
+doubts() { # frame, map, [text]
     local said
     said=$("$ssct" gbuffer convert "$folder/$1.exr" --gbuffer-map "$2" -o "$folder/$1-ours.exr" 2>&1) ||
         { say "$1: $said"; exit 1; }

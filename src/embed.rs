@@ -20,8 +20,7 @@ use crate::gpu::Gpu;
 use crate::gpu::device::{DeviceHandles, DeviceInfo};
 use crate::methods::{METHODS, MethodInfo};
 
-/// A device of the caller's that reflections are recorded for. Clones share the device. Dropping a context destroys none of the
-/// caller's handles.
+/// A caller's device for which reflections are recorded. Clones share it; a drop destroys no handle of the caller.
 #[derive(Clone)]
 pub struct Context {
     gpu: Gpu,
@@ -31,16 +30,15 @@ impl Context {
     /// Makes a context of the caller's device.
     ///
     /// # Errors
-    /// [`Error::NoDevice`](crate::Error::NoDevice) with what is missing: Vulkan 1.3 on the device or in the version that the
-    /// instance was made for, a feature of
-    /// [`enable_features`](crate::enable_features) that is not on, or graphics or compute in the queue family.
+    /// [`Error::NoDevice`](crate::Error::NoDevice) if device or instance has no Vulkan 1.3, if a feature of
+    /// [`enable_features`](crate::enable_features) is off, or if the queue family lacks graphics or compute.
     ///
     /// # Safety
     /// The handles belong together, and outlive the context and all that is made with it. The features of
     /// [`DeviceHandles::enabled`] are on. When the last object made with the context is dropped, the device is done with everything
     /// that was recorded with it.
     pub unsafe fn new(device: DeviceHandles) -> Result<Self> {
-        // SAFETY: by the contract.
+        // SAFETY: `Gpu::of_others` has the contract of this function.
         Ok(Self { gpu: unsafe { Gpu::of_others(device) }? })
     }
 
@@ -59,8 +57,8 @@ impl Context {
         self.gpu.allocated_bytes()
     }
 
-    /// Destroys the pipelines that nothing uses now. Without this call they are kept, so that an object that is made or resized
-    /// later compiles nothing twice.
+    /// Destroys the pipelines that no object uses now. Without this call such pipelines are kept, so that an object
+    /// that is made or resized later compiles nothing twice.
     pub fn trim(&self) {
         self.gpu.trim();
     }

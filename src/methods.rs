@@ -45,7 +45,7 @@ use ssct_ground::scene::{Camera, Material, Scene};
 use std::collections::HashSet;
 use std::sync::{PoisonError, RwLock};
 
-/// The inputs of a method in a frame. Its outputs may borrow the G-buffer (`'a`), but not the scene (`'s`).
+/// The inputs of a method in a frame. The method's outputs may borrow the G-buffer (`'a`), but not the scene (`'s`).
 #[derive(Clone, Copy)]
 pub struct Input<'a, 's> {
     /// The images that the scene passes left.
@@ -63,7 +63,7 @@ pub struct Input<'a, 's> {
     /// The second layer of depth, at the size of the G-buffer, where the method is set up for one ([`layers`]). A pixel without a
     /// second surface has the depth 0.
     pub behind: Option<GBuffer<'a>>,
-    /// The reflection that this method's shows behind, if this method is a fallback.
+    /// The reflection behind which this method's reflection shows, if this method is a fallback.
     pub in_front: Option<Reflection<'a>>,
     /// The motion of surfaces since the frame before, for a history, if the caller knows it.
     pub motion: Option<SurfaceMotion<'s>>,
@@ -96,7 +96,7 @@ impl<'a, 's> Input<'a, 's> {
         }
     }
 
-    /// Runs a pass that reads no colour in the first bounce; later bounces read the images of that pass again.
+    /// In the first bounce, runs a pass that reads no colour. In later bounces, `made` returns the images of that pass.
     pub(crate) fn once<T>(&self, make: impl FnOnce() -> Result<T>, made: impl FnOnce() -> T) -> Result<T> {
         if self.bounce == 0 { make() } else { Ok(made()) }
     }
@@ -137,7 +137,7 @@ impl<'a> Pyramid<'a> {
     }
 }
 
-/// What a method made in a frame.
+/// The images that a method made in a frame.
 #[derive(Clone)]
 pub struct MethodOutput<'a> {
     /// Reflection colour and fade; `None` where nothing reflects, or where it is not wanted.
@@ -166,8 +166,8 @@ impl<'a> MethodOutput<'a> {
 
 /// A method of one size on one device.
 pub trait Method: Send {
-    /// Makes the images that outlive frames, such as captured maps, from the scene. The effect calls it before the first frame and
-    /// again when materials change; its time is not part of any frame's.
+    /// Makes the images that outlive frames, such as captured maps, from the scene. The effect calls this function
+    /// before the first frame, and again when materials change. The call is not part of any frame's time.
     fn prepare(&mut self, _context: &mut FrameContext, _scene: &SceneInput) -> Result<()> {
         Ok(())
     }
@@ -191,8 +191,7 @@ pub struct MethodRequest {
     pub setup: Setup,
     /// Whether the method must say where each ray ended, if it can.
     pub hits: bool,
-    /// Whether the reflection is wanted as an image of its own; a method that composites along the way leaves it out
-    /// otherwise.
+    /// Whether the reflection must be an image of its own, even if the method composites along the way.
     pub reflection: bool,
     /// Whether the method may make the composite along the way.
     pub composite: bool,
@@ -231,7 +230,7 @@ pub struct MethodInfo {
     pub sees: MethodScope,
     /// The parts that the method needs a scene to have. If one of them is missing, the method shows nothing.
     pub needs: &'static [Need],
-    /// Whether its reflections can fade at the screen's border.
+    /// Whether the method's reflections can fade at the screen's border.
     pub fades: bool,
     /// Whether the method finds the hits of the version of the oracle that the parameter `oracle` asks for.
     pub follows_oracle: bool,
@@ -272,8 +271,7 @@ impl MethodInfo {
         }
     }
 
-    /// A method that needs the scene and does not fade, without parameters of its own. A row of the table overrides the fields that
-    /// differ.
+    /// A method that needs the scene, does not fade and has no parameters. A row of the table overrides what differs.
     const fn scene(name: &'static str, summary: &'static str, source: &'static str, create: CreateMethod) -> Self {
         Self { sees: MethodScope::Scene, fades: false, ..Self::screen(name, summary, source, create) }
     }
@@ -296,7 +294,7 @@ impl MethodInfo {
         self.make(gpu, &request)
     }
 
-    /// Describes a screen-space method that is not in the table. Its strings live as long as the program.
+    /// Describes a screen-space method that is not in the table. The strings live as long as the program.
     pub fn added(name: &'static str, summary: &'static str, source: &'static str, added: &'static dyn Added) -> Self {
         let none: CreateMethod = |_, _| Err(Error::Usage("this method is made by what added it".into()));
         // No camera is refused here, since the method itself may refuse one.

@@ -172,7 +172,7 @@ pub struct Reflectors {
     pub narrow: bool,
     /// True if gloss with wide lobes may occur: roughness above [`WIDE_ABOVE`].
     pub wide: bool,
-    /// True if every lit surface reflects, so that every pixel reflects that does not show the sky.
+    /// True if every lit surface reflects, so that every pixel reflects except those that show the sky.
     pub everywhere: bool,
 }
 
@@ -180,7 +180,7 @@ pub struct Reflectors {
 pub const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 
 impl Reflectors {
-    /// Nothing is known, so that every kind may be there.
+    /// The kinds are not known, so that every kind may be there.
     pub const UNKNOWN: Self = Self { mirrors: true, narrow: true, wide: true, everywhere: false };
 
     /// The kinds that can occur in a frame, given its reflectivity and roughness if they are constant.
@@ -226,8 +226,7 @@ impl Reflectors {
 #[derive(Clone, Copy)]
 pub struct HiZ<'a>(pub &'a Image);
 
-/// Reversed depth of the nearest front (R) and the farthest back (G) in each cell, all levels in one
-/// image (`shaders-glsl/unified/pyramid.glsl`). RG32F.
+/// Reversed depth of the nearest front (R) and the farthest back (G) in each cell. One image has all levels. RG32F.
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
 
@@ -302,8 +301,7 @@ pub struct Captures<'a> {
     pub pyramid: &'a Image,
     /// Normals in the view space of each face, in layers as [`Self::pyramid`]. RGBA8 snorm.
     pub normal: &'a Image,
-    /// Lit colour with its chain, an array of cube maps: 0 where the sky is seen, and in a the share that is not sky.
-    /// RGBA16F.
+    /// Lit colour with its chain, an array of cube maps: 0 for sky, and in alpha the share that is not sky. RGBA16F.
     pub color: &'a Image,
     /// The places of the captures in the world, in metres. Each frame moves a capture that follows the camera.
     pub places: &'a [Cell<Vec3>],
@@ -322,7 +320,7 @@ pub struct Reflection<'a>(pub &'a Image);
 /// Ray trace colour of SSLR and its mask, full chains (thesis §4.3). Level 0 is what the rays found.
 #[derive(Clone, Copy)]
 pub struct RayTraceColor<'a> {
-    /// Colour, 0 for a miss, and the ray's length in screen space, clamped to 1, in a. RGBA8, with the colour sRGB-encoded.
+    /// Colour, 0 for a miss, and in alpha the ray's length in screen space, at most 1. RGBA8, with sRGB-encoded colour.
     pub color: &'a Image,
     /// 1 where a ray hit, else 0. R8.
     pub mask: &'a Image,

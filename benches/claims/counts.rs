@@ -1,11 +1,12 @@
-//! Counts of what rays do, by shaders that count. Columns: claim, method, scene, view, size (the height), variant, value.
+//! Counts the work of rays and cones, by shaders that count. Columns: claim, method, scene, view, size (the height),
+//! variant, value.
 //!
 //! - `cone-samples`: samples of a cone that hit something, by roughness, at most 7 as published; `cone-levels`: the mean
 //!   level that they read; `cone-samples-unbounded`, `cone-levels-unbounded`: at most 64.
 //! - `ray-steps`: depths that a ray of a march reads, by pixels a step, by roughness, or by the height of the image.
 //! - `towards-camera`: the share of the rays that run towards the camera; `towards-camera-hits`: the share of these that hit;
-//!   `away-hits`: the share of the others that hit; `search-off-screen`: the share of these hits whose binary search ended off
-//!   the screen.
+//!   `away-hits`: the share of the others that hit; `search-off-screen`: the share of the hits towards the camera whose
+//!   binary search ended off the screen.
 //! - `device-mb`: megabytes on the device that the passes of the effect take, in one pass or split in two.
 
 use super::edited::{Edit, Edits};
@@ -24,7 +25,7 @@ const SIZE: [u32; 2] = [960, 540];
 /// The greatest number of a cone's samples where 7 are not enough.
 const UNBOUNDED: u32 = 64;
 
-/// The reflection's colour becomes the samples, the sum of their levels, and 1.
+/// Changes the colour of the reflection to counts: the number of the cone's samples, the sum of their levels, and 1.
 const CONE: Edits = &[
     ("thesis/cone_trace.glsl", "vec4 C = vec4(0.0);", "vec4 C = vec4(0.0);\n    float counted = 0.0, levels = 0.0;"),
     (
@@ -37,7 +38,7 @@ const CONE: Edits = &[
 
 const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
 
-/// The reflection's colour becomes the depths that were read, 0 and 1.
+/// Changes the colour of the reflection to counts: the number of depths that the ray has read, 0, and 1.
 const MARCH: Edits = &[
     (
         SCHMIDT,
@@ -56,35 +57,35 @@ const MARCH: Edits = &[
     ),
 ];
 
-/// A counter beside the linear march.
+/// Declares a counter beside the linear march.
 pub const COUNTER: Edit = (
     "thesis/linear_ray_march.glsl",
     "#define INVALID_RAY vec3(-1.0)",
     "#define INVALID_RAY vec3(-1.0)\nfloat counted = 0.0;",
 );
-/// A step of the march counts.
+/// Counts each step of the march.
 pub const MARCHED: Edit = (
     "thesis/linear_ray_march.glsl",
     "        // 9-11: Check if ray steps",
     "        counted += 1.0;\n        // 9-11: Check if ray steps",
 );
-/// The place where a ray of `sslr` missed becomes what was counted.
+/// Changes the place of a miss of `sslr` to the counter's number.
 pub const MISS_OF_SSLR: Edit = (
     "thesis/sslr_ray_trace.frag",
     "out_hit = vec4(hit, PATH_LINEAR_MISS);",
     "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR_MISS);",
 );
-/// The place where a ray of `sslr` hit becomes what was counted.
+/// Changes the place of a hit of `sslr` to the counter's number.
 pub const HIT_OF_SSLR: Edit = (
     "thesis/sslr_ray_trace.frag",
     "out_hit = vec4(hit, PATH_LINEAR);",
     "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR);",
 );
 
-/// The place of a hit becomes the depths that were read, whether it is a hit or not.
+/// Changes the place where a ray of `sslr` ended to the number of depths that it has read, whether it hit or not.
 const UNIFORM: Edits = &[COUNTER, MARCHED, MISS_OF_SSLR, HIT_OF_SSLR];
 
-/// One image that counts.
+/// One image to draw with shaders that count.
 struct Counted<'a> {
     method: &'a str,
     edits: Edits,
@@ -94,7 +95,7 @@ struct Counted<'a> {
 }
 
 impl Counted<'_> {
-    /// The reflection, and the hits.
+    /// Draws the image on a view; returns the reflection and the hits.
     fn images(&self, bench: &Bench, stage: &mut Stage, (scene, view): (&Scene, &View)) -> (Pixels, Pixels) {
         let setup = (self.change)(&Setup::new(self.size));
         let materials = self.globals.materials(scene, view);
@@ -114,11 +115,12 @@ fn counted(image: &Pixels, channel: usize) -> f64 {
     mean(image.texels().filter(|t| t[2] == 1.0).map(|t| f64::from(t[channel])))
 }
 
+/// Prints a row of the table.
 fn row(claim: &str, method: &str, (scene, view): (&Scene, &View), height: u32, variant: &str, value: f64) {
     println!("{claim},{method},{},{},{height},{variant},{value:.4}", scene.name, view.name);
 }
 
-/// Samples and levels of cones.
+/// Prints how many samples cones take and which levels they read, by roughness.
 fn cones(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let limits: [(&str, Change); 2] =
         [("", SAME), ("-unbounded", |s| s.with(|p: &mut ConeParams| p.cone_samples = UNBOUNDED))];
@@ -135,7 +137,7 @@ fn cones(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     }
 }
 
-/// Rays by their direction, and what becomes of them.
+/// Prints how many rays run towards the camera, and which shares of both directions hit.
 fn directions(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let counting = Counted { method: "ssct", edits: &[], change: SAME, size: SIZE, globals: globals(0.0, 0.1) };
     let (_, hits) = counting.images(bench, stage, subject);
@@ -152,7 +154,7 @@ fn directions(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     row("away-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
 }
 
-/// Bytes of the effect's images and buffers, with its passes combined and split.
+/// Prints the megabytes of the effect's images and buffers, with its passes combined and split.
 fn memory(stage: &mut Stage, subject: (&Scene, &View)) {
     let mut megabytes = |split: bool| {
         let setup = Setup::new(SIZE).with(|p: &mut ThesisDrawing| p.split = split);
@@ -167,7 +169,7 @@ fn memory(stage: &mut Stage, subject: (&Scene, &View)) {
     row("device-mb", "ssct", subject, SIZE[1], "split", split);
 }
 
-/// Steps of SSLR by roughness.
+/// Prints the mean steps of the rays of `sslr`, by roughness.
 fn uniform_steps(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     for roughness in [0.0, 0.1, 0.3, 0.6] {
         let counting =
@@ -179,7 +181,7 @@ fn uniform_steps(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     }
 }
 
-/// Steps of Schmidt's marches by pixels a step and by the height of the image.
+/// Prints the mean steps of Schmidt's marches, by pixels a step and by the height of the image.
 fn marches(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let steps: [(&str, Change); 4] = [
         ("1", SAME),

@@ -1,12 +1,14 @@
-//! Methods as they stand, and with one thing changed: what the change does to the image, and on which side of it the image
-//! is nearer to the truth. Columns: claim, method, scene, view, roughness; `share` and `rmse`, by how much the display
-//! images differ, as in `cargo bench --bench errata`; `error` and `error_changed`, the RMSE of the reflection against the
-//! reference, as it stands and changed; and of mirrors `right` and `right_changed`, `false` and `false_changed`, the shares
-//! of right and of false hits by the oracle.
+//! Compares each method with a copy of it in which one thing is changed: how much the change does to the image, and
+//! which of the two images is nearer to the truth.
 //!
-//! Claims of the documents, at 480×270, are held against the exact image of the same screen; those named `dda-…` are of the
-//! errata of that method, at 320×180; those named `billboards-…` are held against the world, at 640×360, and so are those
-//! named `behind-…`, of what stands behind a method of the screen, at 320×180, and `car-…`, of the bodies of the cars alone.
+//! Columns: claim, method, scene, view, roughness, and then numbers. `share` and `rmse` say by how much the display
+//! images differ, as in `cargo bench --bench errata`. `error` and `error_changed` are the RMSE of the reflection
+//! against the reference, unchanged and changed. Mirrors also have `right` and `right_changed`, the shares of right
+//! hits by the oracle, and `false` and `false_changed`, the shares of false ones.
+//!
+//! Claims of the documents are compared with the exact image of the same screen, at 480×270. Claims named `dda-…` are
+//! those of the errata of that method, at 320×180. All others are compared with the world: `billboards-…` and `car-…`
+//! (the bodies of the cars alone) at 640×360, and `behind-…` (what stands behind a method of the screen) at 320×180.
 
 use super::edited::{Edits, difference};
 use super::{Bench, Change, SAME, THESIS, globals, method, scene};
@@ -34,7 +36,7 @@ use std::collections::HashMap;
 /// Rays a pixel of the references.
 const RAYS: u32 = 16;
 
-/// What a claim's images are held against, which says where it is measured.
+/// The views on which a claim is measured, and the reference with which its images are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     /// The thesis's views against the exact image of the screen.
@@ -50,6 +52,7 @@ enum Place {
 }
 
 impl Place {
+    /// Scenes with the names of their views; no name stands for all views.
     fn views(self) -> &'static [(&'static str, &'static [&'static str])] {
         match self {
             Self::Thesis => THESIS,
@@ -88,7 +91,7 @@ impl Place {
     }
 }
 
-/// A claim: a method, and what is changed.
+/// A claim: a method, and the change whose effect is judged.
 struct Claim {
     name: &'static str,
     method: &'static str,
@@ -101,22 +104,27 @@ struct Claim {
     edits: Edits,
 }
 
+/// A claim about lines of shaders, on the thesis's views.
 const fn edited(name: &'static str, method: &'static str, roughness: &'static [f32], edits: Edits) -> Claim {
     Claim { name, method, place: Place::Thesis, roughness, both: SAME, change: SAME, edits }
 }
 
+/// A claim about lines of the shader of `dda`, with parameters of both sides.
 const fn dda(name: &'static str, both: Change, edits: Edits) -> Claim {
     Claim { name, method: "dda", place: Place::Dda, roughness: &[0.0], both, change: SAME, edits }
 }
 
+/// A claim about parameters of `billboard`.
 const fn billboards(name: &'static str, change: Change) -> Claim {
     Claim { name, method: "billboard", place: Place::Billboards, roughness: &[0.0], both: SAME, change, edits: &[] }
 }
 
+/// A claim about the fallback behind `ssct`.
 const fn behind(name: &'static str, change: Change) -> Claim {
     Claim { name, method: "ssct", place: Place::Behind, roughness: &[0.0, 0.1], both: SAME, change, edits: &[] }
 }
 
+/// A claim about how a method shows the bodies of cars.
 const fn car(name: &'static str, method: &'static str, edits: Edits) -> Claim {
     Claim { name, method, place: Place::Car, roughness: &[0.0], both: SAME, change: SAME, edits }
 }
@@ -305,11 +313,13 @@ const CLAIMS: &[Claim] = &[
 /// A linear colour for each pixel.
 type Colors = Vec<[f32; 3]>;
 
-/// What the images of a view at a roughness are held against.
+/// The truth with which the images of a view at a roughness are compared.
 struct Truth {
+    /// Which pixels reflect.
     mask: Vec<bool>,
+    /// The reference's reflection.
     color: Colors,
-    /// Hits of the oracle; none unless all are mirrors.
+    /// Positions of the oracle's hits in pixels; `None` unless all surfaces are mirrors.
     hits: Option<Vec<Option<[f64; 2]>>>,
 }
 
@@ -320,7 +330,7 @@ struct Made {
     hits: Option<Vec<Option<[f64; 2]>>>,
 }
 
-/// A view of a scene on a device.
+/// A view of a scene at a roughness, as a claim's place wants it.
 struct At<'a> {
     scene: &'a Scene,
     view: &'a View,
@@ -329,6 +339,7 @@ struct At<'a> {
 }
 
 impl At<'_> {
+    /// Draws an image of a method; returns it with the shot that drew it.
     fn made(&self, stage: &mut Stage, method: &MethodInfo, setup: &Setup) -> (Made, Shot) {
         let materials = self.place.materials(self.scene, self.view, self.roughness);
         let camera = self.view.camera(self.scene, self.place.size());
@@ -341,7 +352,8 @@ impl At<'_> {
         (Made { shown: display(&image.reflection), color, hits }, shot)
     }
 
-    /// The exact image of the G-buffer that a shot drew last, or the world's.
+    /// The truth for the G-buffer that a shot drew last: the exact image of the screen or of the world, as the place
+    /// says.
     fn truth(&self, stage: &mut Stage, shot: &Shot) -> Truth {
         let data = gbuffer::read(&mut stage.context, shot).expect("the G-buffer");
         let mask = data.reflecting();
@@ -374,7 +386,7 @@ fn hits(truth: &Truth, made: &Made) -> [String; 2] {
     [agreement.hit_agreement, agreement.false_hits].map(|share| share.map_or_else(String::new, |s| format!("{s:.6}")))
 }
 
-/// Images of methods as they stand, and truths, by what they depend on.
+/// Unchanged images of methods, and truths, which several claims need. The keys name all that they depend on.
 #[derive(Default)]
 struct Kept {
     images: HashMap<String, Made>,

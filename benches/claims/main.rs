@@ -1,10 +1,10 @@
-//! Measures claims of the documents on the methods that they are about, by what decides them: counts where a count does
-//! (steps, samples, rays), errors where an image does, and times of variants that take turns where nothing else can.
-//! Prints tables in CSV to standard output.
+//! Measures claims of the documents on the methods that they are about. A claim is measured by counts (steps, samples,
+//! rays) where a count decides it, by errors where an image does, and else by times of variants that take turns. Prints
+//! tables in CSV to standard output.
 //!
 //! - `counts`: `value` is a mean over pixels, or a share of them: see [`counts`].
-//! - `judged`: a method as it stands and with one thing changed, each held against the exact image of the same screen or
-//!   against the world: see [`judged`].
+//! - `judged`: a method unchanged and with one thing changed, each compared with the exact image of the same screen or
+//!   with the world: see [`judged`].
 //! - `times`: the time of variants over that of the first one of the same turn: see [`times`].
 //! - `rays`: the time of the pass that traces, where only the order of its rays differs: see [`rays`].
 //! - `popping`: how much the picture jumps where a method goes over to another cube map: see [`popping`].
@@ -41,7 +41,7 @@ const THESIS: &[(&str, &[&str])] = &[
     ("atrium", &["hall"]),
 ];
 
-/// What a measurement needs beside its scene.
+/// The device, the shaders, and the names of the claims that are asked for.
 struct Bench {
     gpu: Gpu,
     shaders: Shaders,
@@ -68,6 +68,7 @@ fn globals(roughness: f32, normal_deviation: f32) -> Globals {
     Globals { roughness: Some(roughness), normal_deviation: Some(normal_deviation), ..Globals::default() }
 }
 
+/// The mean of some values; 0 if there are none.
 fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for value in values {

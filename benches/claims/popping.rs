@@ -1,7 +1,8 @@
-//! How much the picture jumps where a method goes over to another cube map (thesis §3.1.3). Columns: claim, method, scene,
-//! variant; `value`: the greatest change from one frame to the next over the median one, on walks of half a metre past
-//! every place that is as far from two of the maps; `past`: the walk with the greatest change, as the places of its two maps
-//! in the scene's order.
+//! Measures how much the picture jumps where a method goes over to another cube map (thesis §3.1.3), on walks of half a
+//! metre past every place that is equally far from two of the maps.
+//!
+//! Columns: claim, method, scene, variant, and then `value`, the greatest change from one frame to the next over the
+//! median change. `past` names the walk with the greatest change, by the numbers of its two maps in the scene's order.
 //!
 //! - `one`: the map captured nearest to the camera, alone. `pixels`: the two nearest, each pixel by its own distances, as the
 //!   methods stand. `camera`: the two nearest, all pixels by the camera's distances.
@@ -25,15 +26,15 @@ const SHADER: &str = "schmidt/pccm.frag";
 const WEIGHED: &str = "float second = distances[0] * distances[0] / max(dot(distances, distances), 1e-12);";
 const DISTANCE: &str = "distances[k] = distance(pixel.position, map.position.xyz);";
 const INSIDE: &str = "if (inside[0] != inside[1]) {";
-/// Boxes are left aside: whose map counts, the camera says.
+/// Leaves the boxes of the maps aside, so that the camera alone decides which map counts.
 const BY_CAMERA: (&str, &str, &str) = (SHADER, INSIDE, "if (false) {");
 const ONE: Edits = &[BY_CAMERA, (SHADER, WEIGHED, "float second = 0.0;")];
 const CAMERA: Edits =
     &[BY_CAMERA, (SHADER, DISTANCE, "distances[k] = distance(camera.view_to_world[3].xyz, map.position.xyz);")];
 const VARIANTS: [(&str, Edits); 3] = [("one", ONE), ("pixels", &[]), ("camera", CAMERA)];
 
-/// Past the middle between two maps: their places in the scene's order, and the views of the walk, which looks ahead and
-/// down.
+/// A walk past the middle between each two maps: the numbers of the maps in the scene's order, as `a-b`, and the views
+/// of the walk, which look ahead and down.
 fn walks(scene: &Scene) -> Vec<(String, Vec<View>)> {
     let places: Vec<Vec3> = scene.probes.iter().map(|probe| probe.position).collect();
     let ahead = (places[places.len() - 1] - places[0]).normalize();
@@ -63,7 +64,7 @@ fn shown(bench: &Bench, stage: &mut Stage, name: &str, edits: Edits, (scene, wal
     walk.iter().map(image).collect()
 }
 
-/// Walks through the scenes with several maps in a row.
+/// Measures walks through the scenes that have several maps in a row, and prints a row for each variant.
 pub fn run(bench: &Bench) {
     println!("claim,method,scene,variant,value,past");
     for name in ["corridor", "street"] {

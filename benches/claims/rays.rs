@@ -1,7 +1,8 @@
-//! What rays lose by waiting for their neighbours, and by reading memory far from what their neighbours read: times of the
-//! pass that traces, where only the order of the rays differs, frame by frame in turn. Columns: claim, method, scene, view,
-//! roughness, variant; `ratio`, `least` and `greatest`: median and ends of the middle half of the pass's time over that of the
-//! first variant in the same turn.
+//! Measures what rays lose by waiting for their neighbours, and by reading memory far from their neighbours' reads. The
+//! times are those of the tracing pass, with only the order of the rays changed, frame by frame in turn.
+//!
+//! Columns: claim, method, scene, view, roughness, variant, and then three ratios of the pass's time over the first
+//! variant's time in the same turn: `ratio` is the median, and `least` and `greatest` are the ends of the middle half.
 //!
 //! - `order`: each pixel follows the ray of another one. `pixels`: its own. `kinds`: within a tile of 64×64 pixels, rays
 //!   towards the camera come first. `steps`: within a tile, by direction, and then by the number of steps, so that rays that
@@ -43,13 +44,14 @@ const PIXEL: &str = "thesis/pixel.glsl";
 const READ: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;";
 const OF_MATERIAL: &str = "pixel.roughness = material.g;";
 
-/// A pixel's material says whose ray it follows: column, and row and 1. Its roughness is a constant.
+/// Makes a pixel follow the ray of another pixel, whose place stands in its material: the column, and the row plus 1.
+/// Its roughness becomes a constant.
 const ELSEWHERE: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;\n    coord = max(ivec2(material.g, \
                          material.r - 1.0), 0);\n    fragCoord = vec2(coord) + 0.5;";
 const MIRRORS: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.0;")];
 const ROUGH: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.1;")];
 
-/// The place of a hit becomes the number of steps: of the traversal, of the marches and of the search.
+/// Changes the place where a ray ended to its number of steps, in the traversal, the marches and the search together.
 const COUNTING: Edits = &[
     COUNTER,
     MARCHED,
@@ -73,19 +75,21 @@ const COUNTING: Edits = &[
     HIT_OF_SSLR,
 ];
 
-/// Traces in a pass of its own.
+/// A setup that traces in a pass of its own.
 fn split(setup: &Setup) -> Setup {
     setup.with(|p: &mut ThesisDrawing| p.split = true)
 }
 
+/// Milliseconds of the pass that traces.
 fn traced_ms(report: &FrameReport) -> f64 {
     report.passes.iter().filter(|p| p.name == "ray trace").map(|p| p.ms).sum()
 }
 
-/// What a pixel's ray does: nothing, or whether it runs towards the camera, and how many steps it takes.
+/// The work of a pixel's ray: whether it runs towards the camera, and its number of steps; `None` if the pixel has no
+/// ray.
 type Work = Option<(bool, u32)>;
 
-/// The work of every pixel's ray, with what changes the setup.
+/// The work of every pixel's ray, with a setup and the scene's materials.
 fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, materials: &[Material]) -> Vec<Work> {
     let hits = bench.shaders.with(&bench.gpu, COUNTING, || {
         let (info, camera) = (method(place.method), place.camera());
@@ -101,7 +105,7 @@ fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, material
     hits.texels().map(ray_work).collect()
 }
 
-/// All pixels, tile by tile, and in a tile group by group.
+/// The indices of all pixels: a list for each tile, in which the pixels of a group follow each other.
 fn in_groups() -> Vec<Vec<usize>> {
     let [width, height] = SIZE;
     let boxes = |[left, top, right, bottom]: [u32; 4], [w, h]: [u32; 2]| {
@@ -119,15 +123,17 @@ fn in_groups() -> Vec<Vec<usize>> {
     boxes([0, 0, width, height], [TILE; 2]).into_iter().map(pixels).collect()
 }
 
-/// A disorder that is alike in every run.
+/// A random order that is equal in every run.
 struct Shuffle(u64);
 
 impl Shuffle {
+    /// A number below `end`, by a linear congruential generator.
     fn below(&mut self, end: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) % end as u64) as usize
     }
 
+    /// Shuffles items (Fisher and Yates).
     fn all<T>(&mut self, items: &mut [T]) {
         for end in (1..items.len()).rev() {
             items.swap(end, self.below(end + 1));
@@ -135,7 +141,7 @@ impl Shuffle {
     }
 }
 
-/// Whose ray every pixel follows in an order.
+/// For each pixel, the index of the pixel whose ray it follows in one of the [`ORDERS`].
 fn order(name: &str, work: &[Work]) -> Vec<usize> {
     let tiles = in_groups();
     let mut shuffle = Shuffle(1);
@@ -174,7 +180,7 @@ fn following(data: &GBufferData, followed: impl Iterator<Item = Option<usize>>) 
     changed
 }
 
-/// Where something is measured.
+/// A method at a roughness on a view, on which something is measured.
 struct Place<'a> {
     scene: &'a Scene,
     view: &'a View,
@@ -183,6 +189,7 @@ struct Place<'a> {
 }
 
 impl Place<'_> {
+    /// Prints a row of the table.
     fn row(&self, claim: &str, variant: &str, values: [f64; 3]) {
         let [ratio, least, greatest] = values;
         let Self { scene, view, roughness, method } = self;
@@ -197,7 +204,8 @@ impl Place<'_> {
     }
 }
 
-/// Times of the trace for G-buffers on the device, which take turns.
+/// Times the tracing pass on several G-buffers, which take turns. Returns the milliseconds on each G-buffer, turn by
+/// turn.
 fn turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData]) -> Vec<Vec<f64>> {
     let edits = if place.roughness == 0.0 { MIRRORS } else { ROUGH };
     let setup = split(&Setup::new(SIZE));
@@ -220,7 +228,7 @@ fn turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData])
     })
 }
 
-/// The mean number of steps over that for which groups of some size run.
+/// The mean number of steps of a ray over the number of steps for which its group of `width` × `height` pixels runs.
 fn in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
     let [columns, rows] = SIZE.map(|side| side as usize);
     let (mut sum, mut most) = (0.0, 0.0);
@@ -236,7 +244,7 @@ fn in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
     sum / most
 }
 
-/// Rays in other orders, and one in eight of them.
+/// Counts and times rays in other orders, and one in eight rays alone.
 fn orders(bench: &Bench, stage: &mut Stage, place: &Place) {
     let (setup, materials) = (Setup::new(SIZE), globals(place.roughness, 0.1).materials(place.scene, place.view));
     let work = work(bench, stage, place, &setup, &materials);
@@ -268,7 +276,7 @@ fn orders(bench: &Bench, stage: &mut Stage, place: &Place) {
     }
 }
 
-/// Rays that are reflected at other normals.
+/// Counts and times rays that are reflected at other normals.
 fn normals(bench: &Bench, stage: &mut Stage, place: &Place) {
     let changes: [(&str, super::Change); 3] = [
         ("shading", SAME),
@@ -294,7 +302,7 @@ fn normals(bench: &Bench, stage: &mut Stage, place: &Place) {
     }
 }
 
-/// Times what is asked for.
+/// Measures the claims that are asked for.
 pub fn run(bench: &Bench) {
     println!("claim,method,scene,view,roughness,variant,ratio,least,greatest");
     for (name, view) in PLACES {

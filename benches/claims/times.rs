@@ -1,6 +1,8 @@
-//! Times of variants that take turns, frame by frame. Columns: claim, method, scene, view, variant; `ratio`, `least` and
-//! `greatest`: median and ends of the middle half of the effect's time over that of the first variant in the same turn;
-//! `scene`: the median of the same ratio for the scene passes.
+//! Times variants that take turns, frame by frame.
+//!
+//! Columns: claim, method, scene, view, variant, and then ratios of a variant's time over the first variant's time in
+//! the same turn. `ratio` is the median for the effect, and `least` and `greatest` are the ends of the middle half.
+//! `scene_ratio` is the median for the scene passes.
 //!
 //! - `pixel-step`: Schmidt's march with longer steps.
 //! - `half`: half the resolution.
@@ -48,17 +50,18 @@ const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 /// Milliseconds of the effect, and of the scene passes.
 type Times = [f64; 2];
 
+/// The times of a frame.
 fn times(report: &FrameReport) -> Times {
     [true, false].map(|counted| report.passes.iter().filter(|p| p.counted == counted).map(|p| p.ms).sum())
 }
 
-/// A value at a share of the way through the sorted values.
+/// The value at a share of the way through the sorted values, without interpolation.
 fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     values[((values.len() - 1) as f64 * share).round() as usize]
 }
 
-/// Median and ends of the middle half.
+/// The median of some values, and the two ends of their middle half (the quartiles).
 pub fn spread(values: impl IntoIterator<Item = f64>) -> [f64; 3] {
     let values: Vec<_> = values.into_iter().collect();
     [0.5, 0.25, 0.75].map(|share| quantile(values.clone(), share))
@@ -82,6 +85,7 @@ struct Variant {
     globals: Globals,
 }
 
+/// A variant by a change of parameters, at a roughness which is also the normal deviation.
 fn changed(name: &'static str, roughness: f32, change: Change) -> Variant {
     Variant { name, change, edits: &[], globals: globals(roughness, roughness) }
 }
@@ -104,7 +108,7 @@ fn take_turns(bench: &Bench, claim: &str, name: &str, subject: (&Scene, &View, &
     print(claim, name, (&scene.name, &view.name), &names, &turns);
 }
 
-/// What is timed on each of some views: method and variants.
+/// Times variants of methods on each of some views, if the claim is asked for.
 fn of_views(bench: &Bench, claim: &str, places: &[(&str, &str)], variants: &[(&str, Vec<Variant>)]) {
     if !bench.wants(claim) {
         return;
@@ -144,7 +148,7 @@ fn cut(mesh: &Mesh) -> Mesh {
     cut
 }
 
-/// Methods on a scene, and on one whose every triangle is cut into 16.
+/// Times methods on a scene in turn with a copy of it, whose every triangle is cut into 16.
 fn triangles(bench: &Bench) {
     let plain = scene("rooms");
     let meshes = plain.meshes.iter().map(|m| cut(&cut(m))).collect();
@@ -167,7 +171,7 @@ fn triangles(bench: &Bench) {
     }
 }
 
-/// Screen-space methods where less and less of the image reflects.
+/// Times screen-space methods in turn where all, half, a quarter and a tenth of the pixels reflect.
 fn reflecting(bench: &Bench) {
     let scene = scene("rooms");
     let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
@@ -198,7 +202,7 @@ fn reflecting(bench: &Bench) {
     }
 }
 
-/// The world reference in turn with the optimised march, on the view of Schmidt's figure 47.
+/// Times the world reference in turn with Schmidt's optimised march, on the view of his figure 47.
 fn ray_traced(bench: &Bench) {
     const SMALL: [u32; 2] = [480, 270];
     let scene = scene("street");
@@ -224,7 +228,7 @@ fn ray_traced(bench: &Bench) {
     print("ray-traced", "ssr-fast", (&scene.name, &view.name), &["march", "reference"], &turns);
 }
 
-/// Times what is asked for.
+/// Times the claims that are asked for.
 pub fn run(bench: &Bench) {
     println!("claim,method,scene,view,variant,ratio,least,greatest,scene_ratio");
     let step = |name, change: Change| changed(name, 0.0, change);

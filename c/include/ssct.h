@@ -52,8 +52,8 @@ typedef enum SsctResult {
   SSCT_RESULT_INTERNAL = 7,
 } SsctResult;
 
-/// Cubes of images of the scene around places, in which "unified" and "captures" follow the rays that the screen loses. You
-/// draw the faces, hand over each at least once, and again whenever you like.
+/// Cubes of images of the scene around places, in which the methods "unified" and "captures" follow the rays that the
+/// screen loses. You draw the faces, and hand over each face at least once, and again whenever you like.
 typedef struct SsctCaptureCubes SsctCaptureCubes;
 
 /// A device of yours that reflections are recorded for. Destroying the context destroys none of your handles.
@@ -62,15 +62,15 @@ typedef struct SsctContext SsctContext;
 /// The pipelines, images and uniform memory that reflect one view in every frame.
 typedef struct SsctReflections SsctReflections;
 
-/// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses. A ray that hits a triangle sees
-/// the colour or texture of its mesh. If something moved, make new triangles, and keep the old ones until the device is done with
-/// them.
+/// Triangles of the scene, among which the methods "unified" and "traced" follow rays. A ray that hits a triangle sees
+/// the colour or the texture of the triangle's mesh. If something moved, make new triangles, and keep the old ones
+/// until the device is done with them.
 typedef struct SsctTriangles SsctTriangles;
 
 /// The kind of memory that a buffer or an image lives in: one of SSCT_MEMORY_PLACE_*.
 typedef uint32_t SsctMemoryPlace;
 
-/// A part of a memory object, which nobody else uses until it is released.
+/// A part of a memory object. No one else uses the part until the library releases it.
 typedef struct SsctMemoryBlock {
   /// The memory object.
   VkDeviceMemory memory;
@@ -82,23 +82,23 @@ typedef struct SsctMemoryBlock {
   uint64_t key;
 } SsctMemoryBlock;
 
-/// An allocator of your own, in place of the library's. Its functions are called by the threads that call the library,
-/// but never by two at once for one context.
+/// An allocator of your own, in place of the library's. The threads that call the library call the allocator's
+/// functions, but never two threads at once for one context.
 typedef struct SsctMemory {
   /// sizeof(SsctMemory).
   size_t struct_size;
-  /// Passed to both functions.
+  /// A pointer of your choice, which the library passes to both functions.
   void *user_data;
-  /// Fills `block` with memory that fits the requirements, and returns NULL. If there is no such memory, returns a clause that
-  /// says why, which must stay until the next call. `name` is that of the image or buffer. `linear` is false for images of
-  /// optimal tiling.
+  /// Writes to `block` a part of memory that fits the requirements, and returns NULL. If there is no such memory,
+  /// returns a clause that says why; the text must stay until the next call. `name` is the name of the image or
+  /// buffer. `linear` is false for images of optimal tiling.
   const char *(*allocate)(void *user_data,
                           const char *name,
                           const VkMemoryRequirements *requirements,
                           SsctMemoryPlace place,
                           bool linear,
                           struct SsctMemoryBlock *block);
-  /// Takes a block back, whose image or buffer is destroyed already.
+  /// Takes back a block whose image or buffer is already destroyed.
   void (*release)(void *user_data, const struct SsctMemoryBlock *block);
 } SsctMemory;
 
@@ -136,7 +136,7 @@ typedef struct SsctDeviceInfo {
   const char *name;
   /// Name and version of the driver.
   const char *driver;
-  /// The highest version of Vulkan that the device has, as "1.3.230".
+  /// The highest version of Vulkan that the device has, such as "1.3.230".
   const char *api;
   /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
   const char *kind;
@@ -150,8 +150,8 @@ typedef struct SsctMethod {
   const char *summary;
 } SsctMethod;
 
-/// How you use an image: its layout, and the stages and accesses of the last or the next use. All zero means
-/// SSCT_USE_FRAGMENT_SAMPLED.
+/// How you use an image before or after the library's commands: its layout, and the pipeline stages and accesses of
+/// your use. A struct of zeros means SSCT_USE_FRAGMENT_SAMPLED.
 typedef struct SsctImageUse {
   /// The image's layout.
   VkImageLayout layout;
@@ -164,7 +164,8 @@ typedef struct SsctImageUse {
 /// A common use of an image: one of SSCT_USE_*.
 typedef uint32_t SsctUse;
 
-/// A parameter of a method and its value, as docs/options.md lists them, such as { "fade", "off" }. "preset" is a parameter, too.
+/// A parameter of a method and its value, such as { "fade", "off" }; docs/options.md lists all parameters. "preset" is
+/// a parameter, too.
 typedef struct SsctParameter {
   /// The parameter's name.
   const char *name;
@@ -186,7 +187,7 @@ typedef struct SsctReflectionsInfo {
   VkExtent2D extent;
   /// A method of `ssct_methods`; NULL for "unified".
   const char *method;
-  /// Parameters of the method. Those that are not given have their published values.
+  /// Parameters of the method. A parameter that is not given has its published value.
   const struct SsctParameter *parameters;
   /// Number of parameters.
   uint32_t parameter_count;
@@ -196,19 +197,19 @@ typedef struct SsctReflectionsInfo {
   SsctOutputs outputs;
   /// Number of frames that may be under way at once; 0 for 2.
   uint32_t frames_in_flight;
-  /// Triangles like those that every frame is given; NULL for frames without triangles. Captures and triangles exclude each
-  /// other.
+  /// Triangles that are made like those of every later frame; NULL for frames without triangles. Reflections have
+  /// captures or triangles, and not both.
   const struct SsctTriangles *triangles;
   /// The projection of every frame's camera.
   SsctProjection projection;
 } SsctReflectionsInfo;
 
-/// Where the top of an image is in clip space: one of SSCT_CLIP_Y_*.
+/// The place of an image's top in clip space: one of SSCT_CLIP_Y_*.
 typedef uint32_t SsctClipY;
 
-/// The camera of a frame, in your conventions, which are read off its matrices: handedness, whether y is up, reversed or
-/// standard depth, a finite or an infinite far plane, and the shift of a jittered projection. A matrix is 16 numbers, column
-/// by column, and is multiplied by column vectors from the right.
+/// The camera of a frame, in your conventions. The library finds in the matrices whether space is left-handed, whether
+/// y is up, whether depth is reversed, where the far plane is, and how far a jittered projection is shifted. A matrix
+/// is 16 numbers, column by column, and is multiplied by column vectors from the right.
 typedef struct SsctCamera {
   /// sizeof(SsctCamera).
   size_t struct_size;
@@ -217,11 +218,11 @@ typedef struct SsctCamera {
   /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
   /// orthographic projection has its near plane at the eye or in front of the eye.
   float view_to_clip[16];
-  /// Where the top of the image is in clip space.
+  /// The place of the image's top in clip space.
   SsctClipY clip_y;
 } SsctCamera;
 
-/// An image of yours. One level of it is read, and one layer; of a cube map, six layers.
+/// An image of yours. The library reads one level and one layer of the image, or six layers of a cube map.
 typedef struct SsctImage {
   /// sizeof(SsctImage).
   size_t struct_size;
@@ -242,7 +243,7 @@ typedef struct SsctImage {
   VkImageUsageFlags usage;
   /// How you used the image last.
   struct SsctImageUse before;
-  /// How you use the image next. The recorded commands leave it in that layout.
+  /// How you use the image next. The recorded commands leave the image in the layout of that use.
   struct SsctImageUse after;
 } SsctImage;
 
@@ -272,12 +273,12 @@ typedef struct SsctFactor {
   const struct SsctImage *image;
   /// The image's channel, 0 to 3 for red to alpha.
   uint32_t channel;
-  /// The value for the whole frame, 0 to 1, without an image.
+  /// The value for the whole frame, 0 to 1; read only if `image` is NULL.
   float value;
 } SsctFactor;
 
-/// The kinds of reflecting surface that a frame may have, as you know them from the materials that you drew: SSCT_REFLECTORS_*,
-/// combined by `|`. A kind that is known to be absent costs nothing.
+/// The kinds of reflecting surface that a frame may have, which you know from the materials that you drew:
+/// SSCT_REFLECTORS_*, combined by `|`. The passes for a kind that is absent are left out.
 typedef uint32_t SsctReflectors;
 
 /// The motion of each pixel: the way over the screen from where its surface is to where the surface was in the frame before, x in
@@ -287,12 +288,12 @@ typedef struct SsctMotion {
   size_t struct_size;
   /// The image of the motion, in floats or signed normalised numbers.
   const struct SsctImage *image;
-  /// Pixels in one unit of the image, x to the right and y down: 1 and 1 if the image is in pixels, its width and height if it is
-  /// in texture coordinates. Negate the second number if y points up, and both if the way leads from the frame before to this
-  /// one.
+  /// How many pixels one unit of the motion is, x to the right and y down. Give 1 and 1 if the motion is in pixels,
+  /// and the image's width and height if the motion is in texture coordinates. Negate the second number if y points
+  /// up. Negate both numbers if the motion leads from the frame before to this one.
   float scale[2];
-  /// Whether the motion contains the difference of the two frames' jitter. It does if it was computed with the matrices that the
-  /// images were drawn with.
+  /// Whether the motion contains the difference of the two frames' jitter. Motion does if it was computed with the
+  /// jittered matrices that the images were drawn with.
   VkBool32 jittered;
 } SsctMotion;
 
@@ -303,7 +304,7 @@ typedef struct SsctFrame {
   /// The number of this frame among the frames under way, below `SsctReflectionsInfo.frames_in_flight`. The device must be done
   /// with the frame that was recorded with the same number before.
   uint32_t slot;
-  /// Whether each pass is timed (`ssct_reflections_times`). Passes do not overlap then.
+  /// Whether each pass is timed (`ssct_reflections_times`). The passes of a timed frame do not overlap.
   VkBool32 timed;
   /// The camera that the images were drawn with.
   const struct SsctCamera *camera;
@@ -317,28 +318,29 @@ typedef struct SsctFrame {
   const struct SsctFactor *roughness;
   /// Lit colour, linear, without reflections.
   const struct SsctImage *color;
-  /// A cube map of the light from where nothing stands, in world axes. Its view is an array of the six faces
-  /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY). A ray gets this light if captures or triangles say that it ends in the sky. With NULL such
-  /// rays miss. Without captures and triangles, every ray that leaves the screen misses.
+  /// A cube map of the sky's light, in world axes. Its view is an array of the six faces
+  /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY). A ray gets this light if captures or triangles say that the ray ends in the sky.
+  /// With NULL such rays miss. Without captures and triangles, every ray that leaves the screen misses.
   const struct SsctImage *sky;
   /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
   const struct SsctCaptureCubes *captures;
   /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is NULL.
   const struct SsctTriangles *triangles;
-  /// The number of the triangle that each pixel shows, counted over all meshes in their order, or UINT32_MAX for none. The image
-  /// is R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
+  /// The number of the triangle that each pixel shows, counted over all meshes in their order, or UINT32_MAX for
+  /// none. The image is R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. With NULL, some rays hit the very surface
+  /// that they start from.
   const struct SsctImage *triangle_numbers;
-  /// The kinds of reflecting surface that the frame may have, as you know them.
+  /// The kinds of reflecting surface that the frame may have.
   SsctReflectors reflectors;
   /// How you use the outputs next.
   struct SsctImageUse outputs;
-  /// The motion of surfaces since the frame that was recorded before, for the parameter "history"; NULL if it is not known, or if
-  /// nothing but the camera moved.
+  /// The motion of surfaces since the frame that was recorded before, for the parameter "history"; NULL if the motion
+  /// is not known, or if nothing but the camera moved.
   const struct SsctMotion *motion;
 } SsctFrame;
 
-/// An image that the library made and owns. It stays the same in every frame, until the reflections are resized or destroyed. It
-/// can be sampled, and copied from.
+/// An image that the library made and owns. The handle stays the same in every frame, until the reflections are resized
+/// or destroyed. The image can be sampled, and copied from.
 typedef struct SsctOutputImage {
   /// The image; VK_NULL_HANDLE if there is none.
   VkImage image;
@@ -363,14 +365,16 @@ typedef struct SsctSkipped {
 typedef struct SsctRecorded {
   /// sizeof(SsctRecorded).
   size_t struct_size;
-  /// Lit colour plus reflections, linear, R16G16B16A16_SFLOAT. There is none if it was not asked for.
+  /// Lit colour plus reflections, linear, R16G16B16A16_SFLOAT. There is no such image if
+  /// `SsctReflectionsInfo.outputs` leaves it out.
   struct SsctOutputImage composite;
-  /// Reflection in rgb, before reflectivity, and its fade in a: 0 where the method knows nothing, less than 1 where the
-  /// reflection fades out. R16G16B16A16_SFLOAT. There is none if it was not asked for, or if nothing reflects.
+  /// The reflection in rgb, before reflectivity, and its fade in alpha: 0 where the method has no reflection, less
+  /// than 1 where the reflection fades out. R16G16B16A16_SFLOAT. There is no such image if
+  /// `SsctReflectionsInfo.outputs` leaves it out, or if nothing reflects.
   struct SsctOutputImage reflection;
-  /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
-  /// shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. There is none if it was not asked for, or if the method does not
-  /// tell where rays end.
+  /// The place where each ray ended: texture coordinates, standard depth, and a code that says how the ray ended
+  /// (`PATH_*` of shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. There is no such image if
+  /// `SsctReflectionsInfo.outputs` leaves it out, or if the method does not tell where rays end.
   struct SsctOutputImage hits;
   /// The passes that were recorded, in order.
   const char *const *passes;
@@ -388,7 +392,7 @@ typedef struct SsctPassTime {
   const char *name;
   /// Milliseconds that the pass took.
   double ms;
-  /// Milliseconds from the frame's first timestamp to the pass's.
+  /// Milliseconds from the frame's first timestamp to the first timestamp of the pass.
   double start_ms;
   /// Whether the pass counts towards the method's total.
   bool counted;
@@ -404,12 +408,12 @@ typedef struct SsctCaptureCubesInfo {
   uint32_t place_count;
   /// Width and height of each face in texels, 1 to 4096.
   uint32_t side;
-  /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers stand as those of
-  /// `SsctCamera.view_to_clip`.
+  /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers have the
+  /// order of those of `SsctCamera.view_to_clip`.
   float view_to_clip[16];
-  /// Where the top of a face is in its clip space.
+  /// The place of the top of a face in clip space: one of SSCT_CLIP_Y_*.
   SsctClipY clip_y;
-  /// How many frames that renew faces may be under way at once; 0 for 2.
+  /// How many frames that renew faces may be under way at once, 1 to 64; 0 stands for 2.
   uint32_t frames_in_flight;
   /// A box in world space outside of which nothing stands, so that rays that leave it end in the sky: six numbers, the least
   /// corner and then the greatest. NULL if there is no such box.
@@ -422,8 +426,8 @@ typedef struct SsctCaptureFace {
   size_t struct_size;
   /// The capture's number, from 0.
   uint32_t capture;
-  /// The face's number, 0 to 5: +x -x +y -y +z -z. Each face lies as in a cube map of Vulkan that world directions are looked up
-  /// in.
+  /// The face's number, 0 to 5: +x -x +y -y +z -z. Each face is turned as in a cube map of Vulkan whose directions
+  /// are world directions.
   uint32_t face;
   /// The colour of the surfaces in the face, linear, in light that does not depend on the viewer.
   const struct SsctImage *color;
@@ -431,12 +435,12 @@ typedef struct SsctCaptureFace {
   const struct SsctImage *depth;
 } SsctCaptureFace;
 
-/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to the struct. Set it to
-/// zero before you fill it in, so that it has no texture unless you give it one.
+/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to the
+/// struct. Set the struct to zero before you fill it in, so that the mesh has no texture unless you give it one.
 typedef struct SsctTriangleMesh {
-  /// Places of the vertices, in the mesh's own space: x, y and z of each, one after the other.
+  /// Places of the vertices, in the mesh's own space: x, y and z of each vertex, one vertex after the other.
   const float *positions;
-  /// Three vertices for each triangle, which is seen from both sides.
+  /// Three indices of vertices for each triangle. Triangles are seen from both sides.
   const uint32_t *indices;
   /// Number of vertices.
   uint32_t vertex_count;
@@ -444,20 +448,20 @@ typedef struct SsctTriangleMesh {
   uint32_t index_count;
   /// The matrix from the mesh's space to the world, column by column.
   float mesh_to_world[16];
-  /// The light that comes from the mesh, linear. Give the colour as lit at its place, since the library computes no light for it.
-  /// With a texture, the colour is a factor of the texture.
+  /// The light that comes from the mesh, linear. Give the colour of the mesh as your lights make it, since the
+  /// library does not light meshes. With a texture, the colour is a factor of the texture.
   float color[3];
   /// The number of the mesh's texture among those of `ssct_triangles_create_textured`; read only with `texture_places`.
   uint32_t texture;
-  /// The texture coordinates of each vertex, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that of the last.
-  /// Beyond them the texture repeats. NULL for a mesh without a texture.
+  /// The texture coordinates of each vertex, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that
+  /// of the last. Outside of this range the texture repeats. NULL for a mesh without a texture.
   const float *texture_places;
 } SsctTriangleMesh;
 
 /// A texture of the light that comes from meshes. Rays interpolate between four texels of the mip level whose texels are nearest in
 /// size to the ray's footprint. The library makes the levels, and keeps no pointer to the struct.
 typedef struct SsctHitTexture {
-  /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
+  /// Four bytes for each texel: red, green, blue, and a byte that is not read. Rows begin at the top.
   const uint8_t *texels;
   /// Width in texels, 1 to 32768.
   uint32_t width;
@@ -467,10 +471,10 @@ typedef struct SsctHitTexture {
   VkBool32 is_srgb;
 } SsctHitTexture;
 
-/// At y = -w, as Vulkan has it with a viewport of positive height.
+/// The image's top is at y = -w, as in Vulkan with a viewport of positive height.
 #define SSCT_CLIP_Y_DOWN 0
 
-/// At y = w: the viewport has a negative height.
+/// The image's top is at y = w: the viewport has a negative height.
 #define SSCT_CLIP_Y_UP 1
 
 /// Your view space.
@@ -479,16 +483,16 @@ typedef struct SsctHitTexture {
 /// Your world space.
 #define SSCT_NORMAL_SPACE_WORLD 1
 
-/// x, y and z as they are: floats or signed normalised numbers.
+/// A texel holds x, y and z without a mapping, in floats or signed normalised numbers.
 #define SSCT_NORMAL_ENCODING_FLOAT 0
 
-/// x, y and z, mapped from -1 to 1 to 0 to 1.
+/// A texel holds x, y and z, each mapped from the range -1 to 1 into the range 0 to 1.
 #define SSCT_NORMAL_ENCODING_UNORM 1
 
-/// Two numbers from -1 to 1: the place on an octahedron that is unfolded to a square.
+/// A texel holds two numbers from -1 to 1: the place on an octahedron that is unfolded to a square.
 #define SSCT_NORMAL_ENCODING_OCTAHEDRAL 2
 
-/// The octahedral place, mapped to 0 to 1.
+/// A texel holds the place on the octahedron, with both numbers mapped into the range 0 to 1.
 #define SSCT_NORMAL_ENCODING_OCTAHEDRAL_UNORM 3
 
 /// Sampled in fragment shaders, in SHADER_READ_ONLY_OPTIMAL.
@@ -500,7 +504,7 @@ typedef struct SsctHitTexture {
 /// Drawn into as a colour attachment.
 #define SSCT_USE_COLOR_ATTACHMENT 2
 
-/// Drawn into as a depth attachment; the layout is that of the depth aspect alone.
+/// Drawn into as a depth attachment; the layout is for the depth aspect alone.
 #define SSCT_USE_DEPTH_ATTACHMENT 3
 
 /// Copied or blitted from.
@@ -515,22 +519,22 @@ typedef struct SsctHitTexture {
 /// The reflection alone, for a renderer that adds it up itself.
 #define SSCT_OUTPUT_REFLECTION 2
 
-/// Where each ray ended, if the method can say it.
+/// The place where each ray ended, if the method can say it.
 #define SSCT_OUTPUT_HITS 4
 
-/// Nothing is known, so that every kind may be there. This is always right.
+/// You do not know the kinds, and the frame may have every kind. This flag is right for every frame.
 #define SSCT_REFLECTORS_UNKNOWN 0
 
 /// There may be mirrors: surfaces that reflect with roughness 0.
 #define SSCT_REFLECTORS_MIRRORS 1
 
-/// There may be narrow lobes: roughness above 0, up to 0.2f.
+/// There may be surfaces with narrow lobes: roughness above 0, up to 0.2f.
 #define SSCT_REFLECTORS_NARROW 2
 
-/// There may be wide lobes: roughness above 0.2f.
+/// There may be surfaces with wide lobes: roughness above 0.2f.
 #define SSCT_REFLECTORS_WIDE 4
 
-/// Every lit surface reflects, so that every pixel reflects that does not show the sky.
+/// Every lit surface reflects, so that every pixel reflects except those that show the sky.
 #define SSCT_REFLECTORS_EVERYWHERE 8
 
 /// Nothing reflects. This flag stands alone, and is not combined with others.
@@ -559,17 +563,18 @@ extern "C" {
 /// before any call has failed, and stays until the next call of this thread fails.
 const char *ssct_last_error(void);
 
-/// Returns the version of the library, as "0.1.0".
+/// Returns the version of the library, such as "0.1.0".
 const char *ssct_version(void);
 
-/// Turns on the features that a device must have on, beside whatever else is on in the three structs. No extension is needed: all
-/// are features of core Vulkan 1.3. A device may lack one of them, `largePoints`: leave it off there, and only the method "unified"
-/// cannot be made. `sType` of the last two structs is yours to set.
+/// Turns on the features that this library needs in the three structs, and leaves other features as they are. All of
+/// them are features of core Vulkan 1.3, so that no extension is needed. Some devices lack `largePoints`: turn this
+/// feature off there, and only the method "unified" cannot be made. Set `sType` of the last two structs before the
+/// call.
 enum SsctResult ssct_enable_features(VkPhysicalDeviceFeatures *features,
                                      VkPhysicalDeviceVulkan12Features *features12,
                                      VkPhysicalDeviceVulkan13Features *features13);
 
-/// Makes a context of a device, and writes it to `context`; NULL if it fails.
+/// Makes a context of your device, and writes the new context to `context`, or NULL if the call fails.
 enum SsctResult ssct_context_create(const struct SsctContextInfo *info, struct SsctContext **context);
 
 /// Destroys a context; NULL is allowed. Objects that were made with the context stay usable, and keep what they need.
@@ -578,24 +583,28 @@ void ssct_context_destroy(struct SsctContext *context);
 /// Writes name, driver, version and kind of the device to `info`, whose `struct_size` is set.
 enum SsctResult ssct_context_device_info(const struct SsctContext *context, struct SsctDeviceInfo *info);
 
-/// Returns whether passes can be timed: the queue family has timestamps.
+/// Returns true if passes can be timed, which needs a queue family with timestamps.
 bool ssct_context_has_timestamps(const struct SsctContext *context);
 
-/// Returns the bytes of device memory that are allocated with the context; 0 with an allocator of yours.
+/// Returns how many bytes of device memory the library has allocated with the context; 0 if the context has an
+/// allocator of yours.
 uint64_t ssct_context_allocated_bytes(const struct SsctContext *context);
 
-/// Destroys the pipelines that nothing uses now. Without this call they are kept, so that an object that is made or resized later
-/// compiles nothing twice.
+/// Destroys the pipelines that no object uses now. Without this call such pipelines are kept, so that an object that is
+/// made or resized later compiles nothing twice.
 void ssct_context_trim(const struct SsctContext *context);
 
-/// Returns the methods that need no scene, and writes their number to `count`. All need a G-buffer; "captures" also needs capture cubes,
-/// and "traced" also needs triangles. The array stays for as long as the library is loaded.
+/// Returns an array of the methods that need no scene, and writes its length to `count`. All these methods need a
+/// G-buffer; "captures" also needs capture cubes, and "traced" also needs triangles. The array stays for as long as the
+/// library is loaded.
 const struct SsctMethod *ssct_methods(uint32_t *count);
 
-/// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.
+/// Returns layout, stages and accesses of a common use of an image; a struct of zeros for a number that is none of
+/// SSCT_USE_*.
 struct SsctImageUse ssct_image_use(SsctUse kind);
 
-/// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if the call fails. Nothing is submitted.
+/// Makes all that the frames of a view need, and writes the new object to `reflections`, or NULL if the call fails.
+/// Nothing is submitted.
 enum SsctResult ssct_reflections_create(const struct SsctContext *context,
                                         const struct SsctReflectionsInfo *info,
                                         struct SsctReflections **reflections);
@@ -611,30 +620,33 @@ enum SsctResult ssct_reflections_resize(struct SsctReflections *reflections,
 /// command buffer was thrown away.
 enum SsctResult ssct_reflections_restart_history(struct SsctReflections *reflections);
 
-/// Records a frame's reflections into a command buffer. Nothing is submitted, and nothing waits. Once every slot was recorded once,
-/// nothing is allocated on the device. Writes what was recorded to `recorded`, whose `struct_size` is set; NULL if you do not need
-/// it. With SSCT_RESULT_USAGE, nothing is recorded; with another failure, throw the command buffer away.
+/// Records a frame's reflections into a command buffer. The call submits nothing and does not wait. After one frame in
+/// every slot, the call allocates nothing on the device. The call writes the frame's outputs and passes to `recorded`,
+/// whose `struct_size` you set; `recorded` may be NULL. If the result is SSCT_RESULT_USAGE, nothing is recorded. After
+/// another failure, throw the command buffer away.
 ///
 /// - The command buffer is recording, outside rendering, for a queue of the context's family.
-/// - The handles of the inputs belong to the context's device, are as their fields describe them, and live until the device is
-///   done. Whatever writes the images was submitted before.
+/// - The handles of the inputs belong to the context's device, are as their fields describe them, and live until the
+///   device is done. The commands that write the images were submitted before.
 /// - The frame that was recorded with the same slot before is no longer under way.
-/// - Frames of one object are submitted in the order in which they were recorded, to one queue, and so are the faces of the
-///   captures that they see. A command buffer is submitted once, or thrown away before another is recorded.
+/// - Frames of one object are submitted in the order in which they were recorded, to one queue. The faces of the
+///   captures that they see are submitted to the same queue, in order. A command buffer is submitted once, or thrown
+///   away before another is recorded.
 enum SsctResult ssct_reflections_record(struct SsctReflections *reflections,
                                         VkCommandBuffer commands,
                                         const struct SsctFrame *frame,
                                         struct SsctRecorded *recorded);
 
-/// Writes an array of how long each pass of the last frame of a slot took, and the array's length, which is 0 if the frame was not
-/// timed. With SSCT_RESULT_NOT_READY, the device is not done with the frame yet. The array stays until the next call of this
-/// function, or until the reflections are destroyed.
+/// Writes to `times` an array of how long each pass of the last frame of a slot took, and to `count` the array's
+/// length, which is 0 if the frame was not timed. The result is SSCT_RESULT_NOT_READY if the device is not done with
+/// the frame yet. The array stays until the next call of this function, or until the reflections are destroyed.
 enum SsctResult ssct_reflections_times(struct SsctReflections *reflections,
                                        uint32_t slot,
                                        const struct SsctPassTime **times,
                                        uint32_t *count);
 
-/// Makes the images of captures, which have no content yet, and writes the object to `cubes`; NULL if the call fails.
+/// Makes the images of captures, which have no content yet, and writes the new object to `cubes`, or NULL if the call
+/// fails.
 enum SsctResult ssct_capture_cubes_create(const struct SsctContext *context,
                                           const struct SsctCaptureCubesInfo *info,
                                           struct SsctCaptureCubes **cubes);
@@ -642,8 +654,9 @@ enum SsctResult ssct_capture_cubes_create(const struct SsctContext *context,
 /// Destroys captures; NULL is allowed. The device must be done with every frame that saw the captures.
 void ssct_capture_cubes_destroy(struct SsctCaptureCubes *cubes);
 
-/// Records the commands that take over a face. Submit them before frames that are to see the face. Slots are counted as those of
-/// `ssct_reflections_record`, below `SsctCaptureCubesInfo.frames_in_flight`. With SSCT_RESULT_USAGE, nothing is recorded.
+/// Records the commands that copy a face into the captures. Submit the commands before frames that are to see the face.
+/// `slot` is the number of this frame among the frames under way, below `SsctCaptureCubesInfo.frames_in_flight`. If the
+/// result is SSCT_RESULT_USAGE, nothing is recorded.
 enum SsctResult ssct_capture_cubes_record_face(struct SsctCaptureCubes *cubes,
                                                VkCommandBuffer commands,
                                                uint32_t slot,

@@ -1,5 +1,5 @@
-//! Parts that all functions for C share: codes and sentences of failures, structs that begin with their size, texts, and a guard
-//! that stops panics.
+//! Parts that all functions for C share: codes and sentences of failures, structs that begin with their size, texts,
+//! and a guard that turns panics into failures.
 
 use crate::live;
 use std::any::Any;
@@ -29,7 +29,7 @@ pub enum SsctResult {
     Internal = 7,
 }
 
-/// A call's failure.
+/// The failure of a call: the code that the call returns, and the sentence for `ssct_last_error`.
 #[derive(Debug)]
 pub struct Failure {
     pub code: SsctResult,
@@ -44,6 +44,7 @@ impl Failure {
         Self { code: SsctResult::Usage, sentence: sentence.into() }
     }
 
+    /// Makes the failure for a panic, whose message is part of the sentence.
     fn of_panic(payload: &(dyn Any + Send)) -> Self {
         let said = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
         let sentence = format!("ssct has a fault, please report it: {}", said.unwrap_or("it does not say what"));
@@ -70,6 +71,7 @@ impl From<ssct::Error> for Failure {
 }
 
 thread_local! {
+    /// The sentence on the last call of this thread that failed.
     static LAST: RefCell<CString> = RefCell::default();
 }
 
@@ -80,7 +82,8 @@ pub extern "C" fn ssct_last_error() -> *const c_char {
     LAST.with_borrow(|sentence| sentence.as_ptr())
 }
 
-/// Runs the body of a function. Keeps the sentence of a failure for `ssct_last_error`, and turns a panic into a failure.
+/// Runs the body of a function for C, and returns the code of the result. Keeps the sentence of a failure for
+/// `ssct_last_error`, and turns a panic into a failure.
 pub fn guard(run: impl FnOnce() -> Outcome<()>) -> SsctResult {
     // Objects that a panic may have left half changed refuse to be used again (`Guarded`).
     let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|payload| Err(Failure::of_panic(&*payload)));
@@ -93,25 +96,27 @@ pub fn guard(run: impl FnOnce() -> Outcome<()>) -> SsctResult {
     }
 }
 
-/// Runs the body of a function that returns no code. Returns `otherwise` if the body fails.
+/// Runs the body of a function for C that returns a value and not a code. Returns `otherwise` if the body fails.
 pub fn or<T>(otherwise: T, run: impl FnOnce() -> Outcome<T>) -> T {
     let mut made = otherwise;
     guard(|| run().map(|value| made = value));
     made
 }
 
-/// An object behind a handle, which refuses to be used after a panic in it.
+/// An object behind a handle. After a panic in a call that changed the object, every later use of the object fails.
 pub struct Guarded<T> {
     value: T,
+    /// Whether a call panicked while it changed the object, or changes the object now.
     is_broken: bool,
 }
 
 impl<T> Guarded<T> {
+    /// Wraps an object that is not broken.
     pub fn new(value: T) -> Self {
         Self { value, is_broken: false }
     }
 
-    /// Returns the object, to be read.
+    /// Returns the object for reading; fails if the object is broken.
     pub fn get(&self) -> Outcome<&T> {
         if self.is_broken {
             let sentence = "an earlier fault left this object unusable: destroy it".into();
@@ -120,7 +125,7 @@ impl<T> Guarded<T> {
         Ok(&self.value)
     }
 
-    /// Runs a function on the object, which is unusable afterwards if the function panics.
+    /// Runs a function that may change the object. If the function panics, the object stays marked as broken.
     pub fn with<R>(&mut self, run: impl FnOnce(&mut T) -> Outcome<R>) -> Outcome<R> {
         self.get()?;
         self.is_broken = true;
@@ -139,16 +144,17 @@ pub unsafe trait Growing: Copy {
     const NAME: &'static str;
 }
 
-/// Reads a struct of the caller's. A struct of a later header may be longer than this library's; it is taken if all bytes that this
-/// library does not know are zero.
+/// Copies a struct out of the caller's memory. A struct of a later header may be longer than this library's; such a
+/// struct is accepted if all bytes that this library does not know are zero.
 ///
 /// # Safety
-/// The pointer is NULL, or points to a struct of the size that its first field states.
+/// The pointer is NULL, or points to a struct of the size in bytes that its first field states.
 pub unsafe fn take<T: Growing>(argument: &str, pointer: *const T) -> Outcome<T> {
-    // SAFETY: by the contract.
+    // SAFETY: `size_of_theirs` asks the same of the pointer as this function.
     let size = unsafe { size_of_theirs(argument, pointer) }?;
     let known = size_of::<T>();
-    // SAFETY: by the contract, so many bytes are there.
+    // SAFETY: by the contract above, the caller's struct has `size` bytes, and `size_of_theirs` checked that this is
+    // `known` or more.
     let beyond = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>().add(known), size - known) };
     if beyond.iter().any(|byte| *byte != 0) {
         let name = T::NAME;
@@ -157,11 +163,12 @@ pub unsafe fn take<T: Growing>(argument: &str, pointer: *const T) -> Outcome<T> 
             env!("CARGO_PKG_VERSION")
         )));
     }
-    // SAFETY: at least as many bytes are there, and any bytes are a value.
+    // SAFETY: the caller's struct has at least the `known` bytes, and any bytes are a value of `T`.
     Ok(unsafe { pointer.read_unaligned() })
 }
 
-/// Returns the size that a struct of the caller's states.
+/// Returns the size in bytes that the first field of the caller's struct states. Fails if this size is less than that
+/// of `T`, or is greater than any struct's.
 ///
 /// # Safety
 /// The contract is that of [`take`].
@@ -181,38 +188,38 @@ pub unsafe fn size_of_theirs<T: Growing>(argument: &str, pointer: *const T) -> O
     Ok(size)
 }
 
-/// Turns a pointer that a call needs into a reference.
+/// Turns a pointer that a call reads into a reference. Fails for NULL, with the argument's name in the sentence.
 ///
 /// # Safety
 /// The pointer is NULL or valid for as long as the call lasts.
 pub unsafe fn needed<'a, T>(argument: &str, pointer: *const T) -> Outcome<&'a T> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     unsafe { pointer.as_ref() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
 }
 
-/// Turns a pointer that a call writes to into a reference.
+/// Turns a pointer that a call writes to into a reference. Fails for NULL, with the argument's name in the sentence.
 ///
 /// # Safety
 /// The pointer is NULL, or valid and nobody else's for as long as the call lasts.
 pub unsafe fn needed_mut<'a, T>(argument: &str, pointer: *mut T) -> Outcome<&'a mut T> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     unsafe { pointer.as_mut() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
 }
 
-/// Reads an array of the caller's.
+/// Returns the caller's array as a slice. NULL is allowed if the count is 0.
 ///
 /// # Safety
-/// The pointer is NULL, or points to so many elements that stay for as long as the call lasts.
+/// The pointer is NULL, or points to `count` elements that stay for as long as the call lasts.
 pub unsafe fn array<'a, T>(argument: &str, pointer: *const T, count: u32) -> Outcome<&'a [T]> {
     match (count, pointer.is_null()) {
         (0, _) => Ok(&[]),
         (_, true) => Err(Failure::usage(format!("the argument {argument} is NULL, and its count is {count}"))),
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps to the contract of this function.
         (_, false) => Ok(unsafe { std::slice::from_raw_parts(pointer, count as usize) }),
     }
 }
 
-/// Reads a text of the caller's.
+/// Returns the caller's text. Fails for NULL, and for a text that is not UTF-8.
 ///
 /// # Safety
 /// The pointer is NULL, or points to a text that ends with a zero byte and stays for as long as the call lasts.
@@ -220,23 +227,24 @@ pub unsafe fn text_of<'a>(argument: &str, pointer: *const c_char) -> Outcome<&'a
     if pointer.is_null() {
         return Err(Failure::usage(format!("the argument {argument} is NULL")));
     }
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     let text = unsafe { CStr::from_ptr(pointer) };
     text.to_str().map_err(|_| Failure::usage(format!("the argument {argument} is no text in UTF-8")))
 }
 
-/// Makes a text for the caller.
+/// Makes a text for the caller, which ends with a zero byte. Zero bytes within the text become spaces.
 pub fn text(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
-/// Makes an object for the caller: a pointer that [`destroy`] takes back.
+/// Makes an object, and writes its address to `to` for the caller; NULL if `make` fails. [`destroy`] takes the object
+/// back.
 ///
 /// # Safety
-/// The place to write it to is NULL or valid.
+/// `to` is NULL, or a valid place for a pointer.
 pub unsafe fn create<T: 'static>(argument: &str, to: *mut *mut T, make: impl FnOnce() -> Outcome<T>) -> SsctResult {
     guard(|| {
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps to the contract of this function.
         let to = unsafe { needed_mut(argument, to) }?;
         *to = std::ptr::null_mut();
         *to = Box::into_raw(Box::new(make()?));
@@ -278,11 +286,12 @@ mod tests {
         more: u64,
     }
 
-    // SAFETY: it is.
+    // SAFETY: `Known` is `repr(C)`, its first field is its size, and any bytes are a value of it.
     unsafe impl Growing for Known {
         const NAME: &'static str = "Known";
     }
 
+    /// Returns the sentence of `ssct_last_error`.
     fn said() -> String {
         // SAFETY: the function returns a text.
         unsafe { CStr::from_ptr(ssct_last_error()) }.to_str().unwrap().to_owned()
@@ -317,7 +326,7 @@ mod tests {
     #[test]
     fn a_struct_of_another_size_is_taken_or_refused() {
         let known = Known { struct_size: size_of::<Known>(), value: 5 };
-        // SAFETY: the structs have the sizes that they state, but where nothing but the size is read.
+        // SAFETY: each struct has the size that it states, except where nothing but the size is read.
         unsafe {
             assert_eq!(take("a", &known).unwrap().value, 5);
             let refused = |size| take("a", &Known { struct_size: size, ..known }).err().unwrap().sentence;

@@ -7,8 +7,8 @@ use crate::live;
 use crate::vulkan::VkCommandBuffer;
 use ssct::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
 
-/// Cubes of images of the scene around places, in which "unified" and "captures" follow the rays that the screen loses. You
-/// draw the faces, hand over each at least once, and again whenever you like.
+/// Cubes of images of the scene around places, in which the methods "unified" and "captures" follow the rays that the
+/// screen loses. You draw the faces, and hand over each face at least once, and again whenever you like.
 pub struct SsctCaptureCubes {
     pub(crate) cubes: Guarded<CaptureCubes>,
 }
@@ -25,12 +25,12 @@ pub struct SsctCaptureCubesInfo {
     pub place_count: u32,
     /// Width and height of each face in texels, 1 to 4096.
     pub side: u32,
-    /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers stand as those of
-    /// `SsctCamera.view_to_clip`.
+    /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers have the
+    /// order of those of `SsctCamera.view_to_clip`.
     pub view_to_clip: [f32; 16],
-    /// Where the top of a face is in its clip space.
+    /// The place of the top of a face in clip space: one of SSCT_CLIP_Y_*.
     pub clip_y: SsctClipY,
-    /// How many frames that renew faces may be under way at once; 0 for 2.
+    /// How many frames that renew faces may be under way at once, 1 to 64; 0 stands for 2.
     pub frames_in_flight: u32,
     /// A box in world space outside of which nothing stands, so that rays that leave it end in the sky: six numbers, the least
     /// corner and then the greatest. NULL if there is no such box.
@@ -45,8 +45,8 @@ pub struct SsctCaptureFace {
     pub struct_size: usize,
     /// The capture's number, from 0.
     pub capture: u32,
-    /// The face's number, 0 to 5: +x -x +y -y +z -z. Each face lies as in a cube map of Vulkan that world directions are looked up
-    /// in.
+    /// The face's number, 0 to 5: +x -x +y -y +z -z. Each face is turned as in a cube map of Vulkan whose directions
+    /// are world directions.
     pub face: u32,
     /// The colour of the surfaces in the face, linear, in light that does not depend on the viewer.
     pub color: *const SsctImage,
@@ -54,17 +54,18 @@ pub struct SsctCaptureFace {
     pub depth: *const SsctImage,
 }
 
-// SAFETY: the size comes first, and numbers and pointers are all there is.
+// SAFETY: the size is the first field, and the other fields are numbers and pointers.
 unsafe impl Growing for SsctCaptureCubesInfo {
     const NAME: &'static str = "SsctCaptureCubesInfo";
 }
 
-// SAFETY: as above.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctCaptureFace {
     const NAME: &'static str = "SsctCaptureFace";
 }
 
-/// Makes the images of captures, which have no content yet, and writes the object to `cubes`; NULL if the call fails.
+/// Makes the images of captures, which have no content yet, and writes the new object to `cubes`, or NULL if the call
+/// fails.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_capture_cubes_create(
     context: *const SsctContext,
@@ -74,7 +75,7 @@ pub unsafe extern "C" fn ssct_capture_cubes_create(
     let make = || {
         // SAFETY: the header asks for such pointers.
         let (context, info) = unsafe { (live::read("context", context)?, take("info", info)?) };
-        // SAFETY: as above: three numbers of each place, and six of a box.
+        // SAFETY: the header asks for arrays of three numbers for each place, and of six numbers for the box.
         let (places, bounds) = unsafe {
             (
                 array("info.places", info.places.cast::<[f32; 3]>(), info.place_count)?,
@@ -105,8 +106,9 @@ pub unsafe extern "C" fn ssct_capture_cubes_destroy(cubes: *mut SsctCaptureCubes
     unsafe { destroy(cubes) };
 }
 
-/// Records the commands that take over a face. Submit them before frames that are to see the face. Slots are counted as those of
-/// `ssct_reflections_record`, below `SsctCaptureCubesInfo.frames_in_flight`. With SSCT_RESULT_USAGE, nothing is recorded.
+/// Records the commands that copy a face into the captures. Submit the commands before frames that are to see the face.
+/// `slot` is the number of this frame among the frames under way, below `SsctCaptureCubesInfo.frames_in_flight`. If the
+/// result is SSCT_RESULT_USAGE, nothing is recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_capture_cubes_record_face(
     cubes: *mut SsctCaptureCubes,
@@ -127,7 +129,7 @@ pub unsafe extern "C" fn ssct_capture_cubes_record_face(
     })
 }
 
-/// Number of frames under way; 0 stands for 2.
+/// Returns the number of frames under way that a caller's field means: 0 stands for 2, and more than 64 is refused.
 pub fn frames_in_flight(count: u32) -> Result<usize, Failure> {
     match count {
         0 => Ok(2),

@@ -17,6 +17,7 @@ use std::sync::OnceLock;
 /// A device of yours that reflections are recorded for. Destroying the context destroys none of your handles.
 pub struct SsctContext {
     pub(crate) context: Context,
+    /// Name, driver, version of Vulkan, and kind of the device.
     device: [CString; 4],
 }
 
@@ -58,7 +59,7 @@ pub struct SsctDeviceInfo {
     pub name: *const c_char,
     /// Name and version of the driver.
     pub driver: *const c_char,
-    /// The highest version of Vulkan that the device has, as "1.3.230".
+    /// The highest version of Vulkan that the device has, such as "1.3.230".
     pub api: *const c_char,
     /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
     pub kind: *const c_char,
@@ -73,25 +74,26 @@ pub struct SsctMethod {
     pub summary: *const c_char,
 }
 
-// SAFETY: the size comes first, and integers and pointers are all there is.
+// SAFETY: the size is the first field, and the other fields are integers and pointers.
 unsafe impl Growing for SsctContextInfo {
     const NAME: &'static str = "SsctContextInfo";
 }
 
-// SAFETY: as above.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctDeviceInfo {
     const NAME: &'static str = "SsctDeviceInfo";
 }
 
-/// Returns the version of the library, as "0.1.0".
+/// Returns the version of the library, such as "0.1.0".
 #[unsafe(no_mangle)]
 pub extern "C" fn ssct_version() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
 }
 
-/// Turns on the features that a device must have on, beside whatever else is on in the three structs. No extension is needed: all
-/// are features of core Vulkan 1.3. A device may lack one of them, `largePoints`: leave it off there, and only the method "unified"
-/// cannot be made. `sType` of the last two structs is yours to set.
+/// Turns on the features that this library needs in the three structs, and leaves other features as they are. All of
+/// them are features of core Vulkan 1.3, so that no extension is needed. Some devices lack `largePoints`: turn this
+/// feature off there, and only the method "unified" cannot be made. Set `sType` of the last two structs before the
+/// call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_enable_features(
     features: *mut VkPhysicalDeviceFeatures,
@@ -114,7 +116,7 @@ pub unsafe extern "C" fn ssct_enable_features(
     })
 }
 
-/// Refuses a struct of another type.
+/// Refuses a struct whose `sType` is not the one that Vulkan gives its type.
 fn typed(argument: &str, is: vk::StructureType, should: vk::StructureType) -> Outcome<()> {
     if is == should {
         return Ok(());
@@ -125,7 +127,7 @@ fn typed(argument: &str, is: vk::StructureType, should: vk::StructureType) -> Ou
     )))
 }
 
-/// Makes a context of a device, and writes it to `context`; NULL if it fails.
+/// Makes a context of your device, and writes the new context to `context`, or NULL if the call fails.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_create(
     info: *const SsctContextInfo,
@@ -162,36 +164,38 @@ pub unsafe extern "C" fn ssct_context_device_info(
         // SAFETY: the header asks for such pointers.
         let (context, struct_size) = unsafe { (live::read("context", context)?, size_of_theirs("info", info)?) };
         let [name, driver, api, kind] = context.device.each_ref().map(|told| told.as_ptr());
-        // SAFETY: as above.
+        // SAFETY: the header asks for a struct of the stated size, which is at least the size of `SsctDeviceInfo`.
         unsafe { info.write(SsctDeviceInfo { struct_size, name, driver, api, kind }) };
         Ok(())
     })
 }
 
-/// Returns whether passes can be timed: the queue family has timestamps.
+/// Returns true if passes can be timed, which needs a queue family with timestamps.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_has_timestamps(context: *const SsctContext) -> bool {
     // SAFETY: the header asks for such a pointer.
     or(false, || Ok(unsafe { live::read("context", context) }?.context.has_timestamps()))
 }
 
-/// Returns the bytes of device memory that are allocated with the context; 0 with an allocator of yours.
+/// Returns how many bytes of device memory the library has allocated with the context; 0 if the context has an
+/// allocator of yours.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_allocated_bytes(context: *const SsctContext) -> u64 {
     // SAFETY: the header asks for such a pointer.
     or(0, || Ok(unsafe { live::read("context", context) }?.context.allocated_bytes()))
 }
 
-/// Destroys the pipelines that nothing uses now. Without this call they are kept, so that an object that is made or resized later
-/// compiles nothing twice.
+/// Destroys the pipelines that no object uses now. Without this call such pipelines are kept, so that an object that is
+/// made or resized later compiles nothing twice.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_trim(context: *const SsctContext) {
     // SAFETY: the header asks for such a pointer.
     or((), || unsafe { live::read("context", context) }.map(|context| context.context.trim()));
 }
 
-/// Returns the methods that need no scene, and writes their number to `count`. All need a G-buffer; "captures" also needs capture cubes,
-/// and "traced" also needs triangles. The array stays for as long as the library is loaded.
+/// Returns an array of the methods that need no scene, and writes its length to `count`. All these methods need a
+/// G-buffer; "captures" also needs capture cubes, and "traced" also needs triangles. The array stays for as long as the
+/// library is loaded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_methods(count: *mut u32) -> *const SsctMethod {
     static METHODS: OnceLock<Methods> = OnceLock::new();
@@ -203,6 +207,7 @@ pub unsafe extern "C" fn ssct_methods(count: *mut u32) -> *const SsctMethod {
     })
 }
 
+/// The array that [`ssct_methods`] returns, with the texts that the array's pointers lead to.
 struct Methods {
     /// The texts that the rows point to.
     _texts: Vec<CString>,
@@ -211,10 +216,11 @@ struct Methods {
 
 // SAFETY: the pointers are to texts of the struct itself, which nothing changes.
 unsafe impl Send for Methods {}
-// SAFETY: as above.
+// SAFETY: the pointers are to texts of the struct itself, which nothing changes.
 unsafe impl Sync for Methods {}
 
 impl Methods {
+    /// Makes the rows of all methods that need no scene.
     fn new() -> Self {
         let texts: Vec<_> = ssct::methods().flat_map(|(name, summary)| [text(name), text(summary)]).collect();
         let row = |pair: &[CString; 2]| SsctMethod { name: pair[0].as_ptr(), summary: pair[1].as_ptr() };
@@ -237,7 +243,7 @@ unsafe fn handles(info: &SsctContextInfo) -> Result<DeviceHandles, Failure> {
             return Err(Failure::usage(format!("the field {name} of SsctContextInfo is a null handle")));
         }
     }
-    // SAFETY: by the contract. Structs that are chained to the features are not looked at.
+    // SAFETY: the caller keeps to the contract above. Structs that are chained to the features are not read.
     unsafe {
         let enabled = EnabledFeatures {
             core: *needed("features", info.features)?,

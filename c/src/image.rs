@@ -10,12 +10,12 @@ use ssct::{
     CameraInput, ClipY, FactorInput, ImageInput, ImageUse, MotionInput, NormalEncoding, NormalInput, NormalSpace,
 };
 
-/// Where the top of an image is in clip space: one of SSCT_CLIP_Y_*.
+/// The place of an image's top in clip space: one of SSCT_CLIP_Y_*.
 pub type SsctClipY = u32;
 
-/// At y = -w, as Vulkan has it with a viewport of positive height.
+/// The image's top is at y = -w, as in Vulkan with a viewport of positive height.
 pub const SSCT_CLIP_Y_DOWN: SsctClipY = 0;
-/// At y = w: the viewport has a negative height.
+/// The image's top is at y = w: the viewport has a negative height.
 pub const SSCT_CLIP_Y_UP: SsctClipY = 1;
 
 /// The space of normals: one of SSCT_NORMAL_SPACE_*.
@@ -29,13 +29,13 @@ pub const SSCT_NORMAL_SPACE_WORLD: SsctNormalSpace = 1;
 /// How texels hold unit normals: one of SSCT_NORMAL_ENCODING_*.
 pub type SsctNormalEncoding = u32;
 
-/// x, y and z as they are: floats or signed normalised numbers.
+/// A texel holds x, y and z without a mapping, in floats or signed normalised numbers.
 pub const SSCT_NORMAL_ENCODING_FLOAT: SsctNormalEncoding = 0;
-/// x, y and z, mapped from -1 to 1 to 0 to 1.
+/// A texel holds x, y and z, each mapped from the range -1 to 1 into the range 0 to 1.
 pub const SSCT_NORMAL_ENCODING_UNORM: SsctNormalEncoding = 1;
-/// Two numbers from -1 to 1: the place on an octahedron that is unfolded to a square.
+/// A texel holds two numbers from -1 to 1: the place on an octahedron that is unfolded to a square.
 pub const SSCT_NORMAL_ENCODING_OCTAHEDRAL: SsctNormalEncoding = 2;
-/// The octahedral place, mapped to 0 to 1.
+/// A texel holds the place on the octahedron, with both numbers mapped into the range 0 to 1.
 pub const SSCT_NORMAL_ENCODING_OCTAHEDRAL_UNORM: SsctNormalEncoding = 3;
 
 /// A common use of an image: one of SSCT_USE_*.
@@ -47,15 +47,15 @@ pub const SSCT_USE_FRAGMENT_SAMPLED: SsctUse = 0;
 pub const SSCT_USE_COMPUTE_SAMPLED: SsctUse = 1;
 /// Drawn into as a colour attachment.
 pub const SSCT_USE_COLOR_ATTACHMENT: SsctUse = 2;
-/// Drawn into as a depth attachment; the layout is that of the depth aspect alone.
+/// Drawn into as a depth attachment; the layout is for the depth aspect alone.
 pub const SSCT_USE_DEPTH_ATTACHMENT: SsctUse = 3;
 /// Copied or blitted from.
 pub const SSCT_USE_TRANSFER_SOURCE: SsctUse = 4;
 /// Copied or blitted to, or cleared.
 pub const SSCT_USE_TRANSFER_TARGET: SsctUse = 5;
 
-/// How you use an image: its layout, and the stages and accesses of the last or the next use. All zero means
-/// SSCT_USE_FRAGMENT_SAMPLED.
+/// How you use an image before or after the library's commands: its layout, and the pipeline stages and accesses of
+/// your use. A struct of zeros means SSCT_USE_FRAGMENT_SAMPLED.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq)]
 pub struct SsctImageUse {
@@ -67,7 +67,7 @@ pub struct SsctImageUse {
     pub access: VkAccessFlags2,
 }
 
-/// An image of yours. One level of it is read, and one layer; of a cube map, six layers.
+/// An image of yours. The library reads one level and one layer of the image, or six layers of a cube map.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctImage {
@@ -90,13 +90,13 @@ pub struct SsctImage {
     pub usage: VkImageUsageFlags,
     /// How you used the image last.
     pub before: SsctImageUse,
-    /// How you use the image next. The recorded commands leave it in that layout.
+    /// How you use the image next. The recorded commands leave the image in the layout of that use.
     pub after: SsctImageUse,
 }
 
-/// The camera of a frame, in your conventions, which are read off its matrices: handedness, whether y is up, reversed or
-/// standard depth, a finite or an infinite far plane, and the shift of a jittered projection. A matrix is 16 numbers, column
-/// by column, and is multiplied by column vectors from the right.
+/// The camera of a frame, in your conventions. The library finds in the matrices whether space is left-handed, whether
+/// y is up, whether depth is reversed, where the far plane is, and how far a jittered projection is shifted. A matrix
+/// is 16 numbers, column by column, and is multiplied by column vectors from the right.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctCamera {
@@ -107,7 +107,7 @@ pub struct SsctCamera {
     /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
     /// orthographic projection has its near plane at the eye or in front of the eye.
     pub view_to_clip: [f32; 16],
-    /// Where the top of the image is in clip space.
+    /// The place of the image's top in clip space.
     pub clip_y: SsctClipY,
 }
 
@@ -135,7 +135,7 @@ pub struct SsctFactor {
     pub image: *const SsctImage,
     /// The image's channel, 0 to 3 for red to alpha.
     pub channel: u32,
-    /// The value for the whole frame, 0 to 1, without an image.
+    /// The value for the whole frame, 0 to 1; read only if `image` is NULL.
     pub value: f32,
 }
 
@@ -148,41 +148,42 @@ pub struct SsctMotion {
     pub struct_size: usize,
     /// The image of the motion, in floats or signed normalised numbers.
     pub image: *const SsctImage,
-    /// Pixels in one unit of the image, x to the right and y down: 1 and 1 if the image is in pixels, its width and height if it is
-    /// in texture coordinates. Negate the second number if y points up, and both if the way leads from the frame before to this
-    /// one.
+    /// How many pixels one unit of the motion is, x to the right and y down. Give 1 and 1 if the motion is in pixels,
+    /// and the image's width and height if the motion is in texture coordinates. Negate the second number if y points
+    /// up. Negate both numbers if the motion leads from the frame before to this one.
     pub scale: [f32; 2],
-    /// Whether the motion contains the difference of the two frames' jitter. It does if it was computed with the matrices that the
-    /// images were drawn with.
+    /// Whether the motion contains the difference of the two frames' jitter. Motion does if it was computed with the
+    /// jittered matrices that the images were drawn with.
     pub jittered: VkBool32,
 }
 
-// SAFETY: the size comes first, and numbers, handles and pointers are all there is.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctImage {
     const NAME: &'static str = "SsctImage";
 }
 
-// SAFETY: as above.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctCamera {
     const NAME: &'static str = "SsctCamera";
 }
 
-// SAFETY: as above.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctNormals {
     const NAME: &'static str = "SsctNormals";
 }
 
-// SAFETY: as above.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctFactor {
     const NAME: &'static str = "SsctFactor";
 }
 
-// SAFETY: as above.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctMotion {
     const NAME: &'static str = "SsctMotion";
 }
 
-/// Returns a common use of an image; all zero for a number that is none of SSCT_USE_*.
+/// Returns layout, stages and accesses of a common use of an image; a struct of zeros for a number that is none of
+/// SSCT_USE_*.
 #[unsafe(no_mangle)]
 pub extern "C" fn ssct_image_use(kind: SsctUse) -> SsctImageUse {
     let none = SsctImageUse { layout: VkImageLayout::UNDEFINED, stages: 0, access: 0 };
@@ -201,12 +202,13 @@ pub extern "C" fn ssct_image_use(kind: SsctUse) -> SsctImageUse {
     })
 }
 
+/// Makes the failure of a field whose value is none of the constants of some names.
 pub fn none_of(names: &str, field: &str, value: u32) -> Failure {
     Failure::usage(format!("{field} is {value}, which is none of {names}"))
 }
 
 impl SsctImageUse {
-    /// Converts the use to the door's type.
+    /// Converts the use to the Rust interface's type. A struct of zeros becomes [`ImageUse::FRAGMENT_SAMPLED`].
     pub fn taken(self) -> ImageUse {
         let Self { layout, stages, access } = self;
         if layout == VkImageLayout::UNDEFINED && stages == 0 && access == 0 {
@@ -217,12 +219,13 @@ impl SsctImageUse {
     }
 }
 
-/// Reads an image into the door's type. `layers` is 1, or 6 for a cube map.
+/// Copies the caller's image into the Rust interface's type, with defaults for fields that are 0. `layers` is 1, or 6
+/// for a cube map.
 ///
 /// # Safety
 /// The pointer is NULL or points to such a struct.
 pub unsafe fn image(argument: &str, pointer: *const SsctImage, layers: u32) -> Outcome<ImageInput> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     let SsctImage { image, view, format, extent, mut part, mut usage, before, after, .. } =
         unsafe { take(argument, pointer) }?;
     if part.aspect_mask.is_empty() {
@@ -240,7 +243,7 @@ pub unsafe fn image(argument: &str, pointer: *const SsctImage, layers: u32) -> O
     Ok(ImageInput { image, view, part, format, extent, usage, before: before.taken(), after: after.taken() })
 }
 
-/// Returns all aspects of a format.
+/// Returns all aspects (colour, depth, stencil) that an image of a format has.
 fn aspects(format: VkFormat) -> vk::ImageAspectFlags {
     use vk::ImageAspectFlags as A;
     match format {
@@ -252,6 +255,7 @@ fn aspects(format: VkFormat) -> vk::ImageAspectFlags {
     }
 }
 
+/// Converts a constant of the header to the Rust interface's type; fails for a number that is none of SSCT_CLIP_Y_*.
 pub fn clip_y(value: SsctClipY) -> Outcome<ClipY> {
     match value {
         SSCT_CLIP_Y_DOWN => Ok(ClipY::Down),
@@ -260,22 +264,22 @@ pub fn clip_y(value: SsctClipY) -> Outcome<ClipY> {
     }
 }
 
-/// Reads a camera into the door's type.
+/// Copies the caller's camera into the Rust interface's type.
 ///
 /// # Safety
 /// The contract is that of [`image`].
 pub unsafe fn camera(pointer: *const SsctCamera) -> Outcome<CameraInput> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { take("camera", pointer) }?;
     Ok(CameraInput { world_to_view, view_to_clip, clip_y: clip_y(y)? })
 }
 
-/// Reads normals into the door's type.
+/// Copies the caller's description of normals into the Rust interface's type.
 ///
 /// # Safety
 /// The contract is that of [`image`].
 pub unsafe fn normals(pointer: *const SsctNormals) -> Outcome<NormalInput> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     let (normals, image) = unsafe {
         let normals = take("normals", pointer)?;
         (normals, image("normals.image", normals.image, 1)?)
@@ -295,12 +299,13 @@ pub unsafe fn normals(pointer: *const SsctNormals) -> Outcome<NormalInput> {
     Ok(NormalInput { image, space, encoding })
 }
 
-/// Reads a factor into the door's type.
+/// Copies the caller's factor into the Rust interface's type: one value if `image` is NULL, else a channel of the
+/// image.
 ///
 /// # Safety
 /// The contract is that of [`image`].
 pub unsafe fn factor(argument: &str, pointer: *const SsctFactor) -> Outcome<FactorInput> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     unsafe {
         let factor = take(argument, pointer)?;
         if factor.image.is_null() {
@@ -310,7 +315,7 @@ pub unsafe fn factor(argument: &str, pointer: *const SsctFactor) -> Outcome<Fact
     }
 }
 
-/// Reads motion into the door's type; none for NULL.
+/// Copies the caller's motion into the Rust interface's type; `None` for NULL.
 ///
 /// # Safety
 /// The contract is that of [`image`].
@@ -318,7 +323,7 @@ pub unsafe fn motion(argument: &str, pointer: *const SsctMotion) -> Outcome<Opti
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     unsafe {
         let SsctMotion { image: held, scale, jittered, .. } = take(argument, pointer)?;
         let image = image(&format!("{argument}.image"), held, 1)?;

@@ -1,6 +1,6 @@
-//! The door of `ssct` for C: a shared and a static library, and the header `include/ssct.h`, which cbindgen writes from these
-//! files. Comments on public items are written for readers of the header. The header states once, at its top, what a caller must
-//! uphold.
+//! The interface of `ssct` for C: a shared and a static library, and the header `include/ssct.h`, which cbindgen writes
+//! from these files. Comments on public items are written for readers of the header. The top of the header states, for
+//! all functions, what a caller must uphold.
 
 #![allow(clippy::missing_safety_doc, reason = "the header's top states what callers uphold, for all functions")]
 

@@ -1,5 +1,6 @@
-//! Table of the objects that callers have, by their addresses. Calls refuse, with a sentence, a handle that was destroyed, is of
-//! another type, or is used by another call. Following such a handle would be a fault of memory.
+//! A table of the objects that callers have, by their addresses. A call refuses, with a sentence, a handle whose object
+//! was destroyed, is of another type, or is used by another call, since to read memory through such a handle would be
+//! undefined behaviour.
 
 use crate::border::{Failure, Outcome};
 use std::any::{TypeId, type_name};
@@ -7,26 +8,28 @@ use std::collections::BTreeMap;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// An object, and which calls use it now.
+/// An object that a caller has: its type, how many calls read it now, and whether a call changes it now.
 struct Object {
     kind: TypeId,
     readers: usize,
     is_written: bool,
 }
 
+/// The objects that callers have, by their addresses.
 static OBJECTS: Mutex<BTreeMap<usize, Object>> = Mutex::new(BTreeMap::new());
 
+/// Locks the table of objects.
 fn objects() -> MutexGuard<'static, BTreeMap<usize, Object>> {
     // The table is whole even after a panic in another thread, since no statement leaves it half changed.
     OBJECTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Notes an object that a caller gets.
+/// Enters into the table an object that a caller is about to get.
 pub fn add<T: 'static>(object: *const T) {
     objects().insert(object as usize, Object { kind: TypeId::of::<T>(), readers: 0, is_written: false });
 }
 
-/// Forgets an object that is about to be destroyed.
+/// Removes from the table an object that is about to be destroyed.
 ///
 /// # Errors
 /// [`Failure::usage`] for an object that is not in the table, or that a call uses.
@@ -40,6 +43,8 @@ pub fn remove<T: 'static>(object: *const T) -> Outcome<()> {
     Ok(())
 }
 
+/// Finds an object of the type `T` in the table by its address. Fails for NULL, and if no such object is at the
+/// address.
 fn found<'o, T: 'static>(
     argument: &str,
     object: *const T,
@@ -54,20 +59,22 @@ fn found<'o, T: 'static>(
     })
 }
 
+/// Makes the failure of a call on an object that another call uses.
 fn in_use(argument: &str) -> Failure {
     Failure::usage(format!("the argument {argument} is used by another call at the same time"))
 }
 
-/// An object that a call reads. Other calls may read it at the same time.
+/// An object that a call reads. Other calls may read the object at the same time; none may change it until this value
+/// is dropped.
 pub struct Read<'a, T>(&'a T);
 
-/// An object that a call changes. No other call uses it meanwhile.
+/// An object that a call changes. No other call may use the object until this value is dropped.
 pub struct Written<'a, T>(&'a mut T);
 
 /// Begins to read an object.
 ///
 /// # Safety
-/// If an object of this type was noted at the address, it is freed only after [`remove`].
+/// If the table has an object of this type at the address, the object is freed only after [`remove`].
 pub unsafe fn read<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Read<'a, T>> {
     let mut all = objects();
     let known = found(argument, object, &mut all)?;
@@ -79,12 +86,12 @@ pub unsafe fn read<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<
     Ok(Read(unsafe { &*object }))
 }
 
-/// Begins to read an object, if there is one.
+/// Begins to read an object; `None` for NULL.
 ///
 /// # Safety
 /// The contract is that of [`read`].
 pub unsafe fn read_any<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Option<Read<'a, T>>> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     if object.is_null() { Ok(None) } else { unsafe { read(argument, object) }.map(Some) }
 }
 

@@ -17,7 +17,7 @@ pub const SSCT_MEMORY_PLACE_UPLOAD: SsctMemoryPlace = 1;
 /// Memory that the device writes and the host reads; mapped and coherent.
 pub const SSCT_MEMORY_PLACE_READBACK: SsctMemoryPlace = 2;
 
-/// A part of a memory object, which nobody else uses until it is released.
+/// A part of a memory object. No one else uses the part until the library releases it.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctMemoryBlock {
@@ -31,18 +31,18 @@ pub struct SsctMemoryBlock {
     pub key: u64,
 }
 
-/// An allocator of your own, in place of the library's. Its functions are called by the threads that call the library,
-/// but never by two at once for one context.
+/// An allocator of your own, in place of the library's. The threads that call the library call the allocator's
+/// functions, but never two threads at once for one context.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctMemory {
     /// sizeof(SsctMemory).
     pub struct_size: usize,
-    /// Passed to both functions.
+    /// A pointer of your choice, which the library passes to both functions.
     pub user_data: *mut c_void,
-    /// Fills `block` with memory that fits the requirements, and returns NULL. If there is no such memory, returns a clause that
-    /// says why, which must stay until the next call. `name` is that of the image or buffer. `linear` is false for images of
-    /// optimal tiling.
+    /// Writes to `block` a part of memory that fits the requirements, and returns NULL. If there is no such memory,
+    /// returns a clause that says why; the text must stay until the next call. `name` is the name of the image or
+    /// buffer. `linear` is false for images of optimal tiling.
     pub allocate: Option<
         unsafe extern "C" fn(
             user_data: *mut c_void,
@@ -53,11 +53,11 @@ pub struct SsctMemory {
             block: *mut SsctMemoryBlock,
         ) -> *const c_char,
     >,
-    /// Takes a block back, whose image or buffer is destroyed already.
+    /// Takes back a block whose image or buffer is already destroyed.
     pub release: Option<unsafe extern "C" fn(user_data: *mut c_void, block: *const SsctMemoryBlock)>,
 }
 
-// SAFETY: the size comes first, and integers and pointers are all there is.
+// SAFETY: the size is the first field, and the other fields are integers and pointers.
 unsafe impl Growing for SsctMemory {
     const NAME: &'static str = "SsctMemory";
 }
@@ -79,6 +79,7 @@ pub struct CallersMemory {
 }
 
 impl CallersMemory {
+    /// Fails if one of the two functions is NULL.
     pub fn new(memory: &SsctMemory) -> Outcome<Self> {
         let missing = |field| Failure::usage(format!("the field {field} of SsctMemory is NULL"));
         Ok(Self {
@@ -89,10 +90,10 @@ impl CallersMemory {
     }
 }
 
-// SAFETY: the header says that the functions are called by any thread.
+// SAFETY: the header says that any thread may call the two functions.
 unsafe impl Send for CallersMemory {}
 
-// SAFETY: the header asks the same of blocks as this trait.
+// SAFETY: the header asks of the caller's blocks what this trait asks of blocks.
 unsafe impl DeviceMemory for CallersMemory {
     fn allocate(
         &mut self,
@@ -109,7 +110,8 @@ unsafe impl DeviceMemory for CallersMemory {
         let mut block =
             SsctMemoryBlock { memory: vk::DeviceMemory::null(), offset: 0, mapped: std::ptr::null_mut(), key: 0 };
         let name = text(name);
-        // SAFETY: the function is the caller's for these arguments, which live through the call; it returns NULL or a text.
+        // SAFETY: the caller gave the function for these arguments, which live through the call. The function returns
+        // NULL or a text.
         let why = unsafe {
             let why = (self.allocate)(self.user_data, name.as_ptr(), requirements, place, linear, &mut block);
             if why.is_null() {

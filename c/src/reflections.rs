@@ -23,9 +23,9 @@ use std::ffi::{CString, c_char};
 /// The pipelines, images and uniform memory that reflect one view in every frame.
 pub struct SsctReflections {
     reflections: Guarded<Reflections>,
-    /// Names that `SsctRecorded` of the last frame points to.
+    /// The texts and arrays that the last frame's `SsctRecorded` points to.
     recorded: Report,
-    /// Times that `ssct_reflections_times` pointed to last.
+    /// The times to which the last call of `ssct_reflections_times` returned a pointer.
     times: Times,
 }
 
@@ -36,27 +36,28 @@ pub type SsctOutputs = u32;
 pub const SSCT_OUTPUT_COMPOSITE: SsctOutputs = 1;
 /// The reflection alone, for a renderer that adds it up itself.
 pub const SSCT_OUTPUT_REFLECTION: SsctOutputs = 2;
-/// Where each ray ended, if the method can say it.
+/// The place where each ray ended, if the method can say it.
 pub const SSCT_OUTPUT_HITS: SsctOutputs = 4;
 
-/// The kinds of reflecting surface that a frame may have, as you know them from the materials that you drew: SSCT_REFLECTORS_*,
-/// combined by `|`. A kind that is known to be absent costs nothing.
+/// The kinds of reflecting surface that a frame may have, which you know from the materials that you drew:
+/// SSCT_REFLECTORS_*, combined by `|`. The passes for a kind that is absent are left out.
 pub type SsctReflectors = u32;
 
-/// Nothing is known, so that every kind may be there. This is always right.
+/// You do not know the kinds, and the frame may have every kind. This flag is right for every frame.
 pub const SSCT_REFLECTORS_UNKNOWN: SsctReflectors = 0;
 /// There may be mirrors: surfaces that reflect with roughness 0.
 pub const SSCT_REFLECTORS_MIRRORS: SsctReflectors = 1;
-/// There may be narrow lobes: roughness above 0, up to 0.2f.
+/// There may be surfaces with narrow lobes: roughness above 0, up to 0.2f.
 pub const SSCT_REFLECTORS_NARROW: SsctReflectors = 2;
-/// There may be wide lobes: roughness above 0.2f.
+/// There may be surfaces with wide lobes: roughness above 0.2f.
 pub const SSCT_REFLECTORS_WIDE: SsctReflectors = 4;
-/// Every lit surface reflects, so that every pixel reflects that does not show the sky.
+/// Every lit surface reflects, so that every pixel reflects except those that show the sky.
 pub const SSCT_REFLECTORS_EVERYWHERE: SsctReflectors = 8;
 /// Nothing reflects. This flag stands alone, and is not combined with others.
 pub const SSCT_REFLECTORS_NONE: SsctReflectors = 16;
 
-// Holds the number in the comments above. The header has no constant for it, which would be of the type double in C.
+// Checks that 0.2f in the comments above is `WIDE_ABOVE`. The header has no such constant, since it would be of the
+// type double in C.
 const _: () = assert!(ssct::WIDE_ABOVE == 0.2);
 
 /// The projection of a camera: one of SSCT_PROJECTION_*.
@@ -67,7 +68,8 @@ pub const SSCT_PROJECTION_PERSPECTIVE: SsctProjection = 0;
 /// All rays of sight are parallel.
 pub const SSCT_PROJECTION_ORTHOGRAPHIC: SsctProjection = 1;
 
-/// A parameter of a method and its value, as docs/options.md lists them, such as { "fade", "off" }. "preset" is a parameter, too.
+/// A parameter of a method and its value, such as { "fade", "off" }; docs/options.md lists all parameters. "preset" is
+/// a parameter, too.
 #[repr(C)]
 pub struct SsctParameter {
     /// The parameter's name.
@@ -86,7 +88,7 @@ pub struct SsctReflectionsInfo {
     pub extent: VkExtent2D,
     /// A method of `ssct_methods`; NULL for "unified".
     pub method: *const c_char,
-    /// Parameters of the method. Those that are not given have their published values.
+    /// Parameters of the method. A parameter that is not given has its published value.
     pub parameters: *const SsctParameter,
     /// Number of parameters.
     pub parameter_count: u32,
@@ -96,8 +98,8 @@ pub struct SsctReflectionsInfo {
     pub outputs: SsctOutputs,
     /// Number of frames that may be under way at once; 0 for 2.
     pub frames_in_flight: u32,
-    /// Triangles like those that every frame is given; NULL for frames without triangles. Captures and triangles exclude each
-    /// other.
+    /// Triangles that are made like those of every later frame; NULL for frames without triangles. Reflections have
+    /// captures or triangles, and not both.
     pub triangles: *const SsctTriangles,
     /// The projection of every frame's camera.
     pub projection: SsctProjection,
@@ -112,7 +114,7 @@ pub struct SsctFrame {
     /// The number of this frame among the frames under way, below `SsctReflectionsInfo.frames_in_flight`. The device must be done
     /// with the frame that was recorded with the same number before.
     pub slot: u32,
-    /// Whether each pass is timed (`ssct_reflections_times`). Passes do not overlap then.
+    /// Whether each pass is timed (`ssct_reflections_times`). The passes of a timed frame do not overlap.
     pub timed: VkBool32,
     /// The camera that the images were drawn with.
     pub camera: *const SsctCamera,
@@ -126,28 +128,29 @@ pub struct SsctFrame {
     pub roughness: *const SsctFactor,
     /// Lit colour, linear, without reflections.
     pub color: *const SsctImage,
-    /// A cube map of the light from where nothing stands, in world axes. Its view is an array of the six faces
-    /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY). A ray gets this light if captures or triangles say that it ends in the sky. With NULL such
-    /// rays miss. Without captures and triangles, every ray that leaves the screen misses.
+    /// A cube map of the sky's light, in world axes. Its view is an array of the six faces
+    /// (VK_IMAGE_VIEW_TYPE_2D_ARRAY). A ray gets this light if captures or triangles say that the ray ends in the sky.
+    /// With NULL such rays miss. Without captures and triangles, every ray that leaves the screen misses.
     pub sky: *const SsctImage,
     /// Images of the scene around places, for rays that the screen loses; NULL where `capture_side` is 0.
     pub captures: *const SsctCaptureCubes,
     /// Triangles of the scene, for rays that the screen loses; NULL where `SsctReflectionsInfo.triangles` is NULL.
     pub triangles: *const SsctTriangles,
-    /// The number of the triangle that each pixel shows, counted over all meshes in their order, or UINT32_MAX for none. The image
-    /// is R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. Without it (NULL), some rays meet the surface that they begin on.
+    /// The number of the triangle that each pixel shows, counted over all meshes in their order, or UINT32_MAX for
+    /// none. The image is R32_UINT, made with VK_IMAGE_USAGE_STORAGE_BIT. With NULL, some rays hit the very surface
+    /// that they start from.
     pub triangle_numbers: *const SsctImage,
-    /// The kinds of reflecting surface that the frame may have, as you know them.
+    /// The kinds of reflecting surface that the frame may have.
     pub reflectors: SsctReflectors,
     /// How you use the outputs next.
     pub outputs: SsctImageUse,
-    /// The motion of surfaces since the frame that was recorded before, for the parameter "history"; NULL if it is not known, or if
-    /// nothing but the camera moved.
+    /// The motion of surfaces since the frame that was recorded before, for the parameter "history"; NULL if the motion
+    /// is not known, or if nothing but the camera moved.
     pub motion: *const SsctMotion,
 }
 
-/// An image that the library made and owns. It stays the same in every frame, until the reflections are resized or destroyed. It
-/// can be sampled, and copied from.
+/// An image that the library made and owns. The handle stays the same in every frame, until the reflections are resized
+/// or destroyed. The image can be sampled, and copied from.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SsctOutputImage {
@@ -178,14 +181,16 @@ pub struct SsctSkipped {
 pub struct SsctRecorded {
     /// sizeof(SsctRecorded).
     pub struct_size: usize,
-    /// Lit colour plus reflections, linear, R16G16B16A16_SFLOAT. There is none if it was not asked for.
+    /// Lit colour plus reflections, linear, R16G16B16A16_SFLOAT. There is no such image if
+    /// `SsctReflectionsInfo.outputs` leaves it out.
     pub composite: SsctOutputImage,
-    /// Reflection in rgb, before reflectivity, and its fade in a: 0 where the method knows nothing, less than 1 where the
-    /// reflection fades out. R16G16B16A16_SFLOAT. There is none if it was not asked for, or if nothing reflects.
+    /// The reflection in rgb, before reflectivity, and its fade in alpha: 0 where the method has no reflection, less
+    /// than 1 where the reflection fades out. R16G16B16A16_SFLOAT. There is no such image if
+    /// `SsctReflectionsInfo.outputs` leaves it out, or if nothing reflects.
     pub reflection: SsctOutputImage,
-    /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
-    /// shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. There is none if it was not asked for, or if the method does not
-    /// tell where rays end.
+    /// The place where each ray ended: texture coordinates, standard depth, and a code that says how the ray ended
+    /// (`PATH_*` of shaders-glsl/common/constants.glsl). R32G32B32A32_SFLOAT. There is no such image if
+    /// `SsctReflectionsInfo.outputs` leaves it out, or if the method does not tell where rays end.
     pub hits: SsctOutputImage,
     /// The passes that were recorded, in order.
     pub passes: *const *const c_char,
@@ -205,28 +210,29 @@ pub struct SsctPassTime {
     pub name: *const c_char,
     /// Milliseconds that the pass took.
     pub ms: f64,
-    /// Milliseconds from the frame's first timestamp to the pass's.
+    /// Milliseconds from the frame's first timestamp to the first timestamp of the pass.
     pub start_ms: f64,
     /// Whether the pass counts towards the method's total.
     pub counted: bool,
 }
 
-// SAFETY: the size comes first, and numbers, handles and pointers are all there is.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctReflectionsInfo {
     const NAME: &'static str = "SsctReflectionsInfo";
 }
 
-// SAFETY: as above.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctFrame {
     const NAME: &'static str = "SsctFrame";
 }
 
-// SAFETY: as above.
+// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
 unsafe impl Growing for SsctRecorded {
     const NAME: &'static str = "SsctRecorded";
 }
 
-/// Makes all that the frames of a view need, and writes the object to `reflections`; NULL if the call fails. Nothing is submitted.
+/// Makes all that the frames of a view need, and writes the new object to `reflections`, or NULL if the call fails.
+/// Nothing is submitted.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_create(
     context: *const SsctContext,
@@ -250,6 +256,8 @@ pub unsafe extern "C" fn ssct_reflections_create(
     unsafe { create("reflections", reflections, make) }
 }
 
+/// Makes reflections from the caller's description, whose pointers are already read into `method`, `parameters` and
+/// `triangles`.
 fn reflections_of(
     context: &SsctContext,
     info: &SsctReflectionsInfo,
@@ -282,6 +290,8 @@ fn reflections_of(
     Ok(SsctReflections { reflections: Guarded::new(reflections), recorded: Report::default(), times: Times::default() })
 }
 
+/// Converts a constant of the header to the Rust interface's type; fails for a number that is none of
+/// SSCT_PROJECTION_*.
 fn projection(value: SsctProjection) -> Outcome<ProjectionKind> {
     match value {
         SSCT_PROJECTION_PERSPECTIVE => Ok(ProjectionKind::Perspective),
@@ -318,16 +328,18 @@ pub unsafe extern "C" fn ssct_reflections_restart_history(reflections: *mut Ssct
     )
 }
 
-/// Records a frame's reflections into a command buffer. Nothing is submitted, and nothing waits. Once every slot was recorded once,
-/// nothing is allocated on the device. Writes what was recorded to `recorded`, whose `struct_size` is set; NULL if you do not need
-/// it. With SSCT_RESULT_USAGE, nothing is recorded; with another failure, throw the command buffer away.
+/// Records a frame's reflections into a command buffer. The call submits nothing and does not wait. After one frame in
+/// every slot, the call allocates nothing on the device. The call writes the frame's outputs and passes to `recorded`,
+/// whose `struct_size` you set; `recorded` may be NULL. If the result is SSCT_RESULT_USAGE, nothing is recorded. After
+/// another failure, throw the command buffer away.
 ///
 /// - The command buffer is recording, outside rendering, for a queue of the context's family.
-/// - The handles of the inputs belong to the context's device, are as their fields describe them, and live until the device is
-///   done. Whatever writes the images was submitted before.
+/// - The handles of the inputs belong to the context's device, are as their fields describe them, and live until the
+///   device is done. The commands that write the images were submitted before.
 /// - The frame that was recorded with the same slot before is no longer under way.
-/// - Frames of one object are submitted in the order in which they were recorded, to one queue, and so are the faces of the
-///   captures that they see. A command buffer is submitted once, or thrown away before another is recorded.
+/// - Frames of one object are submitted in the order in which they were recorded, to one queue. The faces of the
+///   captures that they see are submitted to the same queue, in order. A command buffer is submitted once, or thrown
+///   away before another is recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_record(
     reflections: *mut SsctReflections,
@@ -359,9 +371,9 @@ pub unsafe extern "C" fn ssct_reflections_record(
     })
 }
 
-/// Writes an array of how long each pass of the last frame of a slot took, and the array's length, which is 0 if the frame was not
-/// timed. With SSCT_RESULT_NOT_READY, the device is not done with the frame yet. The array stays until the next call of this
-/// function, or until the reflections are destroyed.
+/// Writes to `times` an array of how long each pass of the last frame of a slot took, and to `count` the array's
+/// length, which is 0 if the frame was not timed. The result is SSCT_RESULT_NOT_READY if the device is not done with
+/// the frame yet. The array stays until the next call of this function, or until the reflections are destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_times(
     reflections: *mut SsctReflections,
@@ -389,7 +401,7 @@ pub unsafe extern "C" fn ssct_reflections_times(
     })
 }
 
-/// Runs a function on the reflections of a handle.
+/// Runs a function on the reflections that the closure `object` finds, and returns the code of the result.
 fn with<'a>(
     object: impl FnOnce() -> Outcome<Written<'a, SsctReflections>>,
     run: impl FnOnce(&mut Reflections) -> Outcome<()>,
@@ -400,12 +412,12 @@ fn with<'a>(
     })
 }
 
-/// Reads a frame into the door's type.
+/// Copies the caller's description of a frame into the Rust interface's type.
 ///
 /// # Safety
 /// Each pointer is NULL or points to a value of its type.
 unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     unsafe {
         Ok(FrameInput {
             slot: frame.slot as usize,
@@ -430,24 +442,25 @@ unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
     }
 }
 
-/// Returns the captures that a frame is given.
+/// Returns the captures behind a frame's pointer; `None` for NULL. Fails if an earlier fault left them unusable.
 ///
 /// # Safety
 /// The pointer is NULL, or valid for as long as the result is used.
 unsafe fn captures<'a>(pointer: *const SsctCaptureCubes) -> Outcome<Option<&'a CaptureCubes>> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     unsafe { pointer.as_ref() }.map(|captures| captures.cubes.get()).transpose()
 }
 
-/// Returns the triangles that a frame is given.
+/// Returns the triangles behind a frame's pointer; `None` for NULL. Fails if an earlier fault left them unusable.
 ///
 /// # Safety
 /// The contract is that of [`captures`].
 unsafe fn triangles<'a>(pointer: *const SsctTriangles) -> Outcome<Option<&'a Triangles>> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     unsafe { pointer.as_ref() }.map(|triangles| triangles.triangles.get()).transpose()
 }
 
+/// Converts the header's flags to the Rust interface's type; fails for flags that do not go together.
 fn reflectors(flags: SsctReflectors) -> Outcome<Reflectors> {
     let has = |flag| flags & flag != 0;
     match flags {

@@ -1,5 +1,5 @@
-//! The interface as a C program uses it, on a device under the validation layers. `examples/c` is a whole such program; here
-//! is what it does not use, and what is refused.
+//! Tests that use the interface as a C program does, on a device under the validation layers. The tests cover what the
+//! program in `examples/c` does not use, and what the library refuses.
 
 #![allow(
     clippy::unwrap_used,
@@ -23,36 +23,41 @@ use program::Program;
 use std::ffi::{CStr, c_char, c_void};
 use std::ptr::{null, null_mut};
 
-/// A struct of zeros but for its size, as `{ .struct_size = sizeof s }` makes one.
+/// Makes a struct of zeros except for its size, as `{ .struct_size = sizeof s }` does in C.
 fn sized<T: Copy>(size: usize) -> T {
     let mut made = std::mem::MaybeUninit::<T>::zeroed();
-    // Every struct of the interface may be zero, and begins with its size.
+    // Every struct of the interface may consist of zeros, and its first field is its size.
     unsafe {
         made.as_mut_ptr().cast::<usize>().write(size);
         made.assume_init()
     }
 }
 
+/// Returns the sentence of `ssct_last_error`.
 fn said() -> String {
     unsafe { CStr::from_ptr(ssct_last_error()) }.to_str().unwrap().to_owned()
 }
 
+/// Asserts that a call failed with a code, and that the sentence on the failure has some words.
 #[track_caller]
 fn refused(result: SsctResult, code: SsctResult, words: &str) {
     assert!(result == code && said().contains(words), "{result:?}: {}", said());
 }
 
-/// A quarter turn, looked along +z, with y up, and reversed depth without a far plane.
+/// A projection with an angle of view of a quarter turn, along +z, with y up, and reversed depth without a far plane.
 const CLIP: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 0., 1., 0., 0., 0.1, 0.];
 const WORLD: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
 
+/// Width and height of the reflections in pixels.
 const SIDE: u32 = 48;
 
+/// Describes reflections of a size, with the default method.
 fn view(side: u32) -> SsctReflectionsInfo {
     let extent = vk::Extent2D { width: side, height: side };
     SsctReflectionsInfo { extent, ..sized(size_of::<SsctReflectionsInfo>()) }
 }
 
+/// Makes reflections, and asserts that the call succeeds.
 fn made(context: *const SsctContext, info: &SsctReflectionsInfo) -> *mut SsctReflections {
     let mut reflections = null_mut();
     let result = unsafe { ssct_reflections_create(context, info, &mut reflections) };
@@ -60,6 +65,7 @@ fn made(context: *const SsctContext, info: &SsctReflectionsInfo) -> *mut SsctRef
     reflections
 }
 
+/// Calls `ssct_reflections_create`, and asserts that the call writes NULL exactly if it fails.
 fn create(context: *const SsctContext, info: &SsctReflectionsInfo) -> SsctResult {
     let mut reflections = std::ptr::dangling_mut();
     let result = unsafe { ssct_reflections_create(context, info, &mut reflections) };
@@ -77,6 +83,7 @@ struct Inputs {
 }
 
 impl Inputs {
+    /// Makes images of a size. The inputs are in a box, since the structs hold pointers to each other.
     fn new(program: &mut Program, side: u32) -> Box<Self> {
         let half = vk::Format::R16G16B16A16_SFLOAT;
         let factor = |value| SsctFactor { value, ..sized(size_of::<SsctFactor>()) };
@@ -94,6 +101,7 @@ impl Inputs {
         })
     }
 
+    /// Returns a frame that points to these inputs.
     fn frame(&mut self) -> SsctFrame {
         self.normals.0.image = &self.normals.1;
         SsctFrame {
@@ -143,7 +151,7 @@ fn captures_a_sky_and_times_come_through() {
         let mut cubes = null_mut();
         assert_eq!(ssct_capture_cubes_create(context, &info, &mut cubes), SsctResult::Ok, "{}", said());
         let reflections = made(context, &SsctReflectionsInfo { capture_side: 16, ..view(SIDE) });
-        // What holds of all is kept by the objects.
+        // Objects that were made with a context stay usable after the context is destroyed.
         ssct_context_destroy(context);
         let frame = SsctFrame { sky: &sky, captures: cubes, timed: vk::TRUE, ..inputs.frame() };
         let early = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
@@ -172,7 +180,7 @@ fn captures_a_sky_and_times_come_through() {
         assert!(times.iter().all(|t| t.ms >= 0.0) && name(times[0].name) == "import");
         let far = ssct_reflections_times(reflections, 7, &mut null(), &mut count);
         refused(far, SsctResult::Usage, "the slot is 7");
-        // Another size refuses the images of the old one.
+        // After a change of size, images of the old size are refused.
         let extent = vk::Extent2D { width: 32, height: 32 };
         assert_eq!(ssct_reflections_resize(reflections, extent), SsctResult::Ok, "{}", said());
         assert_eq!(ssct_reflections_restart_history(reflections), SsctResult::Ok);
@@ -183,7 +191,7 @@ fn captures_a_sky_and_times_come_through() {
     }
 }
 
-/// Memory objects that live, and whether another is given.
+/// The state of the caller's allocator: how many memory objects are alive, and whether `allocate` gives another.
 struct Objects {
     device: ash::Device,
     kinds: vk::PhysicalDeviceMemoryProperties,
@@ -191,6 +199,7 @@ struct Objects {
     gives: bool,
 }
 
+/// Gives each image or buffer a memory object of its own, or fails if `Objects::gives` is false.
 unsafe extern "C" fn allocate(
     objects: *mut c_void,
     name: *const c_char,
@@ -221,6 +230,7 @@ unsafe extern "C" fn allocate(
     null()
 }
 
+/// Frees a block, and checks that the block came from `allocate`.
 unsafe extern "C" fn release(objects: *mut c_void, block: *const SsctMemoryBlock) {
     let (objects, block) = unsafe { (&mut *objects.cast::<Objects>(), &*block) };
     assert_eq!(block.key, 42);
@@ -262,7 +272,7 @@ fn memory_comes_from_the_callers_allocator_and_goes_back() {
     }
 }
 
-/// A mesh of a colour, moved along z.
+/// A mesh of one colour, moved along z by `z` metres.
 fn mesh_at(z: f32, (positions, indices): (&[[f32; 3]], &[u32]), color: [f32; 3]) -> SsctTriangleMesh {
     let mut mesh_to_world = WORLD;
     mesh_to_world[14] = z;
@@ -293,7 +303,8 @@ fn rays_that_leave_the_screen_end_on_triangles() {
         refused(create(&wall(&[0, 1, 4]), &mut triangles), SsctResult::Usage, "the index 4, and 4 vertices");
         assert_eq!(create(&wall(&[0, 1, 2, 2, 3, 0]), &mut triangles), SsctResult::Ok, "{}", said());
 
-        // Halves of what the mirror shows of the wall, beside its own colour; and that colour alone.
+        // The expected composites in half floats: the mirror's own colour plus half of the wall's, and the mirror's own
+        // colour alone.
         let [with, without]: [[u16; 3]; 2] = [[0x3900, 0x3800, 0x3900], [0x3800, 0x3400, 0x3000]];
         let outputs = ssct_image_use(SSCT_USE_TRANSFER_SOURCE);
         let show = |reflections, frame: &SsctFrame| {
@@ -324,7 +335,8 @@ fn rays_that_leave_the_screen_end_on_triangles() {
             assert!(shown.iter().all(|texel| *texel == with), "{method:?}: {:x?}", shown[0]);
             ssct_reflections_destroy(reflections);
         }
-        // A mirror that stands a little before the depth that is seen stops its own rays, unless its number is known.
+        // The mirror's triangle lies a little in front of the depth image, so that it stops its own rays unless its
+        // number is known.
         let large = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 18.0, 0.0]];
         let mirror = mesh_at(0.49, (&large, &[0, 1, 2]), [1.0, 0.0, 0.0]);
         let mut both = null_mut();
@@ -345,7 +357,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
         ssct_reflections_destroy(reflections);
         ssct_triangles_destroy(both);
 
-        // A texture of a white and a grey texel, of which every vertex is at the white one.
+        // A texture of a white and a grey texel; every vertex of the wall has the place of the white texel.
         let texels = [255, 255, 255, 0, 64, 64, 64, 0];
         let texture = SsctHitTexture { texels: texels.as_ptr(), width: 2, height: 1, is_srgb: vk::FALSE };
         let places = [[0.25_f32, 0.5]; 4];

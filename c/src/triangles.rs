@@ -8,20 +8,20 @@ use ash::vk;
 use ssct::{HitTexture, MeshTexture, TriangleMesh, Triangles};
 use std::ptr::null;
 
-/// Triangles of the scene, in which "unified" and "traced" follow the rays that the screen loses. A ray that hits a triangle sees
-/// the colour or texture of its mesh. If something moved, make new triangles, and keep the old ones until the device is done with
-/// them.
+/// Triangles of the scene, among which the methods "unified" and "traced" follow rays. A ray that hits a triangle sees
+/// the colour or the texture of the triangle's mesh. If something moved, make new triangles, and keep the old ones
+/// until the device is done with them.
 pub struct SsctTriangles {
     pub(crate) triangles: Guarded<Triangles>,
 }
 
-/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to the struct. Set it to
-/// zero before you fill it in, so that it has no texture unless you give it one.
+/// A mesh, where it stands, and the light that comes from it in reflections. The library keeps no pointer to the
+/// struct. Set the struct to zero before you fill it in, so that the mesh has no texture unless you give it one.
 #[repr(C)]
 pub struct SsctTriangleMesh {
-    /// Places of the vertices, in the mesh's own space: x, y and z of each, one after the other.
+    /// Places of the vertices, in the mesh's own space: x, y and z of each vertex, one vertex after the other.
     pub positions: *const f32,
-    /// Three vertices for each triangle, which is seen from both sides.
+    /// Three indices of vertices for each triangle. Triangles are seen from both sides.
     pub indices: *const u32,
     /// Number of vertices.
     pub vertex_count: u32,
@@ -29,13 +29,13 @@ pub struct SsctTriangleMesh {
     pub index_count: u32,
     /// The matrix from the mesh's space to the world, column by column.
     pub mesh_to_world: [f32; 16],
-    /// The light that comes from the mesh, linear. Give the colour as lit at its place, since the library computes no light for it.
-    /// With a texture, the colour is a factor of the texture.
+    /// The light that comes from the mesh, linear. Give the colour of the mesh as your lights make it, since the
+    /// library does not light meshes. With a texture, the colour is a factor of the texture.
     pub color: [f32; 3],
     /// The number of the mesh's texture among those of `ssct_triangles_create_textured`; read only with `texture_places`.
     pub texture: u32,
-    /// The texture coordinates of each vertex, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that of the last.
-    /// Beyond them the texture repeats. NULL for a mesh without a texture.
+    /// The texture coordinates of each vertex, two numbers each: (0, 0) is the corner of the first texel, (1, 1) that
+    /// of the last. Outside of this range the texture repeats. NULL for a mesh without a texture.
     pub texture_places: *const f32,
 }
 
@@ -43,7 +43,7 @@ pub struct SsctTriangleMesh {
 /// size to the ray's footprint. The library makes the levels, and keeps no pointer to the struct.
 #[repr(C)]
 pub struct SsctHitTexture {
-    /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
+    /// Four bytes for each texel: red, green, blue, and a byte that is not read. Rows begin at the top.
     pub texels: *const u8,
     /// Width in texels, 1 to 32768.
     pub width: u32,
@@ -79,11 +79,11 @@ pub unsafe extern "C" fn ssct_triangles_create_textured(
     let make = || {
         // SAFETY: the header asks for such pointers.
         let (context, meshes) = unsafe { (live::read("context", context)?, array("meshes", meshes, mesh_count)?) };
-        // SAFETY: as above.
+        // SAFETY: the header asks for such pointers.
         let textures = unsafe { array("textures", textures, texture_count) }?;
-        // SAFETY: as above.
+        // SAFETY: the header asks for such pointers.
         let taken: Vec<_> = meshes.iter().map(|m| unsafe { mesh(m) }).collect::<Outcome<_>>()?;
-        // SAFETY: as above.
+        // SAFETY: the header asks for such pointers.
         let textures: Vec<_> = textures.iter().map(|t| unsafe { texture(t) }).collect::<Outcome<_>>()?;
         let triangles = Triangles::with_textures(&context.context, &taken, &textures)?;
         Ok(SsctTriangles { triangles: Guarded::new(triangles) })
@@ -113,12 +113,12 @@ pub unsafe extern "C" fn ssct_triangles_record_upload(
     })
 }
 
-/// Reads a mesh into the door's type.
+/// Borrows the caller's mesh as the Rust interface's type.
 ///
 /// # Safety
 /// Each pointer is NULL or points to as many numbers as its count says.
 unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     let (positions, indices) = unsafe {
         (
             array("mesh.positions", mesh.positions.cast::<[f32; 3]>(), mesh.vertex_count)?,
@@ -129,22 +129,22 @@ unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
     let texture = if texture_places.is_null() {
         None
     } else {
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps to the contract of this function.
         let places = unsafe { array("mesh.texture_places", texture_places.cast::<[f32; 2]>(), vertex_count) }?;
         Some(MeshTexture { number: texture as usize, places })
     };
     Ok(TriangleMesh { positions, indices, mesh_to_world, color, texture })
 }
 
-/// Reads a texture into the door's type.
+/// Borrows the caller's texture as the Rust interface's type.
 ///
 /// # Safety
 /// The pointer is NULL or points to as many bytes as width and height say.
 unsafe fn texture(texture: &SsctHitTexture) -> Outcome<HitTexture<'_>> {
     let SsctHitTexture { texels, width, height, is_srgb } = *texture;
-    // The door refuses a texture that is too large, so that none of its texels is read here.
+    // `Triangles::with_textures` refuses a texture that is too large, so that none of its texels is borrowed here.
     let count = if width.max(height) > HitTexture::MAX_SIDE { 0 } else { width * height };
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps to the contract of this function.
     let texels = unsafe { array("texture.texels", texels.cast::<[u8; 4]>(), count) }?;
     Ok(HitTexture { extent: [width, height], is_srgb: is_srgb != vk::FALSE, texels: texels.as_flattened() })
 }

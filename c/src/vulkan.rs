@@ -1,4 +1,4 @@
-//! Vulkan's types under their names in C: the header takes them from `vulkan_core.h`.
+//! Vulkan's types under their names in C. The header takes these types from `vulkan_core.h`.
 
 pub use ash::vk::{
     Bool32 as VkBool32, CommandBuffer as VkCommandBuffer, Device as VkDevice, DeviceMemory as VkDeviceMemory,
@@ -14,9 +14,9 @@ use ash::vk;
 pub type VkPhysicalDeviceVulkan12Features = vk::PhysicalDeviceVulkan12Features<'static>;
 /// Features of Vulkan 1.3.
 pub type VkPhysicalDeviceVulkan13Features = vk::PhysicalDeviceVulkan13Features<'static>;
-/// Stages, which C declares as an integer of 64 bits.
+/// Pipeline stages, which C declares as an integer of 64 bits.
 pub type VkPipelineStageFlags2 = u64;
-/// Accesses, which C declares as an integer of 64 bits.
+/// Kinds of memory access, which C declares as an integer of 64 bits.
 pub type VkAccessFlags2 = u64;
 /// The loader's first function, or NULL.
 #[allow(non_camel_case_types, reason = "C has it so")]

@@ -1,5 +1,5 @@
-//! The header in the repository is what cbindgen makes of the sources. With the variable SSCT_WRITE_DOCS set, which
-//! `make docs` sets, the header is written instead.
+//! Tests that the header in the repository is what cbindgen makes of the sources. If the variable SSCT_WRITE_DOCS is
+//! set, as `make docs` sets it, the test writes the header instead.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,5 +1,6 @@
-// The G-buffer of a hall at dusk, ray-traced on the CPU: a polished floor between two rows of columns, three spheres, and a
-// round window behind which the sun sets. It stands for whatever your renderer draws; nothing here knows of reflections.
+// The G-buffer of a hall at dusk, ray-traced on the CPU: a polished floor between two rows of columns, three spheres,
+// and a round window behind which the sun sets. The hall stands for the scene of your own renderer; this file does
+// nothing for reflections.
 
 #ifndef HALL_H
 #define HALL_H
@@ -11,8 +12,9 @@
 
 enum { WIDTH = 800, HEIGHT = 450 };
 
-// Images as they are copied to the device: depth is reversed, 1 at the near plane; normals are in view space; the material
-// has reflectivity and roughness in its first two channels; colour is linear light without reflections.
+// The images in the layout in which they are copied to the device; a uint16_t is a 16-bit float. Depth is reversed, 1
+// at the near plane. Normals are in view space. The material has reflectivity and roughness in its first two channels.
+// The colour is linear light without reflections.
 typedef struct {
     float depth[WIDTH * HEIGHT];
     uint16_t normal[WIDTH * HEIGHT * 4], material[WIDTH * HEIGHT * 4], color[WIDTH * HEIGHT * 4];
@@ -22,11 +24,13 @@ typedef struct {
     float x, y, z;
 } Vec;
 
+// `f0` is the reflectivity at normal incidence; a material with f0 = 0 does not reflect.
 typedef struct {
     Vec albedo, emission;
     float f0, roughness;
 } Material;
 
+// The nearest hit of a ray: `t` is its distance in metres, `which` the number of the column or sphere.
 typedef struct {
     float t;
     Vec normal;
@@ -34,8 +38,10 @@ typedef struct {
     int which;
 } Hit;
 
+// AROUND is the number of rays of the ambient light at a point.
 enum { COLUMNS = 12, SPHERES = 3, SUN_SAMPLES = 64, LAMP_SAMPLES = 12, AROUND = 16 };
 
+// Lengths are in metres, PITCH in radians. The end wall lies at z = END_Z; SUN is the centre of its round window.
 static const float NEAR = 0.1f, FAR = 100.0f, PI = 3.14159265f, PITCH = 0.05f;
 static const Vec EYE = {0.35f, 1.75f, 4.6f};
 static const float HALF_WIDTH = 7.5f, TOP = 7.6f, END_Z = -24.0f, COLUMN_RADIUS = 0.48f;
@@ -50,7 +56,7 @@ static const struct {
     {{1.9f, 0.7f, -3.0f}, 0.7f, {{0.04f, 0.30f, 0.34f}, {0, 0, 0}, 0.05f, 0.05f}},
     {{0.55f, 0.42f, -1.3f}, 0.42f, {{0.9f, 0.8f, 0.6f}, {2.6f, 1.25f, 0.34f}, 0.0f, 1.0f}},
 };
-enum { LAMP = 2 };
+enum { LAMP = 2 }; // the number of the sphere that shines
 
 static inline Vec vec(float x, float y, float z) { return (Vec){x, y, z}; }
 static inline Vec add(Vec a, Vec b) { return vec(a.x + b.x, a.y + b.y, a.z + b.z); }
@@ -65,6 +71,7 @@ static inline Vec cross(Vec a, Vec b) {
 static inline float clamp(float v, float low, float high) { return v < low ? low : v > high ? high : v; }
 static inline Vec mix(Vec a, Vec b, float s) { return add(times(a, 1 - s), times(b, s)); }
 
+// Rounds to the nearest 16-bit float; larger numbers become the largest finite one, 65504.
 static inline uint16_t half_of_float(float value) {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
@@ -75,6 +82,7 @@ static inline uint16_t half_of_float(float value) {
     return (uint16_t)(sign | (bits > 0x477fffff ? 0x7bff : (bits - 0x38000000) >> 13));
 }
 
+// The value of a 16-bit float.
 static inline float float_of_half(uint16_t half) {
     const int exponent = half >> 10 & 31, mantissa = half & 1023;
     const float size = exponent == 0    ? ldexpf((float)mantissa, -24)
@@ -83,15 +91,15 @@ static inline float float_of_half(uint16_t half) {
     return half & 0x8000 ? -size : size;
 }
 
-// Maps light to a byte of a picture, by Narkowicz's curve and the screen's gamma.
+// Maps linear light to a byte of a picture by Narkowicz's tone curve and a gamma of 2.2.
 static inline unsigned char shown(float light) {
     const float v = 0.85f * (light > 0 ? light : 0);
     const float curve = clamp(v * (2.51f * v + 0.03f) / (v * (2.43f * v + 0.59f) + 0.14f), 0, 1);
     return (unsigned char)lrintf(255 * powf(curve, 1 / 2.2f));
 }
 
-// The view space is right-handed, with y up: the eye looks along -z. The viewport is the usual one, so that y is turned in
-// the projection. Matrices are stored column by column.
+// Writes the camera's matrices, column by column. View space is right-handed, with y up, and the camera looks along -z.
+// In Vulkan's viewport y points down, so that the projection negates y.
 static inline void hall_camera(float view_to_clip[16], float world_to_view[16]) {
     const float f = 1 / tanf(0.5f * 52 * PI / 180), s = sinf(PITCH), c = cosf(PITCH);
     const float clip[16] = {
@@ -101,13 +109,16 @@ static inline void hall_camera(float view_to_clip[16], float world_to_view[16]) 
     memcpy(world_to_view, view, sizeof view);
 }
 
+// Rotates a direction of the world into view space by the matrix `m`.
 static inline Vec to_view(const float m[16], Vec v) {
     return vec(m[0] * v.x + m[4] * v.y + m[8] * v.z, m[1] * v.x + m[5] * v.y + m[9] * v.z,
                m[2] * v.x + m[6] * v.y + m[10] * v.z);
 }
 
+// The centre of the foot of column i.
 static inline Vec column(int i) { return vec(i % 2 ? 4.3f : -4.3f, 0, -0.5f - 4 * (float)(i / 2)); }
 
+// Replaces the hit if the one at distance t lies before it.
 static inline void nearer(Hit *hit, float t, Vec normal, int what, int which) {
     if (t > 1e-3f && t < hit->t) {
         hit->t = t;
@@ -117,7 +128,8 @@ static inline void nearer(Hit *hit, float t, Vec normal, int what, int which) {
     }
 }
 
-// Follows a ray to what it meets first; nothing farther than `most` is looked for.
+// Finds the first surface on a ray within the distance `most`. Returns false, and leaves hit->t at `most`, if there is
+// none.
 static inline bool follow(Vec from, Vec along, float most, Hit *hit) {
     *hit = (Hit){.t = most};
     nearer(hit, -from.y / along.y, vec(0, 1, 0), FLOOR, 0);
@@ -135,7 +147,7 @@ static inline bool follow(Vec from, Vec along, float most, Hit *hit) {
     const float flat = along.x * along.x + along.z * along.z;
     for (int i = 0; i < COLUMNS; i++) {
         const Vec to = sub(from, column(i));
-        // The foot and the head are wider.
+        // A column has three cylinders: a wide foot, the shaft, and a wide head.
         for (int part = 0; part < 3; part++) {
             const float radius = part == 1 ? COLUMN_RADIUS : 1.35f * COLUMN_RADIUS;
             const float low = part == 2 ? TOP - 0.5f : 0, high = part == 0 ? 0.35f : TOP;
@@ -154,7 +166,8 @@ static inline bool follow(Vec from, Vec along, float most, Hit *hit) {
     return hit->t < most;
 }
 
-// The sky behind the window, which slats cut the more the lower.
+// The light of the sky at a point of the window, in metres from the window's centre. Slats cover the lower half, and
+// get wider towards its bottom.
 static inline Vec dusk(float x, float y) {
     const float up = clamp(0.5f + 0.5f * y / SUN_RADIUS, 0, 1);
     const float slat = fmodf(y / SUN_RADIUS + 2, 0.22f) / 0.22f;
@@ -164,8 +177,10 @@ static inline Vec dusk(float x, float y) {
     return add(sky, times(vec(1.5f, 0.75f, 0.12f), glow));
 }
 
+// The light of the ring around column i.
 static inline Vec ring(int i) { return i / 2 % 2 ? vec(0.1f, 1.3f, 1.9f) : vec(2.0f, 0.16f, 1.1f); }
 
+// The material of the surface at a hit, whose place in the world is `position`.
 static inline Material material_at(const Hit *hit, Vec position) {
     const Vec none = vec(0, 0, 0);
     switch (hit->what) {
@@ -199,7 +214,7 @@ static inline Material material_at(const Hit *hit, Vec position) {
     }
 }
 
-// A direction around a normal, distributed as the cosine.
+// Maps two numbers from 0 to 1 to a direction around a normal, with a density proportional to the cosine.
 static inline Vec around(Vec normal, float a, float b) {
     const Vec side = unit(cross(fabsf(normal.y) < 0.9f ? vec(0, 1, 0) : vec(1, 0, 0), normal));
     const float r = sqrtf(a), angle = 2 * PI * b;
@@ -207,7 +222,8 @@ static inline Vec around(Vec normal, float a, float b) {
     return unit(add(flat, times(normal, sqrtf(1 - a))));
 }
 
-// Light that arrives from a point of a lamp that faces `facing`, without shadows that `follow` finds.
+// Returns the share of a lamp point's light that arrives at a surface, per area of the lamp and without shadows.
+// `facing` is the lamp's normal at its point. Writes the distance and the direction to the point.
 static inline float arrives(Vec position, Vec normal, Vec lamp, Vec facing, float *distance, Vec *along) {
     const Vec to = sub(lamp, position);
     *distance = sqrtf(dot(to, to));
@@ -216,7 +232,8 @@ static inline float arrives(Vec position, Vec normal, Vec lamp, Vec facing, floa
     return cosines / (PI * *distance * *distance);
 }
 
-// Light that reaches a surface, by samples that `turn` moves.
+// The light that reaches a surface: from the window, the lamp, the rings and all around. `turn` is the number of turns,
+// from 0 to 1, by which the sample points of each light are rotated.
 static inline Vec lit(Vec position, Vec normal, float turn) {
     Vec sum = vec(0, 0, 0), along;
     Hit hit;
@@ -251,11 +268,13 @@ static inline Vec lit(Vec position, Vec normal, float turn) {
     return add(sum, times(vec(0.13f, 0.10f, 0.16f), open / AROUND));
 }
 
+// Stores four channels of a texel as 16-bit floats.
 static inline void put(uint16_t texel[4], float r, float g, float b, float a) {
     const float values[4] = {r, g, b, a};
     for (int i = 0; i < 4; i++) texel[i] = half_of_float(values[i]);
 }
 
+// Fills all images of the hall by one ray for each pixel.
 static inline void draw_hall(Hall *hall) {
     float clip[16], view[16];
     hall_camera(clip, view);
@@ -277,7 +296,8 @@ static inline void draw_hall(Hall *hall) {
         const float grazing = 1 - clamp(-dot(along, hit.normal), 0, 1);
         const float fresnel = m.f0 > 0 ? m.f0 + (1 - m.f0) * powf(grazing, 5) * (1 - m.roughness) : 0;
         put(&hall->material[4 * i], fresnel, m.roughness, 0, 0);
-        // A hash of the pixel turns the samples, so that what few of them miss looks like grain.
+        // A hash of the pixel rotates its samples, so that the error of few samples looks like grain and not like
+        // bands.
         const uint32_t hash = ((uint32_t)i * 2654435761u ^ (uint32_t)(i / WIDTH) * 2246822519u) * 3266489917u;
         const float turn = (float)(hash >> 8) / 16777216.0f;
         const Vec light = add(m.emission, mul(m.albedo, lit(position, hit.normal, turn)));

@@ -1,6 +1,6 @@
 // A renderer in plain C11 that takes reflections from ssct: its own instance, device and images. It ray-traces the G-buffer
 // of a hall at dusk on the CPU (hall.h), copies it to the device, records "unified" into its own command buffer, submits
-// once, and writes what came out. The lines that are there for the reflections stand between "reflections" marks.
+// once, and writes the composite to a picture. The lines that reflections need stand between "reflections" marks.
 //
 //     cc -std=c11 -O2 main.c $(pkg-config --cflags --libs ssct vulkan) -lm -o hall
 //     ./hall out.ppm [FOLDER]    # with a folder, every image is also written there as 32-bit floats
@@ -16,6 +16,7 @@ enum { PIXELS = WIDTH * HEIGHT, COMPOSITE_BYTES = PIXELS * 4 * sizeof(uint16_t) 
 
 static const VkFormat HALF = VK_FORMAT_R16G16B16A16_SFLOAT;
 
+// Prints which action failed and why, and ends the program.
 static void fail(const char *what, const char *why) {
     fprintf(stderr, "hall: %s: %s\n", what, why);
     exit(1);
@@ -31,6 +32,7 @@ static void check_ssct(SsctResult result, const char *what) {
     if (result != SSCT_RESULT_OK) fail(what, ssct_last_error());
 }
 
+// The device with its first queue; `features` are the ones that it was made with.
 typedef struct {
     VkInstance instance;
     VkPhysicalDevice physical;
@@ -42,6 +44,7 @@ typedef struct {
     VkPhysicalDeviceVulkan13Features features13;
 } Device;
 
+// An image of WIDTH x HEIGHT with its view and memory.
 typedef struct {
     VkImage image;
     VkImageView view;
@@ -50,13 +53,14 @@ typedef struct {
     VkImageAspectFlags aspect;
 } Picture;
 
+// A buffer whose memory the host sees at `mapped`.
 typedef struct {
     VkBuffer buffer;
     VkDeviceMemory memory;
     void *mapped;
 } Buffer;
 
-// Returns the first family of queues for both graphics and compute; UINT32_MAX if there is none.
+// Returns the index of the first queue family that has both graphics and compute; UINT32_MAX if there is none.
 static uint32_t universal_family(VkPhysicalDevice physical) {
     VkQueueFamilyProperties families[16];
     uint32_t count = 16;
@@ -67,6 +71,7 @@ static uint32_t universal_family(VkPhysicalDevice physical) {
     return UINT32_MAX;
 }
 
+// Opens the first Vulkan device, with the features that ssct needs.
 static Device open_device(void) {
     Device d = {0};
     VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
@@ -109,7 +114,8 @@ static Device open_device(void) {
     return d;
 }
 
-// Allocates memory for one image or buffer: there are few.
+// Allocates memory that has the properties `like`. Each image and buffer gets an allocation of its own, since there are
+// few.
 static VkDeviceMemory memory_for(const Device *d, VkMemoryRequirements needs, VkMemoryPropertyFlags like) {
     VkPhysicalDeviceMemoryProperties types;
     vkGetPhysicalDeviceMemoryProperties(d->physical, &types);
@@ -128,6 +134,7 @@ static VkDeviceMemory memory_for(const Device *d, VkMemoryRequirements needs, Vk
     return memory;
 }
 
+// Makes an image that is copied to and then sampled.
 static Picture make_picture(const Device *d, VkFormat format, VkImageAspectFlags aspect) {
     Picture p = {.format = format, .aspect = aspect};
     VkImageCreateInfo image = {
@@ -156,6 +163,7 @@ static Picture make_picture(const Device *d, VkFormat format, VkImageAspectFlags
     return p;
 }
 
+// Makes a buffer that stays mapped.
 static Buffer make_buffer(const Device *d, VkDeviceSize size, VkBufferUsageFlags usage) {
     Buffer b;
     VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
@@ -168,6 +176,7 @@ static Buffer make_buffer(const Device *d, VkDeviceSize size, VkBufferUsageFlags
     return b;
 }
 
+// The copy between a whole image and a buffer from the byte `offset` on.
 static VkBufferImageCopy whole(VkDeviceSize offset, VkImageAspectFlags aspect) {
     return (VkBufferImageCopy){
         .bufferOffset = offset,
@@ -176,7 +185,7 @@ static VkBufferImageCopy whole(VkDeviceSize offset, VkImageAspectFlags aspect) {
     };
 }
 
-// Records copying from a buffer to an image, which is left as the target of a copy.
+// Records the copy of a buffer to an image, which is left in the layout TRANSFER_DST_OPTIMAL.
 static void upload(VkCommandBuffer commands, const Buffer *from, VkDeviceSize offset, const Picture *to) {
     VkImageMemoryBarrier2 barrier = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
@@ -198,7 +207,7 @@ static void upload(VkCommandBuffer commands, const Buffer *from, VkDeviceSize of
     vkCmdCopyBufferToImage(commands, from->buffer, to->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
 }
 
-// Records copying an image to a buffer that the host then reads.
+// Records the copy of an image to a buffer, and a barrier so that the host can read the buffer afterwards.
 static void download(VkCommandBuffer commands, VkImage from, const Buffer *to) {
     VkBufferImageCopy copy = whole(0, VK_IMAGE_ASPECT_COLOR_BIT);
     vkCmdCopyImageToBuffer(commands, from, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to->buffer, 1, &copy);
@@ -219,6 +228,7 @@ static void download(VkCommandBuffer commands, VkImage from, const Buffer *to) {
 
 // ---- reflections ----
 
+// Makes the context of ssct on the device, and prints the name of the device.
 static SsctContext *make_context(const Device *d) {
     SsctContextInfo info = {
         .struct_size = sizeof info,
@@ -239,6 +249,7 @@ static SsctContext *make_context(const Device *d) {
     return context;
 }
 
+// Makes the reflections by "unified", without its fade at the borders of the screen.
 static SsctReflections *make_reflections(const SsctContext *context) {
     const SsctParameter parameters[] = {{"fade", "off"}};
     SsctReflectionsInfo info = {
@@ -254,7 +265,8 @@ static SsctReflections *make_reflections(const SsctContext *context) {
     return reflections;
 }
 
-// The images were copied to, and are sampled next, which is the default.
+// Describes an input image. A copy wrote it last, as `before` says; afterwards it is sampled, which is the default of
+// `after`.
 static SsctImage input(const Picture *p) {
     return (SsctImage){
         .struct_size = sizeof(SsctImage),
@@ -266,7 +278,7 @@ static SsctImage input(const Picture *p) {
     };
 }
 
-// Records the reflections; returns the image with them, which is left to be copied from.
+// Records the reflections. Returns the composite, which is left in the layout from which an image is copied.
 static VkImage record(SsctReflections *reflections, VkCommandBuffer commands, const Picture pictures[4], bool timed) {
     SsctImage depth = input(&pictures[0]), normal = input(&pictures[1]), material = input(&pictures[2]);
     SsctImage color = input(&pictures[3]);
@@ -297,6 +309,7 @@ static VkImage record(SsctReflections *reflections, VkCommandBuffer commands, co
     return recorded.composite.image;
 }
 
+// Prints how long each pass took on the device.
 static void print_times(SsctReflections *reflections) {
     const SsctPassTime *times;
     uint32_t count;
@@ -306,6 +319,7 @@ static void print_times(SsctReflections *reflections) {
 
 // ---------------------
 
+// Writes bytes to a file of the folder, or to the path `name` if `folder` is empty.
 static void write_file(const char *folder, const char *name, const void *bytes, size_t size) {
     char path[4096];
     snprintf(path, sizeof path, "%s%s%s", folder, *folder ? "/" : "", name);
@@ -313,6 +327,7 @@ static void write_file(const char *folder, const char *name, const void *bytes, 
     if (!file || fwrite(bytes, 1, size, file) != size || fclose(file) != 0) fail(path, "it cannot be written");
 }
 
+// Writes an image of 16-bit floats as 32-bit floats.
 static void write_halves(const char *folder, const char *name, const uint16_t *halves) {
     float *numbers = malloc(PIXELS * 4 * sizeof *numbers);
     if (!numbers) fail(name, "there is no memory");
@@ -321,7 +336,7 @@ static void write_halves(const char *folder, const char *name, const uint16_t *h
     free(numbers);
 }
 
-// A portable pixmap: light is mapped to what a screen shows.
+// Writes an image of linear light as a portable pixmap, with the tone curve of `shown`.
 static void write_ppm(const char *path, const uint16_t *halves) {
     char header[32];
     const size_t head = (size_t)snprintf(header, sizeof header, "P6\n%d %d\n255\n", WIDTH, HEIGHT);

@@ -1,6 +1,6 @@
-//! A renderer of somebody else that takes reflections from `ssct`: its own instance, device, allocator, images and render
-//! pass. It draws a floor with a mirror and two spheres, records `unified` into its own command buffer, submits once, and
-//! writes what came out. The lines that are there for the reflections stand between "reflections" marks.
+//! A renderer that takes reflections from `ssct`, with an instance, device, allocator, images and render pass of its
+//! own. It draws a reflecting floor and two spheres, records `unified` into its own command buffer, submits once, and
+//! writes the composite as a picture. The lines that reflections need stand between "reflections" marks.
 //!
 //! ```sh
 //! cargo run --example embed -- out.png [FOLDER]    # with a folder, every image is also written there as 32-bit floats
@@ -12,8 +12,9 @@ use ash::vk;
 use std::error::Error;
 use vulkan::{DEPTH, HALF, Picture, Renderer, SIZE};
 
-/// View space of this renderer: right-handed, y up, the eye looks along −z. Depth is reversed (1 at the near plane), and the
-/// viewport is the usual one, so that y is turned in the projection.
+/// Returns the matrices `view_to_clip` and `world_to_view`, column by column. View space is right-handed, with y up,
+/// and the camera looks along −z. Depth is reversed (1 at the near plane). In Vulkan's viewport y points down, so that
+/// the projection negates y.
 fn camera() -> ([f32; 16], [f32; 16]) {
     let (near, far, aspect) = (0.1_f32, 200.0_f32, SIZE[0] as f32 / SIZE[1] as f32);
     let f = 1.0 / (0.5 * 55_f32.to_radians()).tan();
@@ -47,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     renderer.draw(commands, &pass, &view_to_clip, &world_to_view);
 
     // ---- reflections ----
-    // The render pass leaves its images to be sampled; afterwards they are copied.
+    // The render pass leaves its images in the layout to sample them, and after the reflections they are copied.
     let sampled = ssct::ImageUse::FRAGMENT_SAMPLED;
     let drawn = ssct::ImageUse { stages: vk::PipelineStageFlags2::ALL_COMMANDS, ..sampled };
     let copied = ssct::ImageUse::TRANSFER_SOURCE;

@@ -1,5 +1,5 @@
 #version 460
-// A floor, a wall and two spheres, met by a ray through each pixel.
+// Traces a ray through each pixel against a floor, a wall and two spheres.
 layout(push_constant) uniform Camera { mat4 view_to_clip; mat4 world_to_view; };
 layout(location = 0) out vec4 out_normal;   // view space
 layout(location = 1) out vec4 out_material; // reflectivity, roughness

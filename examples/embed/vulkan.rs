@@ -1,10 +1,11 @@
-//! The renderer itself: nothing here is about reflections, but for the features that the device is made with.
+//! The renderer itself. Only the features that its device is made with, and `handles`, are there for reflections.
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use std::error::Error;
 
+/// Width and height of all images.
 pub const SIZE: [u32; 2] = [640, 360];
 pub const HALF: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
@@ -12,6 +13,7 @@ const EXTENT: vk::Extent2D = vk::Extent2D { width: SIZE[0], height: SIZE[1] };
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
+/// The device with its allocator and the first queue; `features` are the ones that the device was made with.
 pub struct Renderer {
     entry: ash::Entry,
     instance: ash::Instance,
@@ -30,7 +32,7 @@ pub struct Picture {
     allocation: Allocation,
 }
 
-/// A render pass with all that draws in it.
+/// A render pass, and the framebuffer and pipeline that draw in it.
 pub struct Pass {
     pass: vk::RenderPass,
     framebuffer: vk::Framebuffer,
@@ -39,6 +41,7 @@ pub struct Pass {
 }
 
 impl Renderer {
+    /// Opens the first Vulkan device, with the features that `ssct` needs.
     pub fn new() -> Result<Self> {
         // SAFETY: what is made is destroyed in `destroy`; every structure lives through its call.
         unsafe {
@@ -70,7 +73,7 @@ impl Renderer {
         }
     }
 
-    /// What a library is told of the device.
+    /// The handles from which `ssct` makes its context on this device.
     pub fn handles(&self) -> ssct::DeviceHandles {
         ssct::DeviceHandles {
             entry: self.entry.clone(),
@@ -84,6 +87,7 @@ impl Renderer {
         }
     }
 
+    /// Makes an image that the render pass draws, and that is then sampled and copied.
     pub fn picture(&mut self, format: vk::Format) -> Result<Picture> {
         use vk::{ImageAspectFlags as A, ImageUsageFlags as U};
         let is_depth = format == DEPTH;
@@ -113,6 +117,7 @@ impl Renderer {
         }
     }
 
+    /// Allocates memory at `location`; `linear` is true for buffers.
     fn allocate(
         &mut self,
         needs: vk::MemoryRequirements,
@@ -124,7 +129,8 @@ impl Renderer {
         Ok(self.allocator.as_mut().ok_or("destroyed")?.allocate(&desc)?)
     }
 
-    /// A render pass of three colours and a depth, which leaves them to be sampled, and the pipeline that draws in it.
+    /// Makes a render pass over three colours and a depth, and the pipeline of the scene. The pass leaves its images in
+    /// the layout to sample them.
     pub fn pass(&self, colors: &[Picture], depth: &Picture) -> Result<Pass> {
         let attachment = |format| {
             vk::AttachmentDescription::default()
@@ -200,6 +206,7 @@ impl Renderer {
         }
     }
 
+    /// Returns a command buffer that is recording.
     pub fn begin(&self) -> Result<vk::CommandBuffer> {
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -211,6 +218,8 @@ impl Renderer {
         }
     }
 
+    /// Records the render pass, which draws the scene through a camera with the matrices view to clip and world to
+    /// view.
     pub fn draw(&self, commands: vk::CommandBuffer, pass: &Pass, clip: &[f32; 16], view: &[f32; 16]) {
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(pass.pass)
@@ -228,7 +237,8 @@ impl Renderer {
         }
     }
 
-    /// Copies images, all ready to be copied from, to the host, and waits.
+    /// Records copies of images in the layout `TRANSFER_SRC_OPTIMAL`, submits, and waits. Returns the channels of each
+    /// image.
     pub fn submit_and_read(
         &mut self,
         commands: vk::CommandBuffer,
@@ -272,6 +282,7 @@ impl Renderer {
         }
     }
 
+    /// Destroys everything. The device must be idle.
     pub fn destroy(mut self, pictures: impl Iterator<Item = Picture>, pass: Pass) {
         // SAFETY: the device is idle, and nothing is used any more.
         unsafe {
@@ -292,7 +303,7 @@ impl Renderer {
     }
 }
 
-/// Linear light as a picture, about as sRGB encodes it.
+/// Writes linear light as a picture, with a gamma of 2.2, which is close to sRGB.
 pub fn write_png(path: &str, rgba: &[f32]) -> Result<()> {
     let rgb = rgba.as_chunks::<4>().0.iter().flat_map(|t| [t[0], t[1], t[2]]);
     let bytes = rgb.map(|v| (v.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8).collect();

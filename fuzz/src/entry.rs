@@ -1,5 +1,5 @@
-//! The loaders as functions of bytes. Each returns whether the bytes were loaded. An error must be a proper
-//! message, and loaded data must be valid; anything else panics.
+//! The loaders as functions of bytes. Each returns true if the bytes were loaded. The functions panic if an error is no
+//! proper message, or if loaded data are invalid.
 
 use exr::meta::MetaData;
 use glam::Vec3;
@@ -18,7 +18,7 @@ use std::cell::OnceCell;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// Loads an input; returns whether that succeeded.
+/// Loads an input, and returns true if that succeeded.
 pub type Entry = fn(&[u8]) -> bool;
 
 /// Every entry with its name, which is also the name of its fuzz target and of its folder of inputs.
@@ -35,8 +35,8 @@ pub const ENTRIES: [(&str, Entry); 10] = [
     ("run", run),
 ];
 
-/// An OBJ file, followed by a byte 0 and the MTL file `a.mtl`. Beside them are the images `x.png`, a normal
-/// map, and `y.tga`.
+/// Loads an OBJ file, which is followed by a byte 0 and the MTL file `a.mtl`. The folder also has the images `x.png`,
+/// which can be a normal map, and `y.tga`.
 pub fn obj(data: &[u8]) -> bool {
     let mut parts = data.splitn(2, |b| *b == 0);
     let (object, library) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
@@ -52,7 +52,8 @@ pub fn obj(data: &[u8]) -> bool {
     })
 }
 
-/// A glTF file, as text or as binary. Beside it are the buffer `b.bin` and the images.
+/// Loads a glTF file, which is text or binary. The folder also has the buffer `b.bin`, and the images `x.png` and
+/// `y.tga`.
 pub fn gltf(data: &[u8]) -> bool {
     let name = if data.starts_with(b"glTF") { "a.glb" } else { "a.gltf" };
     in_folder(|folder| {
@@ -61,7 +62,7 @@ pub fn gltf(data: &[u8]) -> bool {
     })
 }
 
-/// A scene file. Beside it are `m.obj` with the materials `m` and `n`, and the images.
+/// Loads a scene file. The folder also has `m.obj` with the materials `m` and `n`, and the images `x.png` and `y.tga`.
 pub fn scene(data: &[u8]) -> bool {
     in_folder(|folder| {
         write(folder, "a.scene.toml", data);
@@ -69,14 +70,14 @@ pub fn scene(data: &[u8]) -> bool {
     })
 }
 
-/// A camera path file.
+/// Loads a file of a camera path.
 pub fn camera_path(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else { return false };
     judged(path::parse(text, Path::new("a.toml")), sound_path)
 }
 
-/// An image. The first byte chooses the extension of the file name, which decides the format if the content
-/// does not, and the use of the image.
+/// Loads an image, and converts it for a use. The first byte chooses the use, and the extension of the file name, which
+/// decides the format if the content does not.
 pub fn texture(data: &[u8]) -> bool {
     let Some((&choice, bytes)) = data.split_first() else { return false };
     let name = ["a.tga", "a.png", "a.jpg", "a.bmp"][usize::from(choice & 3)];
@@ -94,15 +95,15 @@ pub fn texture(data: &[u8]) -> bool {
     })
 }
 
-/// A G-buffer as OpenEXR.
+/// Loads a G-buffer from an OpenEXR file.
 pub fn gbuffer(data: &[u8]) -> bool {
     judged(gbuffer_file::decode(data, Path::new("a.exr")), sound_gbuffer)
 }
 
-/// A map of a G-buffer, and behind a byte 0 the main file `a.exr`; without that byte, the main file is [`frame`].
-/// Beside it lie `x.png` of the same size and `m.exr`, which is [`frame`].
+/// Loads a G-buffer by a map, which is followed by a byte 0 and the main file `a.exr`. Without that byte, the main file
+/// is [`frame`]. The folder also has `x.png`, which has the size of [`frame`], and `m.exr`, which is [`frame`].
 pub fn gbuffer_map(data: &[u8]) -> bool {
-    /// Larger images take more memory than one input may.
+    /// Greatest width and height, in pixels. Larger images take more memory than an input may.
     const SIDE: usize = 256;
     let mut parts = data.splitn(2, |b| *b == 0);
     let (text, image) = (parts.next().unwrap_or_default(), parts.next());
@@ -119,8 +120,8 @@ pub fn gbuffer_map(data: &[u8]) -> bool {
     })
 }
 
-/// The manifest of a method, behind a byte 0 its shader `a.frag`, and behind another one `a.comp`. Neither may run: they are
-/// compiled, reflected and held against the manifest.
+/// Checks a method from a folder: its manifest, after a byte 0 its shader `a.frag`, and after another byte 0 `a.comp`.
+/// The shaders are compiled, reflected and compared with the manifest, but not run.
 pub fn method(data: &[u8]) -> bool {
     let mut parts = data.splitn(3, |b| *b == 0);
     let [manifest, fragment, compute] = [(); 3].map(|()| parts.next().unwrap_or_default());
@@ -136,8 +137,8 @@ pub fn method(data: &[u8]) -> bool {
     })
 }
 
-/// A method of one fragment shader `a.frag`, and behind bytes 0 the files `b.glsl` and `c.glsl`, which it and they may
-/// include.
+/// Checks a method of one fragment shader `a.frag`, which is followed by the files `b.glsl` and `c.glsl`, each after a
+/// byte 0. All three files may include `b.glsl` and `c.glsl`.
 pub fn includes(data: &[u8]) -> bool {
     const MANIFEST: &str = "name = \"a\"\nsummary = \"a\"\n[image.result]\nformat = \"rgba16f\"\n[[pass]]\nname = \"one\"\n\
         shader = \"a.frag\"\ntargets = [\"result\"]\n[output]\nreflection = \"result\"\n";
@@ -153,8 +154,8 @@ pub fn includes(data: &[u8]) -> bool {
     })
 }
 
-/// The folder of a run: its list of cells, behind a byte 0 its journal, and behind another one its records. It is read as
-/// `ssct merge` and `ssct index` read it, as a run of each of several studies.
+/// Reads the folder of a run: its list of cells, after a byte 0 its journal, and after another byte 0 its records. The
+/// function reads it as `ssct merge` and `ssct index` do, and as a run of three studies: error, precision and time.
 pub fn run(data: &[u8]) -> bool {
     let mut parts = data.splitn(3, |b| *b == 0);
     let files = [(); 3].map(|()| parts.next().unwrap_or_default());
@@ -187,7 +188,8 @@ pub fn run(data: &[u8]) -> bool {
     })
 }
 
-/// Panics unless a G-buffer has a sound value of every kind for each pixel, and a camera that can be used.
+/// Panics unless a G-buffer has a valid depth, normal, colour, roughness and reflectivity for each pixel, and a valid
+/// camera.
 fn sound_gbuffer(g: &GBufferData) {
     let pixels = g.width as usize * g.height as usize;
     assert!(pixels > 0);
@@ -200,7 +202,7 @@ fn sound_gbuffer(g: &GBufferData) {
     sound_camera(&g.camera);
 }
 
-/// A G-buffer of 4×4 pixels in the program's own conventions.
+/// An OpenEXR file with a G-buffer of 4×4 pixels in the program's own conventions.
 pub fn frame() -> Vec<u8> {
     let n = 16;
     let gbuffer = GBufferData {
@@ -217,7 +219,7 @@ pub fn frame() -> Vec<u8> {
     gbuffer_file::encode(&gbuffer, Path::new("a.exr")).expect("encodes")
 }
 
-/// True if a value was read, which must be valid. An error must name its file.
+/// Returns true if the result is a value, which `sound` checks. Panics if it is an error that names none of the files.
 fn judged<T>(result: Result<T>, sound: impl Fn(&T)) -> bool {
     match result {
         Ok(value) => {
@@ -236,6 +238,7 @@ fn judged<T>(result: Result<T>, sound: impl Fn(&T)) -> bool {
     }
 }
 
+/// Panics unless all indices of a scene are in range, and all its numbers are finite and in their ranges.
 fn sound_scene(scene: &Scene) {
     assert!(!scene.views.is_empty() && !scene.lights.is_empty() && !scene.probes.is_empty());
     for mesh in &scene.meshes {
@@ -265,6 +268,7 @@ fn sound_scene(scene: &Scene) {
     scene.paths.iter().for_each(sound_path);
 }
 
+/// Panics unless a path has finite places, and is read back equal after it was written.
 fn sound_path(path: &CameraPath) {
     for step in 0..=8 {
         let (eye, look_at) = path.eye_and_look_at(step as f32 / 8.0);
@@ -274,6 +278,7 @@ fn sound_path(path: &CameraPath) {
     assert_eq!(&again.expect("what is written can be read"), path);
 }
 
+/// Panics unless the field of view and the planes of a camera are in range, and its matrices are finite.
 fn sound_camera(camera: &Camera) {
     let Lens { near_m, far_m, .. } = camera.lens;
     let opens = match camera.lens.opening {
@@ -285,7 +290,7 @@ fn sound_camera(camera: &Camera) {
     assert!(camera.view_to_clip_reversed().is_finite(), "{camera:?}");
 }
 
-/// A small OBJ file with every statement that counts.
+/// A small OBJ file with every kind of statement that the loader reads.
 pub const OBJ: &[u8] = b"mtllib a.mtl\ng left\nusemtl m\ns 1\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nv -1 0.5 2\n\
     vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nvn 0.6 0 0.8\nf 1/1/1 2/2/2 3/3/1 4/1/2\nf 1 2 5\nf -1 -2 -3 -4 -5\n\
     usemtl n\ns off\nf 1//1 3//2 5//1 \\\n 2//2\n";
@@ -307,8 +312,8 @@ thread_local! {
     static FOLDER: OnceCell<TempDir> = const { OnceCell::new() };
 }
 
-/// Runs in a folder of the thread's own, in memory if the system supports that, which holds the images and the
-/// files that a scene file may name.
+/// Calls `run` with a temporary folder of the thread, which lies in memory if the system supports that. The folder has
+/// the images and the files that an input may name.
 fn in_folder(run: impl FnOnce(&Path) -> bool) -> bool {
     FOLDER.with(|cell| {
         let folder = cell.get_or_init(|| {
@@ -330,6 +335,7 @@ fn in_folder(run: impl FnOnce(&Path) -> bool) -> bool {
     })
 }
 
+/// Writes a file of a folder.
 fn write(folder: &Path, name: &str, bytes: &[u8]) {
     std::fs::write(folder.join(name), bytes).expect("a file");
 }

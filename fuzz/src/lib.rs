@@ -1,4 +1,4 @@
-//! What the fuzz targets share with each other and, by its files, with `tests/alone/fuzz_corpus.rs`.
+//! Code that all fuzz targets share. The tests in `tests/alone` include the files `entry.rs` and `memory.rs`.
 
 pub mod entry;
 mod memory;

@@ -3,15 +3,18 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// The bytes of memory that any input may take, and the bytes that each of its bytes may take in addition: the
-/// most that a byte of a compressed image unpacks to (8 KiB), in the few copies that exist during a conversion.
+/// Limit of memory: the bytes that any input may take, and the bytes that each of its bytes may take in addition. A
+/// byte of a compressed image unpacks to 8 KiB at most, of which a few copies exist during a conversion.
 const BOUND: (usize, usize) = (64 << 20, 128 << 10);
 
-/// The system's allocator; the binary must make it the global one.
+/// The system's allocator, which also counts. The binary must make it the global allocator.
 pub struct Counting;
 
+/// Bytes that are allocated now.
 static LIVE: AtomicUsize = AtomicUsize::new(0);
+/// The greatest value of [`LIVE`] since [`bounded`] began.
 static PEAK: AtomicUsize = AtomicUsize::new(0);
+/// Bytes that were allocated since the program began, also those that are freed again.
 static TOTAL: AtomicUsize = AtomicUsize::new(0);
 
 /// Bytes that are allocated now.
@@ -19,12 +22,14 @@ pub fn live() -> usize {
     LIVE.load(Relaxed)
 }
 
-/// Bytes that were ever allocated, those that were freed since among them. The tests share this file and ask for it; fuzzing does not.
+/// Bytes that were allocated since the program began, also those that are freed again. Only the tests, which include
+/// this file, call it.
 #[allow(dead_code)]
 pub fn allocated() -> usize {
     TOTAL.load(Relaxed)
 }
 
+/// Counts an allocation.
 fn more(bytes: usize) {
     TOTAL.fetch_add(bytes, Relaxed);
     PEAK.fetch_max(LIVE.fetch_add(bytes, Relaxed) + bytes, Relaxed);
@@ -58,8 +63,8 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// Runs an entry on an input and returns its result. Panics if it takes more memory than an input of that
-/// length may; memory taken by other threads counts as well.
+/// Runs an entry on an input and returns its result. Panics if the entry takes more memory than an input of that length
+/// may. Memory that other threads take meanwhile counts too.
 pub fn bounded<T>(entry: impl FnOnce(&[u8]) -> T, data: &[u8]) -> T {
     let before = live();
     PEAK.store(before, Relaxed);

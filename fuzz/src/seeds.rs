@@ -9,12 +9,14 @@ use ssct_scenes::{Camera, GBufferData, Lens, Surface, gbuffer_file};
 use std::io::Cursor;
 use std::path::Path;
 
+/// A scene file with meshes, materials, lights and a view.
 const SCENE: &str = "name = \"n\"\nhandedness = \"left\"\nscale = 0.5\n[[mesh]]\nfile = \"m.obj\"\nsurface = \"sky\"\n\
     [material.m]\nroughness = 0.5\nreflectivity = 0.25\nnormal_deviation = 1\n[material.default]\nroughness = 0.1\n\
     [camera]\nnear = 0.1\nfar = 10.0\nfov_y_deg = 60\n[[light]]\nkind = \"point\"\nposition = [1.0, 2.0, 3.0]\n\
     energy = 1.0\n[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0]\nenergy = 0.5\n[view.a]\n\
     eye = [0.0, 0.0, 1.0]\nlook_at = [0.0, 0.0, 0.0]\nfov_y_deg = 40.0\nmaterials = { n = { reflectivity = 1.0 } }\n";
 
+/// A scene file with a probe, an impostor, area lights, a camera path and a capture.
 const PROXIES: &str = "[[mesh]]\nfile = \"m.obj\"\n[[probe]]\nname = \"p\"\nposition = [0, 0, 0]\nmin = [-1, -1, -1]\n\
     max = [1.0, 1.0, 1.0]\n[[impostor]]\nname = \"i\"\nfile = \"x.png\"\ncentre = [0, 0, 0]\nhalf_u = [1, 0, 0]\n\
     half_v = [0, -1, 0]\n[[area_light]]\nkind = \"sphere\"\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\nradius = 1.0\n\
@@ -23,10 +25,12 @@ const PROXIES: &str = "[[mesh]]\nfile = \"m.obj\"\n[[probe]]\nname = \"p\"\nposi
     half_v = [0, 1, 0]\n[[path.p.key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n[[path.p.key]]\neye = [1, 0, 0]\n\
     look_at = [1, 0, 1]\n[[capture]]\nplace = [0, 1.5, 0]\nresolution = 64\nnear = 0.1\n";
 
+/// A file of a camera path whose keys have times.
 const PATH: &str = "name = \"p\"\n[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\ntime = 0\n[[key]]\neye = [1, 0, 0]\n\
     look_at = [1.5, 0, 1]\ntime = 1.5\n[[key]]\neye = [1, 2, 0]\nlook_at = [1, 0, 1]\ntime = 3.0\n";
 
-/// A glTF file with most of what counts: a square of [`entry::square`], its images, a camera and lights.
+/// A glTF file with most of the features that the loader reads: the square of [`entry::square`], an image, a camera and
+/// a light.
 const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0,"children":[2],
 "rotation":[0,0.7,0,0.7],"translation":[0,1,0],"scale":[1,-2,1]},{"camera":0,"translation":[0,0,4],
 "extensions":{"KHR_lights_punctual":{"light":0}}},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,3,1]}],
@@ -63,13 +67,14 @@ pub fn write_all(root: &Path) {
     write(root, "gbuffer", &gbuffers);
 }
 
-/// The example `march`: a fragment shader as OpenGL has them.
+/// The example method `march`, whose fragment shader is written for OpenGL.
 fn march() -> Vec<u8> {
     let manifest = include_str!("../../examples/methods/march/method.toml").replace("march.frag", "a.frag");
     [manifest.as_bytes(), b"\0", include_bytes!("../../examples/methods/march/march.frag")].concat()
 }
 
-/// A compute pass and a fragment pass behind it, with a buffer, a storage image, an image's history, a block and a constant.
+/// A method of a compute pass and a fragment pass. They have a buffer, a storage image, an image of the frame before, a
+/// uniform block and a constant.
 fn passes() -> Vec<u8> {
     let manifest = "name = \"two\"\nsummary = \"two passes\"\npatience-s = 2.5\n[conventions]\nclip-depth = \"reversed\"\n\
         [parameter.steps]\nhelp = \"Steps\"\ndefault = 16\nrange = [1, 64]\n[image.ends]\nformat = \"rgba32f\"\nscale = 0.5\n\
@@ -90,7 +95,8 @@ fn passes() -> Vec<u8> {
     [manifest, fragment, compute].join("\0").into_bytes()
 }
 
-/// Shaders that include each other: plainly, with a guard, and without an end.
+/// Three methods whose shaders include each other: without a cycle, in a cycle that a guard ends, and in an endless
+/// cycle.
 fn includes() -> Vec<Vec<u8>> {
     let fragment =
         "#version 460\n#include \"b.glsl\"\nlayout(location = 0) out vec4 made;\nvoid main() { made = b(); }\n";
@@ -101,7 +107,7 @@ fn includes() -> Vec<Vec<u8>> {
     all.iter().map(|files| files.join("\0").into_bytes()).collect()
 }
 
-/// The glTF file as binary, with its buffer inside.
+/// [`GLTF`] as a binary file, which contains its buffer.
 fn glb() -> Vec<u8> {
     let mut text = GLTF.replace(",\"uri\":\"b.bin\"", "").into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
@@ -110,6 +116,7 @@ fn glb() -> Vec<u8> {
     [b"glTF".as_slice(), &2_u32.to_le_bytes(), &(12 + chunks.len() as u32).to_le_bytes(), &chunks].concat()
 }
 
+/// Writes the seeds of a target as `ROOT/TARGET/seed-*`.
 fn write(root: &Path, target: &str, seeds: &[Vec<u8>]) {
     let folder = root.join(target);
     std::fs::create_dir_all(&folder).expect("a folder");
@@ -118,7 +125,7 @@ fn write(root: &Path, target: &str, seeds: &[Vec<u8>]) {
     }
 }
 
-/// Images, each preceded by the byte that chooses its name and use.
+/// Images of several formats, each after the byte by which [`entry::texture`] chooses the file name and the use.
 fn textures() -> Vec<Vec<u8>> {
     let image = RgbaImage::from_fn(5, 4, |x, y| image::Rgba([x as u8 * 50, y as u8 * 60, 200, 255 - x as u8]));
     let image = DynamicImage::from(image);
@@ -167,14 +174,14 @@ fn textures() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// A map of the program's own G-buffers, with the plain keys of most sections.
+/// A map of the program's own G-buffers, with the usual keys of most sections.
 const MAP: &str = "origin = \"bottom-left\"\n[camera]\nfov-y-rad = { attribute = \"fovYRadians\" }\nnear = 0.25\n\
     far = 50.0\n\
     world-to-view = { attribute = \"worldToCamera\" }\n[depth]\nchannel = \"depth\"\nkind = \"reversed\"\n[normal]\n\
     channels = [\"N.X\", \"N.Y\", \"N.Z\"]\nspace = \"view\"\n[roughness]\nchannel = \"roughness\"\nkind = \"lobe\"\n\
     [reflectivity]\nchannel = \"reflectivity\"\n[[color]]\nchannels = [\"R\", \"G\", \"B\"]\nscale = 0.5\n";
 
-/// A map with most of the keys that [`MAP`] lacks, which takes something from every file.
+/// A map with most of the keys that [`MAP`] lacks. It takes channels from `a.exr`, `m.exr` and `x.png`.
 const OTHER: &str = "[conventions]\nworld = \"right-z-up\"\nview = \"right\"\nmatrices = \"rows\"\nclip-y = \"down\"\n\
     metres-per-unit = 0.5\n[camera]\nfocal-length-mm = 50\nsensor-width-mm = 36.0\naspect = 1.5\n\
     shift-px = [0.5, -0.25]\nnear = 0.1\nfar = 1000\neye = [0, 1, 2]\nforward = [1, 0, 0]\nup = [0, 0, 1]\n[depth]\nchannel = \"Z\"\n\
@@ -184,7 +191,8 @@ const OTHER: &str = "[conventions]\nworld = \"right-z-up\"\nview = \"right\"\nma
     value = [1, 0.5, 0]\nencoding = \"srgb\"\n[f0]\nvalue = 0.04\n[[color]]\nvalue = 1.0\n[[color]]\nfile = \"x.png\"\nchannel = \"B\"\n\
     times = { file = \"m.exr\", channels = [\"R\", \"G\", \"B\"] }\n[sky]\nchannel = \"N.X\"\n";
 
-/// A map with a projection of OpenGL, and with a depth buffer that has planes of its own.
+/// A map with a projection matrix of OpenGL, and with a depth buffer whose near and far plane are not those of the
+/// camera.
 const MATRIX: &str = "[conventions]\nview = \"right\"\n[camera]\n\
     projection = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.002, -1, 0, 0, -0.2, 0]\n\
     view-to-world = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]\n[depth]\nfile = \"x.png\"\nchannel = \"R\"\n\
@@ -192,14 +200,14 @@ const MATRIX: &str = "[conventions]\nview = \"right\"\n[camera]\n\
     space = \"view\"\nencoding = \"octahedral-888\"\n[roughness]\nchannel = \"roughness\"\nkind = \"phong-exponent\"\n\
     [reflectivity]\nvalue = [1, 0.5, 0]\n[[color]]\nfile = \"m.exr\"\nchannel = \"R\"\n";
 
-/// The maps alone, and [`MAP`] with images of one part and of two.
+/// The three maps alone, and [`MAP`] followed by each G-buffer of one part and of two parts.
 fn maps(gbuffers: &[Vec<u8>]) -> Vec<Vec<u8>> {
     let with = |map: &str, image: &[u8]| [map.as_bytes(), b"\0", image].concat();
     let alone = [MAP, OTHER, MATRIX].map(|map| map.as_bytes().to_vec());
     alone.into_iter().chain(gbuffers.iter().chain(&parts()).map(|image| with(MAP, image))).collect()
 }
 
-/// Images with the channels of [`MAP`] in two parts, the colours in a compression that rounds.
+/// OpenEXR files with the channels of [`MAP`] in two parts. The part of the colours has a lossy compression.
 fn parts() -> Vec<Vec<u8>> {
     let flat = |name: &str| AnyChannel::new(name, FlatSamples::F32((0..6).map(|i| i as f32 / 8.0).collect()));
     let layer = |part: &str, names: &[&str], compression, blocks| {
@@ -228,7 +236,8 @@ fn parts() -> Vec<Vec<u8>> {
     ]
 }
 
-/// G-buffers in each compression, as scan lines and tiles, in 32 and 16 bits, and with `Z` instead of `depth`.
+/// G-buffers in eight compressions, as scan lines and as tiles, with channels of 32 bits and of 16 bits. One has the
+/// channel `Z` instead of `depth`.
 fn gbuffers() -> Vec<Vec<u8>> {
     let n = 6;
     let gbuffer = GBufferData {

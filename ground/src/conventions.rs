@@ -31,8 +31,8 @@ impl Axes {
         ("right-y-down", Self::RightYDown),
     ];
 
-    /// Returns the matrix that takes a vector from these axes to the project's. Its columns are the axes x, y and z; its inverse is
-    /// its transpose.
+    /// Returns the matrix that takes a vector from these axes to the project's. The matrix has the axes x, y and z as
+    /// columns; its inverse is its transpose.
     pub fn to_ours(self) -> DMat3 {
         match self {
             Self::Left => DMat3::IDENTITY,
@@ -59,10 +59,10 @@ pub enum MatrixOrder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClipY {
-    /// At y = −w, as Vulkan has it with a viewport of positive height.
+    /// The image's top is at y = −w, as in Vulkan with a viewport of positive height.
     #[default]
     Down,
-    /// At y = w: the viewport has a negative height.
+    /// The image's top is at y = w: the viewport has a negative height.
     Up,
 }
 
@@ -92,13 +92,13 @@ pub enum NormalSpace {
 /// GLSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NormalEncoding {
-    /// x, y and z as they are: floats or signed normalised numbers.
+    /// A texel holds x, y and z without a mapping, in floats or signed normalised numbers.
     Float,
-    /// x, y and z, mapped from −1…1 to 0…1.
+    /// A texel holds x, y and z, each mapped from −1…1 to 0…1.
     Unorm,
-    /// Two numbers, −1…1: the place on an octahedron that is unfolded to a square.
+    /// A texel holds two numbers, −1…1: the place on an octahedron that is unfolded to a square.
     Octahedral,
-    /// The octahedral place, mapped to 0…1.
+    /// A texel holds the place on the octahedron, with both numbers mapped to 0…1.
     OctahedralUnorm,
 }
 

@@ -1,5 +1,5 @@
 //! Plain data that every package of the repository shares, without Vulkan: scenes, parameters, conventions, and
-//! mathematics. It is made for `ssct` and for the laboratory, and promises nothing to others.
+//! mathematics. The crate is made for `ssct` and the laboratory, and promises nothing to others.
 
 pub mod conventions;
 mod error;

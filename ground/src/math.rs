@@ -34,35 +34,35 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 /// "Surfaces". NaN becomes black.
 pub fn display_byte(linear: f32) -> u8 {
     let (linear, table) = (linear.clamp(0.0, 1.0), &*DISPLAY_BYTES);
-    let mut byte = table.first[(linear * DisplayBytes::PARTS as f32) as usize];
+    let mut byte = table.first[(linear * DisplayBytes::PARTS as f32) as usize]; // the first candidate
     while linear >= table.least[usize::from(byte) + 1] {
         byte += 1;
     }
     byte
 }
 
-/// [`display_byte`] by its definition, for 0…1.
+/// Encodes a linear value of 0…1 as an sRGB byte by the definition, without the table that [`display_byte`] uses.
 fn encoded_byte(linear: f32) -> u8 {
     (linear_to_srgb(linear) * 255.0 + 0.5) as u8
 }
 
 static DISPLAY_BYTES: LazyLock<DisplayBytes> = LazyLock::new(DisplayBytes::new);
 
-/// Where the bytes of sRGB begin. Images have millions of colours, and a power takes longer than to look this up.
+/// A table of the linear values at which sRGB bytes begin, since to compute a power for each colour takes longer.
 struct DisplayBytes {
-    /// The byte at the beginning of each of some equal parts of 0…1. The last is that of 1.
+    /// The byte at the lower end of each of [`Self::PARTS`] equal parts of 0…1; the last entry is the byte of 1.
     first: [u8; Self::PARTS + 1],
-    /// The least linear value of each byte; no value has the byte after the last.
+    /// The least linear value of each byte; the entry 256, which is no byte, is greater than every value.
     least: [f32; 257],
 }
 
 impl DisplayBytes {
-    /// A power of two, so that the product with a value is exact.
+    /// The number of parts is a power of two, so that the product of a value and this number is exact.
     const PARTS: usize = 4096;
 
     fn new() -> Self {
         let first = std::array::from_fn(|part| encoded_byte(part as f32 / Self::PARTS as f32));
-        // The bits of positive numbers are in the order of the numbers.
+        // Each entry is found by a binary search over the bits of floats, which have the order of the positive floats.
         let mut least = [f32::INFINITY; 257];
         for (byte, least) in (0..=255).zip(&mut least) {
             let (mut below, mut above) = (0, 1.0_f32.to_bits());

@@ -35,8 +35,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// Writes a value for records. A number is written as its decimal, such as 0.1, and not as the nearest binary fraction in more
-/// digits.
+/// Writes a value for records. A number is written as its decimal, such as 0.1, and not as a longer binary fraction.
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
@@ -69,7 +68,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Which values it takes.
     pub domain: Domain,
-    /// The published value, or this project's if none is published. It is the default.
+    /// The published value, or this project's if none is published. This value is the default.
     pub published: Value,
     /// The value in the author's own program.
     pub author: Value,
@@ -261,10 +260,11 @@ pub trait Parameters: Sized {
     fn list(&self) -> Vec<Value>;
 }
 
-/// Values by the names of parameters, over a preset. They may belong to several methods, each of which takes its own.
+/// Values by the names of parameters. A parameter without a value here has that of the preset. Parameters of several
+/// methods may be here, and each method reads its own.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Values {
-    /// The preset whose values parameters have that are not given.
+    /// The preset that gives the values of all other parameters.
     pub preset: Preset,
     given: BTreeMap<&'static str, Value>,
 }

@@ -122,12 +122,11 @@ pub enum Surface {
     /// Lit by the scene's lights; reflects according to its reflectivity.
     #[default]
     Lit,
-    /// Shows the environment, like a window. It reflects nothing, but it has depth and rays can hit it.
+    /// Shows the environment, like a window. Such a surface reflects nothing, but has depth, and rays can hit it.
     Sky,
 }
 
-/// A material. A map is multiplied by the factor of the same quantity; map indices refer to
-/// [`Scene::textures`].
+/// A material. A map is multiplied by the factor of the same quantity; map indices refer to [`Scene::textures`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// The name that MTL and scene files use.
@@ -261,8 +260,8 @@ impl Aabb {
     /// The box of all of space.
     pub const ALL: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
 
-    /// The box between its least and its greatest corner; `None` if a number is not finite, or if the corners are in the wrong
-    /// order.
+    /// The box between its least and its greatest corner; `None` if a number is not finite, or if the corners are in
+    /// the wrong order.
     pub fn between([min, max]: [[f32; 3]; 2]) -> Option<Self> {
         let (min, max) = (Vec3::from(min), Vec3::from(max));
         (min.is_finite() && max.is_finite() && min.cmple(max).all()).then_some(Self { min, max })
@@ -351,7 +350,7 @@ impl Scene {
         captures.iter_mut().for_each(|c| c.scale(factor));
     }
 
-    /// Moves everything that has a place.
+    /// Moves everything that has a place by an offset in metres.
     pub fn translate(&mut self, offset: Vec3) {
         let Extended { paths, motions, probes, impostors, area_lights, captures } = self.move_points(|p| p + offset);
         let matrix = DMat4::from_translation(offset.as_dvec3());
@@ -363,8 +362,8 @@ impl Scene {
         captures.iter_mut().for_each(|c| c.position += offset);
     }
 
-    /// Moves the parts that have a place and no extent, and returns those that have an extent. Every field is named, so that a new
-    /// field cannot be forgotten.
+    /// Moves the points of meshes, views and lights, and returns the parts that move by rules of their own. Every field
+    /// is named, so that a new field cannot be forgotten.
     fn move_points(&mut self, moved: impl Fn(Vec3) -> Vec3) -> Extended<'_> {
         let Self {
             name: _,

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The job after the tasks of a study on Slurm: submits failed tasks again, as often as allowed, and then merges. It runs
-# however the tasks ended, so that a task that failed for good is named, and no job waits for it forever. submit.sh
-# submits this script; nobody else calls it.
+# The job after the tasks of a study on Slurm. It submits failed tasks again, as often as allowed, and then merges the shards. It
+# runs also if tasks failed, so that it can name them, and no job waits for them forever. submit.sh submits this script; nobody
+# else calls it.
 set -euo pipefail
 [ "${1:-}" != --help ] || { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0" && exit; }
 

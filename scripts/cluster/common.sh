@@ -1,9 +1,9 @@
-# What submit.sh and the two jobs that it submits, task.sh and collect.sh, share. It is sourced, not run.
+# Functions of submit.sh and of the two jobs that it submits, task.sh and collect.sh. This file is sourced, not run.
 
 # Says what failed, and ends with status 1.
 fail() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
 
-# The numbers of the tasks of a study that are not done. A task makes the file done/N once ssct has succeeded.
+# Prints the numbers of the tasks of a study that are not done. A task makes the file done/N once ssct has succeeded.
 unfinished() { # folder, tasks
     local n
     for ((n = 1; n <= $2; n++)); do
@@ -11,7 +11,7 @@ unfinished() { # folder, tasks
     done
 }
 
-# Submits tasks as an array, and the job that looks at how they ended, which depends on the array. Each round asks for
+# Submits tasks as an array, and the job of collect.sh, which starts when all tasks of the array have ended. Each round asks for
 # twice the memory of the round before: a task that had enough time has most likely failed for lack of memory.
 submit_round() { # folder, round, tasks...
     local folder=$1 round=$2 array='' list variable

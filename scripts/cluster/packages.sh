@@ -14,8 +14,8 @@ mapfile -t missing < <(missing_of slurmctld slurmd slurm-client munge)
 [ ${#missing[@]} -gt 0 ] || exit 0
 become_root "${missing[@]}"
 
-# A package's installation starts its service unless this file forbids it. Administrators may have one of their own,
-# which stays.
+# A package's installation starts its service unless this file forbids it. If an administrator has made the file already, it
+# stays.
 policy=/usr/sbin/policy-rc.d
 if [ ! -e "$policy" ]; then
     trap '"${as_root[@]}" rm -f "$policy"' EXIT

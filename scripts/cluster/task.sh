@@ -16,8 +16,8 @@ say() { printf '%s %s: %s\n' "$(date +%T)" "$attempt" "$*"; }
 [ ! -e "$folder/done/$task" ] || { say 'is done already'; exit 0; }
 mkdir -p "$shard"
 
-# Copies the files that are newer in one folder than in another, each whole or not at all. The journal says which cells
-# are done, so it is read before the other files and written after them: it never names a cell whose files are missing.
+# Copies the files that are newer in one folder than in another, each whole or not at all. The journal names the cells that are
+# done. It is read before the other files and written after them, so that it never names a cell whose files are missing.
 bring() { # from, to
     local from=$1 to=$2 file
     mkdir -p "$to"
@@ -32,13 +32,13 @@ bring() { # from, to
 
 work=$shard
 if [ -n "$SCRATCH" ]; then
-    # The name of the folder may hold variables, which have their values on the node alone.
+    # The name of the folder may contain variables that have a value on the node alone.
     work=$(eval "printf '%s' \"$SCRATCH\"")/ssct-$SLURM_JOB_ID
     bring "$shard" "$work"
     trap 'rm -rf "$work"' EXIT
 fi
 
-# Rendering on the CPU and tracing take as many threads as the task has.
+# Rendering on the CPU, and tracing references, use as many threads as the task has CPUs.
 export RAYON_NUM_THREADS=${SLURM_CPUS_PER_TASK:-$CPUS} LP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-$CPUS}
 say "${COMMAND[*]} --shard $task/$TASKS"
 # ssct runs as a step of the job: Slurm then sends signals to ssct alone, and this script decides what follows.
@@ -62,7 +62,7 @@ if [ "$status" -eq 0 ]; then
     exit 0
 fi
 say "ssct ended with status $status"
-# A status above 128 means a signal: at the time limit, before preemption, for lack of memory, or sent by a user.
+# A status above 128 means that a signal ended ssct: at the time limit, before preemption, for lack of memory, or by a user.
 if [ "$status" -gt 128 ] && [ "${SLURM_RESTART_COUNT:-0}" -lt "$RESTARTS" ]; then
     say 'goes back into the queue'
     scontrol requeue "$SLURM_JOB_ID" && sleep 60 # until Slurm ends this attempt

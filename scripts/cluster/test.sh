@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Runs a study on a real Slurm of four nodes, all of them on this machine: kills a task in the middle, kills another
-# with the script around it, loses a node, and holds the merged result against the same study run without Slurm. Then
-# runs a second study, whose tasks work in folders that each node has for itself: one task is asked to stop and one is
-# cancelled, the finished shard is merged alone, and the missing one is submitted again. Installs Debian's packages if
+# Runs a study on a real Slurm of four nodes, all of them on this machine. Kills a task in the middle, kills another with the
+# script around it, loses a node, and compares the merged result with the same study run without Slurm. Then runs a second study,
+# whose tasks work in a folder of each node. One task is asked to stop and one is cancelled; the finished shard is merged alone,
+# and the missing one is submitted again. Installs Debian's packages if
 # they are missing. Configuration, key, logs and state lie in a temporary folder; the daemons listen on the loopback
 # address alone, and none of them outlives the script.
 #
@@ -25,18 +25,19 @@ export PATH=$PATH:/usr/sbin:/sbin
 folder=$(mktemp -d "${TMPDIR:-/tmp}/ssct-cluster.XXXXXX")
 chmod 755 "$folder"
 export SLURM_CONF=$folder/slurm.conf
-# Daemons and submitted jobs have this variable in their environment, by which their processes are found again.
+# Daemons and submitted jobs get this variable in their environment, so that `ours` finds their processes.
 marked=(env "SSCT_CLUSTER_TEST=$folder")
 mkdir "$folder"/{log,state}
 
-# Ids of the processes that have a variable in their environment, and of those that have a file open. A process may end
-# while it is looked at.
+# with_line prints the ids of the processes that have NAME=VALUE in their environment, with_file of those that have a file open.
+# Errors are ignored, since a process may end during the search.
 with_line() { { grep -lzxF "$1" /proc/[0-9]*/environ 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
 with_file() { { find /proc/[0-9]*/fd -lname "$1" 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
-# The processes that this script started. The daemon of a step writes its title over its environment, but has its log
-# open.
+# Prints the ids of the processes that this script started. The daemon of a step overwrites its environment with its title, but it
+# has its log open.
 ours() { { with_line "SSCT_CLUSTER_TEST=$folder" && with_file "$folder/log/*"; } | sort -u; }
 
+# Ends all processes of the test, and removes its folder unless KEEP is set.
 stop_all() {
     local status=$? ids n
     trap - EXIT INT TERM
@@ -56,6 +57,7 @@ trap stop_all EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
+# Succeeds if no process listens on a port of the loopback address.
 is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 first=$((20000 + RANDOM % 20000))
 for ((n = 0; n <= nodes; n++)); do
@@ -63,9 +65,8 @@ for ((n = 0; n <= nodes; n++)); do
 done
 
 user=$(id -un)
-# Every node is this machine under another port. Two times are short so that the test is: a node counts as lost after 5
-# seconds without an answer, and a job that is queued again may start once its credential has expired, after 5 seconds
-# instead of two minutes.
+# Every node is this machine under another port. Two times are short to make the test short. A node counts as lost after 5 seconds
+# without an answer. A job that is queued again may start once its credential has expired, after 5 seconds instead of 2 minutes.
 cat >"$SLURM_CONF" <<EOF
 ClusterName=ssct-test
 SlurmctldHost=localhost(127.0.0.1)
@@ -119,10 +120,11 @@ result=$folder/study
 submit() { "${marked[@]}" "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
 submit --tasks "$tasks" --memory 1500 --time 30
 array=$(squeue -h -n ssct -o %F | head -n 1)
-# The number of cells that a task has done. The journal has a line for each cell, and others for its samples.
+# Prints the number of cells that a task has done. The journal has a line for each cell, and more lines for its samples.
 entries() { grep -c '^{"key":"error ' "$result/shards/$1/journal.jsonl" 2>/dev/null || true; }
 
-# Finds a task in its middle: a running one that was not disturbed yet, and has done at least one cell but not all.
+# Sets found and found_on to a task in its middle and its node. The task runs, was not disturbed yet, and has done at least one
+# cell but not all.
 disturbed=' '
 find_running() {
     local n node queued
@@ -137,19 +139,22 @@ find_running() {
     [ -n "$queued" ] || fail 'all tasks ended before one could be disturbed'
     return 1
 }
-disturb() { # what is done
+# Waits for a task in its middle, and keeps a copy of its journal. The caller then disturbs the task `found`.
+disturb() { # what the caller will do to the task
     wait_until "a task is in its middle, to $1" find_running
     disturbed+="$found "
     cp "$result/shards/$found/journal.jsonl" "$folder/journal-of-$found"
     say "task $found on $found_on, with $(entries "$found") cells done: $1"
 }
-# Slurm forgets a task five minutes after its end. The task's log tells for longer that there was a second attempt.
+# Succeeds if a task was started again. Slurm forgets a task five minutes after its end, but the task's log still names its second
+# attempt.
 was_queued_again() {
     scontrol -o show job "${array}_$1" 2>/dev/null | grep -q 'Restarts=[1-9]' ||
         grep -qs ', attempt [2-9]: ' "$result/logs/$1.log"
 }
 
-# All three follow each other at once, while the first tasks run: all tasks may be done before a node counts as lost.
+# The three disturbances follow each other at once, while the first tasks run. A wait in between could last until all tasks are
+# done.
 disturb 'kill it with its script'
 dead=$found
 scancel --signal=KILL --batch "${array}_$dead"
@@ -179,6 +184,7 @@ say "$lost_node is back"
 
 # The job that merges leaves the queue after it has merged, failed, or submitted tasks again.
 is_empty() { local queued; queued=$(squeue -h) && [ -z "$queued" ]; }
+# Waits until all jobs have ended, and fails unless the shards were merged.
 merged() {
     wait_until 'no job is left' is_empty
     [ -e "$result/all/error.json" ] || fail 'the tasks were not merged'
@@ -188,7 +194,8 @@ grep -q "^not done: tasks .*\b$dead\b" "$result/logs/merge.log" ||
     fail "task $dead was not submitted again after all others"
 say 'merged'
 
-went_on() { # tasks
+# Fails unless each task went on with the journal that it had when it was disturbed.
+went_on() { # tasks...
     local n
     for n in "$@"; do
         goes_on "$result/shards/$n/journal.jsonl" "$folder/journal-of-$n" ||

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the shards of a study by Snakemake on this machine, kills Snakemake in the middle, runs it again, and holds the
-# merged result against the same study run at once.
+# Runs the shards of a study by Snakemake on this machine, kills Snakemake in the middle, and runs it again. Compares the merged
+# result with the same study run without shards.
 #
 #   scripts/cluster/test_snakemake.sh SSCT SNAKEMAKE
 set -euo pipefail
@@ -10,7 +10,7 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 # shellcheck source=scripts/cluster/testing.sh
 source "$here/testing.sh"
 ssct=$(realpath "${1:?usage: scripts/cluster/test_snakemake.sh SSCT SNAKEMAKE}")
-# Links are not followed: a program of a virtual environment finds the environment by its own path.
+# Symbolic links stay: a program of a virtual environment finds the environment by the path under which it is called.
 snakemake=$(cd "$(dirname "${2:?which snakemake}")" && pwd)/$(basename "$2")
 tasks=4
 
@@ -25,7 +25,7 @@ clean_up() {
 trap clean_up EXIT
 
 study=(error --scene corridor --method ssct,unified --size 96x54 --roughness 0,0.3 --samples 1 --rays 32 --no-sweep)
-# In a group of processes of its own, so that all of them can be killed.
+# Snakemake runs in a process group of its own, so that it can be killed with all its children.
 shards=(env "XDG_CACHE_HOME=$folder/cache" setsid "$snakemake" --snakefile "$here/Snakefile" --directory "$folder"
     --cores 2 --nolock --config "out=$folder/study" "tasks=$tasks" "command=${study[*]}" "ssct=$ssct")
 
@@ -48,8 +48,8 @@ for n in $(seq "$tasks"); do
 done
 say "killed after $(entries) entries of the journals"
 
-# Snakemake takes the shards that were running for incomplete, and needs to be told to run them again; they go on with
-# their journals.
+# Snakemake regards the shards that were running as incomplete. The option tells it to run them again; they go on with their
+# journals.
 "${shards[@]}" --rerun-incomplete >"$folder/second.log" 2>&1 || fail 'the second attempt'
 for n in $(seq "$tasks"); do
     [ -e "$folder/journal-of-$n" ] || continue

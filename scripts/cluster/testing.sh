@@ -1,12 +1,12 @@
-# What the tests of this folder share. It is sourced, not run.
+# Functions of the tests in this folder. This file is sourced, not run.
 
 say() { printf '%s %s: %s\n' "$(date +%T)" "${0##*/}" "$*" >&2; }
 
 # Says what is wrong, and ends with status 1.
 fail() { say "FAILED: $*"; exit 1; }
 
-# A limit for the case that something never happens. Every wait ends as soon as the thing happens, so the limit is much
-# longer than any of them takes on a loaded machine.
+# The longest time, in seconds, that a test waits for an event. A wait ends as soon as its event happens, so that the limit can be
+# much longer than any wait takes on a loaded machine.
 LIMIT_S=1800
 
 # Repeats a command until it succeeds.
@@ -19,8 +19,8 @@ wait_until() { # what is waited for, command...
     done
 }
 
-# Whether a journal begins with the whole lines of an earlier copy of it: then nothing that the copy has was measured
-# again. The copy may end within a line.
+# Succeeds if a journal begins with the whole lines of an earlier copy of it. Then no entry of the copy was measured again. The
+# copy may end within a line, which is not compared.
 goes_on() { # journal, copy
     local whole
     whole=$(wc -l <"$2")

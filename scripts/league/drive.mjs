@@ -1,6 +1,7 @@
-// Renders scenes with peers in a headless Chromium. It reads a job as JSON from each line of its input, {peer, scene, settings, out},
-// where `settings` is null for the direct picture, and answers each with a line: {} or {error}. Before the first it writes what each
-// peer says of itself.
+// Renders scenes with peers (other engines) in a headless Chromium. Each line of the input is a job in JSON: {peer,
+// scene, settings, out}. With `settings` null, the picture has no reflections. The answer to each job is a line: {},
+// {said} with the first complaint of the browser, or {error}. Before the first job, a line has the version of Chromium
+// and the title, npm package and settings of each peer.
 //
 // Usage: node drive.mjs PEERS PACKAGES CHROMIUM       PACKAGES is a folder with node_modules
 
@@ -49,6 +50,7 @@ let complaints = [];
 page.on('pageerror', (error) => complaints.push(String(error)));
 page.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));
 
+// Returns the title, the npm package and the settings of a peer.
 async function describe(name) {
     await page.goto(address);
     return page.evaluate(async (module) => {
@@ -57,6 +59,7 @@ async function describe(name) {
     }, `/peers/${name}.mjs`);
 }
 
+// Renders a job, and writes a screenshot of the canvas to the file `out`.
 async function run({ peer, scene, settings, out }) {
     complaints = [];
     await page.goto(address);

@@ -1,5 +1,5 @@
-# Sourced: installs what drives and judges engines in the browser into a folder, pinned, so that figures can be measured again.
-# `install_packages FOLDER` then gives `python` and `chromium`; where something is missing it says so in a sentence, and ends.
+# Installs pinned versions of the engines and of the packages that run and compare them, so that figures can be measured again.
+# This file is sourced, not run. `install_packages FOLDER` sets `python` and `chromium`, or names what is missing, and ends.
 
 THREE=0.187.0
 BABYLON=9.35.0

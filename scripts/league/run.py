@@ -19,10 +19,10 @@ import scenes
 from PIL import Image, ImageDraw, ImageFont
 
 HERE = Path(__file__).resolve().parent
-WITHIN = 8  # of 255, in each channel
+WITHIN = 8  # of 255: a pixel is right if no channel differs from the truth by more
 PASSES = 2
 
-# This program's methods: the options of each, and what the search tries, the default first.
+# The methods of ssct. Each has its fixed options, and for each searched option the values to try, the default first.
 OURS = {
     "ssct": (["--method", "ssct"], {"--fade": ["on", "off"], "--preset": ["published", "author"]}),
     "dda": (["--method", "dda"], {"--fade": ["on", "off"], "--dda-thickness": ["default", "0.02", "0.05", "0.1", "0.3"]}),

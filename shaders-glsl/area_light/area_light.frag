@@ -1,8 +1,8 @@
 #version 460
 #pragma program(AreaLight)
 #pragma in_either_stage
-// `area-light`: highlights of lights with an extent, by the roughness of each pixel (thesis 3.1.1). Direct
-// light only: nothing hides a light, and nothing else is reflected.
+// The method `area-light`: highlights of lights with an extent, by the roughness of each pixel (thesis 3.1.1). A pixel
+// reflects these lights alone, and nothing hides a light.
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"
@@ -56,6 +56,7 @@ SHADE(out_reflection) {
             share = RectangleShare(r, n, a, light.b.xyz, light.c.xyz, m);
         sum += share * light.radiance.rgb;
     }
-    // Devices may flush denormal numbers to 0 in one shader stage and not in the other.
+    // Alpha is 1 where a light shows. Smaller sums than LEAST_NORMAL count as 0, since devices may flush denormal
+    // numbers to 0 in one shader stage and not in the other.
     out_reflection = vec4(sum, all(lessThan(abs(sum), vec3(LEAST_NORMAL))) ? 0.0 : 1.0);
 }

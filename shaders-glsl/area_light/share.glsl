@@ -10,7 +10,8 @@
 // radiance as the lobe narrows, and to the light's solid angle times the lobe as the light shrinks.
 // tests/suite/area_light.rs states the error.
 
-// -ln(1 - sin^2 x) = -2 ln cos x, exact where x is small.
+// Returns -2 ln cos x, computed as -ln(1 - sin^2 x). For a small x a series stands for the logarithm, which would lose
+// digits there.
 float LogCos(float x) {
     float q = sin(x) * sin(x);
     return q < 0.01 ? q * (1.0 + q * (0.5 + q / 3.0)) : -log(max(1.0 - q, 1e-6));
@@ -19,7 +20,9 @@ float LogCos(float x) {
 // A mirror counts as a lobe of 0.02 degrees, so that its highlights have smooth edges and no stairs.
 #define MIRROR_M 1e7
 
-float LobeExponent(float roughness) { // m; 1.4105871 is -ln xi, and xi is 0.244
+// The m of a roughness, which is ln xi / ln cos(roughness / 2). The share 1 - xi of the lobe then lies within half the
+// roughness of r. xi is 0.244, and -ln xi is 1.4105871.
+float LobeExponent(float roughness) {
     return min(2.0 * 1.4105871 / max(LogCos(0.5 * roughness), 1e-12), MIRROR_M);
 }
 
@@ -30,22 +33,24 @@ float LobeDeviations(float x, float m) {
     return x < 0.0 ? -g : g;
 }
 
-// The normal distribution within 1.5e-4 (Bowling et al. 2009).
+// The distribution function of the standard normal distribution, with an error of at most 1.5e-4 (Bowling et al. 2009).
 float Phi(float x) {
     x = clamp(x, -8.0, 8.0);
     return 1.0 / (1.0 + exp(-(1.5976 * x + 0.07056 * x * x * x)));
 }
 
+// The angle between two vectors of any length, in radians.
 float Angle(vec3 a, vec3 b) {
     return atan(length(cross(a, b)), dot(a, b));
 }
 
+// The share of the lobe between two signed angles from the lobe's middle, measured along one axis.
 float ShareBetween(float from, float to, float m) {
     return max(Phi(LobeDeviations(to, m)) - Phi(LobeDeviations(from, m)), 0.0);
 }
 
-// The part of a light above the surface, for a light from elevation e0 to e1, as the lobe weighs it along the
-// elevation. Directions below the surface carry nothing.
+// The part (0 to 1) of a light that lies above the plane of the surface. The light reaches from elevation e0 to e1, and
+// the lobe weighs the light along the elevation. Directions below the surface carry no light.
 float AboveHorizon(vec3 r, vec3 n, float e0, float e1, float m) {
     if (e0 >= 0.0)
         return 1.0;
@@ -56,24 +61,26 @@ float AboveHorizon(vec3 r, vec3 n, float e0, float e1, float m) {
     return all > 1e-3 ? ShareBetween(-e, e1 - e, m) / all : e1 / (e1 - e0);
 }
 
+// The angle between the direction to p and the plane with the unit normal n, in radians; below 0 behind the plane.
 float Elevation(vec3 p, vec3 n) {
     return asin(clamp(dot(normalize(p), n), -1.0, 1.0));
 }
 
-// Half the angle that a ball fills.
+// Half the angle that a ball fills, seen from the origin.
 float HalfAngle(vec3 centre, float radius) {
     return asin(min(radius / max(length(centre), 1e-6), 1.0));
 }
 
-// All functions below see the light from the origin.
+// Each function below that is named Share returns the share of the lobe that a light fills. The point that is lit is
+// the origin; r is the unit mirror direction, n the unit normal, and m is alpha + 1.
 
 float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
     if (dot(centre, centre) <= radius * radius)
         return 1.0;
     float s = HalfAngle(centre, radius);
     float x = Angle(r, centre);
-    // For a lobe aimed at the sphere's middle the share is known. Divided by the share of a band as wide as the
-    // sphere, it gives the factor across the band.
+    // For a lobe aimed at the sphere's middle the share is known: 1 - exp(-g^2 / 2). Divided by the share of a band as
+    // wide as the sphere, it gives the factor across the band.
     float g = LobeDeviations(s, m);
     float across = (1.0 - exp(-0.5 * g * g)) / max(2.0 * Phi(g) - 1.0, 1e-6);
     float e = Elevation(centre, n);
@@ -85,7 +92,7 @@ float AngleAround(vec3 from, vec3 to, vec3 axis) {
     return atan(dot(cross(from, to), axis), dot(from, to));
 }
 
-// The share that a capsule fills, or with `flat_ends` a cylinder.
+// The share of a capsule whose axis goes from a to b, or with `flat_ends` of a cylinder with this axis.
 float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, float m) {
     vec3 normal = cross(a, b);
     if (dot(normal, normal) < 1e-10 * dot(a, a) * dot(b, b))
@@ -110,8 +117,8 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
     }
     float s = HalfAngle(mix(a, b, t), radius);
     float x = asin(min(abs(dot(r, normal)), 1.0));
-    // Half widths of the round ends along the circle: for a mirror where the ray passes them, for a wide lobe their
-    // mean.
+    // Half the widths of the round ends along the circle. For a mirror this is the width where the ray passes an end,
+    // and for a wide lobe the mean width of the end.
     float s_a = HalfAngle(a, radius), s_b = HalfAngle(b, radius);
     vec2 ends = vec2(s_a, s_b);
     vec2 sharp = ends * ends * m / (1.0 + ends * ends * m);
@@ -137,7 +144,8 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
         * AboveHorizon(r, n, min(e_a - s_a, e_b - s_b), max(e_a + s_a, e_b + s_b), m);
 }
 
-// Phi at the ray's signed distance from the great circle of an edge, which is positive on the light's side.
+// The share of the lobe on the light's side of an edge: Phi of the signed angle between r and the great circle through
+// `from` and `to`, which is positive on the side of the light's `centre`.
 float EdgeShare(vec3 r, vec3 from, vec3 to, vec3 centre, float m) {
     vec3 normal = normalize(cross(from, to));
     if (dot(normal, centre) < 0.0)
@@ -145,6 +153,7 @@ float EdgeShare(vec3 r, vec3 from, vec3 to, vec3 centre, float m) {
     return Phi(LobeDeviations(asin(clamp(dot(r, normal), -1.0, 1.0)), m));
 }
 
+// The share of a rectangle, which shines in the direction half_u x half_v.
 float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, float m) {
     if (dot(cross(half_u, half_v), centre) >= 0.0)
         return 0.0; // a rectangle is dark from behind
@@ -157,7 +166,7 @@ float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, floa
     return max(u, 0.0) * max(v, 0.0) * AboveHorizon(r, n, lowest, highest, m);
 }
 
-// The sum of the shares of the faces that are seen, each by itself: at most three.
+// The share of a cuboid: the sum of the shares of the faces that the point sees, at most three, each by itself.
 float CuboidShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, float half_w, float m) {
     vec3 halves[3] = vec3[3](half_u, half_v, half_w * normalize(cross(half_u, half_v)));
     float sum = 0.0;

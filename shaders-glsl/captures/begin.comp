@@ -8,7 +8,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 #include "captures/push.glsl"
 
-layout(constant_id = 0) const bool BEHIND = false; // there is another reflection in front
+layout(constant_id = 0) const bool BEHIND = false; // another reflection is shown in front of this one
 
 layout(binding = 1) uniform sampler2D depth_buffer;      // reversed; 0 is sky
 layout(binding = 2) uniform sampler2D normal_buffer;     // view space

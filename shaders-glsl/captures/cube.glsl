@@ -23,7 +23,7 @@ vec3 FromFace(vec3 v, int face) {
          : vec3(-v.x, v.y, -v.z);
 }
 
-// The face in which a direction lies.
+// The face, 0 to 5, in which a direction lies.
 int CubeFace(vec3 v) {
     vec3 a = abs(v);
     return a.x >= a.y && a.x >= a.z ? (v.x >= 0.0 ? 0 : 1) : a.y >= a.z ? (v.y >= 0.0 ? 2 : 3) : v.z >= 0.0 ? 4 : 5;

@@ -1,8 +1,8 @@
 // Follows a ray in a capture, over the faces of the cube, one after the other, by the traversal of the screen.
 //
 // A face is an image like the screen, with a field of view of 90 degrees, reversed depth and an exact pyramid
-// (`unified` here is the block of a face). A ray is a straight line in a face, and is followed until it goes behind the
-// front of a block. There the ray hits the block if it comes from in front, and else it is lost.
+// (`unified` here is the uniform block of a face). A ray is a straight line in a face, and is followed until it goes
+// behind the front of a block. There the ray hits the block if it comes from in front, and else it is lost.
 
 #ifndef CAPTURES_FACES_GLSL
 #define CAPTURES_FACES_GLSL
@@ -23,13 +23,14 @@ vec2 FacePosition(vec3 q, out ivec2 pixel) {
     return position;
 }
 
+// The reversed depth of a point at view-space z in a face, in metres.
 float FaceDepth(float z) {
     precise float depth = captures.face_unit / z - unified.depth_offset;
     return depth;
 }
 
-// Whether a capture sees a point, which is relative to the capture's place: the point lies before the back of the block
-// there.
+// Whether a capture sees the point `o`, which is relative to the capture's place. The point must lie beyond the near
+// plane, and not behind the back of the block that the capture shows in its direction.
 bool CaptureSees(int capture, vec3 o) {
     int face = CubeFace(o);
     vec3 q = ToFace(o, face);
@@ -42,17 +43,18 @@ bool CaptureSees(int capture, vec3 o) {
     return depth < 1.0 && (block.x < block.y || depth >= block.y);
 }
 
-#define FOLLOW_HIT 0  // hit something from in front
-#define FOLLOW_SKY 1  // left the scene
-#define FOLLOW_LOST 2 // went behind something, or too near to the capture's place
-#define FOLLOW_ON 3   // left a face by its side
+// How a ray ended in a capture or in one of its faces.
+#define FOLLOW_HIT 0  // the ray hit something from in front
+#define FOLLOW_SKY 1  // the ray left the scene
+#define FOLLOW_LOST 2 // the ray went behind something, or too near to the capture's place
+#define FOLLOW_ON 3   // the ray left a face by a side, and goes on in the next face
 
 struct CaptureTrace {
     int how;    // FOLLOW_*
     vec3 place; // relative to the capture's place, world axes: where the hit is, or where the ray was lost
 };
 
-// The point of a ray at s, in the face's view space.
+// The point of a ray at its parameter s, in the face's view space.
 vec3 FacePoint(Ray ray, float s) {
     precise float depth = ray.depth + s * ray.rate.z;
     precise vec2 position = ray.start + s * ray.rate.xy;
@@ -64,7 +66,7 @@ vec3 FacePoint(Ray ray, float s) {
 // Follows a ray over one face, from a point in the face. `side` becomes the axis, in the face's view space, of the side
 // by which the ray leaves. `before` is the thickness of the block at the border of the face before, and becomes that of
 // the block where the ray leaves this face. A surface across a border is as thick as the blocks on both sides together.
-// `exhausted` is set if the walk runs out of steps, which cannot be.
+// `exhausted` is set if the walk runs out of steps, which cannot happen.
 CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float before, out vec3 side) {
     ivec2 pixel;
     vec2 start = FacePosition(q, pixel);

@@ -1,5 +1,6 @@
 // Stores what a ray of the list saw. A mirror's pixel is finished, and a glossy ray's record gets what the ray saw, for
-// the pixels around to gather. Programs with MIRRORS, NARROW or neither include this file.
+// the pixels around to gather. Programs with MIRRORS, with NARROW, and with neither of them (for wide lobes) include
+// this file.
 
 #ifndef CAPTURES_FINISH_GLSL
 #define CAPTURES_FINISH_GLSL
@@ -24,7 +25,7 @@ layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 #endif
 #endif
 
-// What a ray saw.
+// What a lost ray saw.
 struct RayResult {
     vec3 color;
     bool shows;    // false where nothing is known and another reflection shows instead
@@ -34,11 +35,13 @@ struct RayResult {
 };
 
 #ifndef MIRRORS
+// Packs how far a ray went from its pixel, in units of ViewPoint, and the triangle that it met (unified/ends.glsl).
 uvec2 PackRayEnd(LostRay ray, vec3 place, uint triangle) {
     return uvec2(floatBitsToUint((ray.before + distance(ray.start, place)) / captures.view_unit), triangle);
 }
 #endif
 
+// Stores the result of a lost ray in the images of its pixel or cell.
 void StoreRayResult(LostRay ray, RayResult result) {
     ivec2 pixel = ivec2(ray.pixel.xy);
     // A point far along the ray stands for the sky.

@@ -25,7 +25,7 @@ layout(binding = 4) uniform samplerCubeArray color_cubes; // lit colour, 0 for s
 
 // How a ray ended.
 struct CaptureRayEnd {
-    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k, or PATH_UNFINISHED, which cannot be
+    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k, or PATH_UNFINISHED, which cannot happen
     vec3 place;     // where it hit or was lost, relative to the eye, world axes
     int capture;    // the capture that shows this place; for an unknown end, the one that shows what most likely hides it
     float distance; // from the start to the place

@@ -7,10 +7,10 @@
 #include "captures/captures.glsl"
 #include "captures/counts.glsl"
 
-// What all programs that write or read the list have together.
+// The resources of every program that writes or reads the list.
 #pragma group(LostRayResources, captures, environment, lost_counts, lost)
 
-// A ray from where the screen lost it.
+// A lost ray, from the place where the screen lost it.
 struct LostRay {
     vec3 start;     // relative to the eye, world axes, metres
     float before;   // metres over which its footprint widened before the start

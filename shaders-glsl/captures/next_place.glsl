@@ -6,8 +6,8 @@
 #define LIST_ACCESS
 #include "captures/counts.glsl"
 
-// Takes an index of the list, whose dispatch has a workgroup for `to_a_group` entries. The index may lie beyond the end
-// of the list's buffer.
+// Reserves and returns the next free index of the list. The dispatch over the list has a workgroup for each
+// `to_a_group` entries. The index may lie beyond the end of the list's buffer.
 uint ReserveListIndex(uint to_a_group) {
     uint index = atomicAdd(lost_counts.count, 1u);
     if (index % to_a_group == 0u)

@@ -12,7 +12,7 @@
 #include "triangles/confirm.glsl"
 #endif
 
-// Whether a ray that hit nothing ended in the sky.
+// Whether a ray hit nothing and ended in the sky: it went beyond the far plane. Always false without FOLLOWED.
 bool EndsInSky(Ray ray, Hit hit) {
     return FOLLOWED && hit.code == PATH_MISS && MissCode(ray) == PATH_MISS_SKY;
 }

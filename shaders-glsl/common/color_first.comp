@@ -1,8 +1,8 @@
 #version 460
 #pragma program(ColorFirst)
 // Level 1 of the colour chain, if the sky is kept apart from the lit colour: a linear blit of level 0 in which sky is
-// black. A texel then holds the sum of the lit colours, and in a the part that is lit. For the other part, readers add
-// the sky along their own ray.
+// black. A texel then holds the weighted sum of the lit colours, and in alpha the part that is lit. For the other part,
+// readers add the sky along their own ray.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

@@ -11,7 +11,7 @@ layout(binding = 0) uniform sampler2D color_buffer;
 layout(binding = 1) uniform sampler2D reflection_buffer; // rgb, and the fade in alpha
 layout(binding = 2) uniform sampler2D material_buffer;   // reflectivity, roughness
 
-// The image becomes the lit colour of another bounce: it is reflected again, and keeps the a of the lit colour.
+// With LIT, the image becomes the lit colour of the next bounce. It then keeps the alpha of the lit colour.
 layout(constant_id = 0) const bool LIT = false;
 
 OUTPUT(0, rgba16f, vec4, out_color);

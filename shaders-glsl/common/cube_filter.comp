@@ -17,7 +17,8 @@ layout(push_constant) uniform CubeFilterBlock {
 
 const float TAU = 6.28318530718;
 
-// Vulkan's faces +x -x +y -y +z -z; twin of `scene::sky::face_direction`.
+// The direction, of any length, of the place `st` (-1 to 1) on a face. Faces have Vulkan's order +x -x +y -y +z -z.
+// Twin of `scene::sky::face_direction`.
 vec3 FaceDirection(uint face, vec2 st) {
     switch (face) {
         case 0: return vec3(1.0, -st.y, -st.x);
@@ -29,6 +30,7 @@ vec3 FaceDirection(uint face, vec2 st) {
     }
 }
 
+// The bits of i mirrored at the binary point, 0 to 1: the second coordinate of point i of a Hammersley set.
 float RadicalInverse(uint i) {
     return float(bitfieldReverse(i)) * exp2(-32.0);
 }

@@ -2,9 +2,9 @@
 #pragma program(Downsample)
 #pragma program(DownsampleNumbered, NUMBERED)
 #pragma in_either_stage
-// A smaller G-buffer: of each block the texel at its top left stands for depth, normal and material,
-// because a mean of two surfaces lies on neither; the colour is the block's mean. NUMBERED also writes which triangle that texel
-// shows.
+// Makes a smaller G-buffer. A block's depth, normal and material are those of its top left texel, because a mean of two
+// surfaces lies on neither. Its colour is the mean over the block. NUMBERED also writes which triangle the top left
+// texel shows.
 
 #include "common/either_stage.glsl"
 

@@ -34,6 +34,7 @@ bool discarded = false;
 // Ends the function and leaves the texel as it is.
 #define DISCARD { discarded = true; return; }
 
+// ToTexel converts the value of an output to the four components that imageStore takes.
 vec4 ToTexel(float value) {
     return vec4(value);
 }

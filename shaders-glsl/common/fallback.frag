@@ -1,8 +1,8 @@
 #version 460
 #pragma program(Fallback)
 #pragma in_either_stage
-// A reflection with another behind it: the fallback is faded in where the local reflection is faded
-// out (thesis 4.2.11; Schmidt 2013, section 5.4.2). The result fades only where the fallback shows nothing.
+// Shows the fallback behind a method's own reflection: the fallback is faded in where this reflection is faded out
+// (thesis 4.2.11; Schmidt 2013, section 5.4.2). The result fades only where the fallback shows nothing.
 
 #include "common/either_stage.glsl"
 

@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Fullscreen)
-// A triangle over half of a viewport, cut from corner to corner. The upper left quarter of the viewport is the target.
-// The triangle is drawn with three vertices and no buffer.
+// A triangle that covers the whole target, drawn with three vertices and no buffer. The viewport is twice as wide and
+// twice as high as the target, which is its upper left quarter. The triangle is the viewport's upper left half.
 
 void main() {
     vec2 corner = vec2((gl_VertexIndex << 1) & 2, gl_VertexIndex & 2);

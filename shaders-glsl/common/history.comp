@@ -22,6 +22,7 @@ vec4 AddNeighbour(vec4 own, vec4 other, float outward) {
     return sum;
 }
 
+// Adds the sums of the block's other pixel along an axis, `offset` threads away. Every thread must call this function.
 BlockSums AddNeighbourSums(BlockSums own, int offset, float outward) {
     int index = int(gl_LocalInvocationIndex);
     sums[index] = own;
@@ -31,12 +32,14 @@ BlockSums AddNeighbourSums(BlockSums own, int offset, float outward) {
     return BlockSums(AddNeighbour(own.first, other.first, outward), AddNeighbour(own.second, other.second, outward));
 }
 
+// The sums over the four pixels of a block, by memory that threads share.
 BlockSums SumOverBlock(ivec2 pixel, BlockSums own) {
     vec2 outward = DirectionOutOfBlock(pixel);
     return AddNeighbourSums(AddNeighbourSums(own, 1, outward.x), GROUP_SIDE, outward.y);
 }
 
-// The barriers keep a compiler from holding the values in registers after all. No other thread reads these values.
+// Keeps values in shared memory for ReloadValues. The barriers keep a compiler from holding the values in registers
+// after all. No other thread reads these values.
 void SpillValues(BlockSums values) {
     sums[gl_LocalInvocationIndex] = values;
     memoryBarrierShared();

@@ -12,8 +12,8 @@ layout(location = 0) out vec4 out_reflection;
 layout(location = 1) out uvec4 out_guide;
 layout(location = 2) out vec4 out_color; // the composite, where it is wanted
 
-// Sums by derivatives, since the pixels of a block are shaded in step. No operations are fused, so that history.comp
-// sums to the same bits.
+// Sums over a block by derivatives, which works because the pixels of a block are shaded in step. No operations are
+// fused, so that history.comp sums to the same bits.
 vec4 SumOverBlock(ivec2 pixel, vec4 v) {
     vec2 outward = DirectionOutOfBlock(pixel);
     precise vec4 both = v + (v - outward.x * dFdxFine(v));

@@ -70,8 +70,8 @@ BlockSums HitSummands(ivec2 pixel, bool is_wide, float eye) {
     return BlockSums(hits, vec4(mover < 0 ? vec2(0.0) : vec2(float(mover), 1.0), eye >= 0.0 ? 1.0 : 0.0, 0.0));
 }
 
-// The mean hit of a block, from the sums of HitSummands. If more rays met movers than objects at rest, it is that on the
-// movers. Its distance from the eye is the harmonic mean.
+// The mean hit of a block, from the sums of HitSummands. If more rays met movers than objects at rest, the hits on
+// movers alone count. The mean hit's distance from the eye is the harmonic mean.
 MeanHit FindMeanHit(BlockSums hit_sums, float eye) {
     bool moves = hit_sums.first.w > hit_sums.first.y;
     vec2 sum_and_count = moves ? hit_sums.first.zw : hit_sums.first.xy;
@@ -80,13 +80,13 @@ MeanHit FindMeanHit(BlockSums hit_sums, float eye) {
 }
 
 // The number of frames, with this one, that may be averaged so that a measure of the lag is at most `most`. This frame
-// does not lag.
+// does not lag, so that the lag of n frames is lag (1 - 1 / n).
 float FramesWithinLag(float lag, float most) {
     return lag > most ? min(lag / (lag - most), history.most) : history.most;
 }
 
 // The history of a pixel, whose surface and reflected point `query` gives in this frame's view space. `known` says
-// whether the reflected point is known, and `mover` which thing this point is on.
+// whether the reflected point is known, and `mover` which mover this point is on (-1 for none).
 HistorySample SearchHistory(ivec2 pixel, HistoryQuery query, bool known, int mover) {
     vec3 end = query.end;
     int own = FindMover(TriangleAt(pixel));

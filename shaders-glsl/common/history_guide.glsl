@@ -53,6 +53,7 @@ uint ReflectionHash(vec4 reflection) {
     return (first * 0x9e3779b1u ^ second * 0x85ebca6bu) & ~255u;
 }
 
+// The guide that the frame before kept for a pixel. A pixel beyond the image reads the nearest pixel of the image.
 Guide LoadGuide(ivec2 pixel) {
     return UnpackGuide(imageLoad(guide_before, clamp(pixel, ivec2(0), history.size - 1)));
 }

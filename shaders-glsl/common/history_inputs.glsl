@@ -53,7 +53,8 @@ layout(constant_id = 1) const bool MOTION = false;   // motion_buffer is known
 layout(constant_id = 2) const bool MOVERS = false;   // things of the scene have moved since the frame before
 layout(constant_id = 3) const bool SEARCH = true;    // the camera or something else may have moved since the frame before
 
-// The point at a position and a depth, by the few entries that the inverse of a projection has.
+// The view-space point at a position in pixels and a reversed depth. `m` is the inverse of a projection; only the
+// entries that such a matrix has are read.
 vec3 Unproject(mat4 m, vec2 position, float depth) {
     vec2 ndc = position / history.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec3 h = vec3(vec2(m[0].x, m[1].y) * ndc + m[2].xy * depth + m[3].xy, m[2].z * depth + m[3].z);
@@ -71,7 +72,7 @@ vec2 ProjectToPixels(mat4 view_to_clip, vec3 point) {
     return clip.w > 0.0 ? clamp(position, vec2(-BEYOND), history.beyond) : vec2(-BEYOND);
 }
 
-// Where a point was seen in the frame before.
+// The position in pixels at which a point, in the view space of the frame before, was seen in that frame.
 vec2 ProjectToPreviousPixels(vec3 point) {
     return ProjectToPixels(history.view_to_clip_before, point);
 }

@@ -69,6 +69,7 @@ vec3 PreviousReflectedPoint(vec3 end, vec3 still) {
     return is_shown ? PreviousPointByMotion(seen, inside, still) : still;
 }
 
+// The triangle that a pixel shows. If the G-buffer has no numbers, the image has one texel, with NO_TRIANGLE.
 uint TriangleAt(ivec2 pixel) {
     return imageLoad(triangle_buffer, min(pixel, imageSize(triangle_buffer) - 1)).x;
 }

@@ -35,6 +35,7 @@ vec4 EncodeForMean(vec4 reflection) {
     return vec4(color, Luminance(color) * reflection.a);
 }
 
+// Decodes a mean of encoded reflections to a colour, and a fade in alpha.
 vec4 DecodeMean(vec4 mean) {
     float whole = Luminance(mean.rgb);
     return vec4(Sound(mean.rgb), whole > 0.0 ? clamp(mean.a / whole, 0.0, 1.0) : 0.0);
@@ -49,7 +50,7 @@ struct HistoryQuery {
     float power;   // the lobe's power
 };
 
-// Whether a pixel of the frame before, whose point is `there`, showed the surface that is sought.
+// Whether a pixel of the frame before, whose point is `there`, showed the surface of the query.
 bool ShowsSameSurface(ivec2 pixel, Guide guide, vec3 there, HistoryQuery query) {
     float off = abs(dot(there - query.surface, query.normal));
     bool same_plane = off < SAME_PLANE * Reach(there.z, history.clip_to_view_before);
@@ -58,7 +59,7 @@ bool ShowsSameSurface(ivec2 pixel, Guide guide, vec3 there, HistoryQuery query) 
     return guide.age > 0.0 && same_plane && same_normal && IsOnScreen(pixel);
 }
 
-// How well a pixel of the frame before fits what is sought, from 0 to 1. `lag` is how far the frames in the pixel's
+// How well a pixel of the frame before fits a query, from 0 to 1. `lag` is how far the frames in the pixel's
 // average miss the reflected point.
 float HistoryAgreement(ivec2 pixel, Guide guide, HistoryQuery query, out Lag lag) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
@@ -80,6 +81,7 @@ float HistoryAgreement(ivec2 pixel, Guide guide, HistoryQuery query, out Lag lag
     return query.inverse > 0.0 ? agrees * known : agrees;
 }
 
+// The agreement of the pixel at a position, in pixels of the frame before, with a query.
 float HistoryAgreementAt(vec2 position, HistoryQuery query) {
     ivec2 pixel = ivec2(floor(position));
     Lag lag;
@@ -96,7 +98,7 @@ struct HistorySample {
 
 const HistorySample NO_HISTORY = HistorySample(vec4(0.0), 0.0, 0.0, Lag(vec3(0.0), 0.0));
 
-// The history of what is sought, around a position in pixels of the frame before.
+// The history that answers a query, between the four pixels around a position in pixels of the frame before.
 HistorySample SampleHistory(vec2 position, HistoryQuery query) {
     position -= 0.5;
     vec2 first = floor(position), part = position - first;
@@ -136,14 +138,15 @@ HistorySample LoadHistoryAtRest(ivec2 pixel, Guide guide, HistoryQuery query) {
     return ShowsSameSurface(pixel, guide, there, query) ? sampled : NO_HISTORY;
 }
 
-// The position at which a plane mirror, with a point and a normal of any length, showed what is sought.
+// The position in pixels at which a plane mirror, given by a point and a normal of any length, showed the reflected
+// point of a query.
 vec2 PlaneMirrorPosition(vec3 point, vec3 normal, HistoryQuery query) {
     float before_plane = dot(query.end - point, normal) / max(dot(normal, normal), 1e-30);
     return ProjectToPreviousPixels(query.end - 2.0 * before_plane * normal);
 }
 
-// The way from a pixel of the frame before to where its tangent plane would have mirrored what is sought. False if the
-// pixel showed another surface.
+// The way from a pixel of the frame before to where its tangent plane would have mirrored the reflected point of a
+// query. False if the pixel showed another surface.
 bool PlaneMirrorOffset(ivec2 pixel, HistoryQuery query, out vec2 way) {
     Guide guide = LoadGuide(pixel);
     vec2 middle = vec2(pixel) + 0.5;
@@ -152,10 +155,10 @@ bool PlaneMirrorOffset(ivec2 pixel, HistoryQuery query, out vec2 way) {
     return ShowsSameSurface(pixel, guide, there, query);
 }
 
-// The position at which a mirror, curved or not, showed what is sought: where the way of PlaneMirrorOffset is 0. At
-// `on_surface` this way leads to `in_plane`. The change of the way from pixel to pixel tells how the mirror is curved,
-// and one step of Newton's method finds where the way is 0. If the pixels around tell of no even change, for example
-// because a map turns the normals, the result is `in_plane`.
+// The position at which a mirror, curved or not, showed the reflected point: where the way of PlaneMirrorOffset is 0.
+// At `on_surface` this way leads to `in_plane`. The change of the way from pixel to pixel tells how the mirror is
+// curved, and one step of Newton's method finds where the way is 0. If the pixels around tell of no even change, for
+// example because a map turns the normals, the result is `in_plane`.
 vec2 CurvedMirrorPosition(vec2 on_surface, vec2 in_plane, HistoryQuery query) {
     vec2 way = in_plane - on_surface;
     ivec2 pixel = ivec2(floor(on_surface));

@@ -7,14 +7,14 @@
 
 #define LOG2_E 1.442695
 
-// alpha + 1 of docs/definitions.md, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
-// which does not cancel; roughness is at most 1, where it is good to 1e-4.
+// alpha + 1 of docs/definitions.md, "Surfaces", which is ln xi / ln cos(roughness / 2). The cosine's logarithm comes
+// from its series in h = (roughness / 2)^2, without cancellation. The greatest roughness is 1, where its error is 1e-4.
 float LobePower(float roughness) {
     float h = 0.25 * roughness * roughness;
     return -log(XI) / max(h * (0.5 + h * (1.0 / 12.0 + h / 45.0)), 1e-12);
 }
 
-// ln cos of an angle, from x = 1 - cos of the angle.
+// The natural logarithm of the cosine of an angle, by its series in x, which is 1 minus this cosine.
 float LogCos(float x) {
     return -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)));
 }

@@ -1,8 +1,9 @@
-// Normals from depth alone. Needs camera.glsl, constants.glsl, and from whoever includes this
-//   float Depth(ivec2 pixel)   reversed depth, 0 where nothing stands
+// Normals from depth alone. Needs camera.glsl, constants.glsl, and a function of the file that includes this one:
+//   float Depth(ivec2 pixel)   the reversed depth of a pixel, 0 where nothing stands
 
 #include "common/sight.glsl"
 
+// The view-space point that a pixel shows at a reversed depth, in metres.
 vec3 ViewPoint(ivec2 pixel, float depth) {
     vec2 ndc = (vec2(pixel) + 0.5) / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);

@@ -6,6 +6,7 @@
 
 #include "common/constants.glsl"
 
+// Makes NaN and negative values 0, and clamps the rest to the greatest 16-bit float.
 float Sound(float v) {
     return v > 0.0 ? min(v, GREATEST_HALF) : 0.0;
 }
@@ -14,7 +15,7 @@ vec3 Sound(vec3 color) {
     return vec3(Sound(color.r), Sound(color.g), Sound(color.b));
 }
 
-// Keeps negative values, which are no light either but fit into 16 bits.
+// Makes NaN 0, and clamps a value to what fits into 16 bits. Negative values stay, though they are no light.
 float Finite(float v) {
     return abs(v) <= GREATEST_HALF ? v : v > 0.0 ? GREATEST_HALF : v < 0.0 ? -GREATEST_HALF : 0.0;
 }

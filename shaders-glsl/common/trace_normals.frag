@@ -14,6 +14,7 @@ layout(binding = 1) uniform sampler2D depth_buffer; // reversed
 
 OUTPUT(0, rgba16f, vec4, out_normal); // view space, unit
 
+// The reversed depth of a pixel, for normal_of_depth.glsl; 0 for sky.
 float Depth(ivec2 pixel) {
     return texelFetch(depth_buffer, pixel, 0).r;
 }

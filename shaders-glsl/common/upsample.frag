@@ -23,6 +23,7 @@ OUTPUT(0, rgba16f, vec4, out_reflection);
 // Power of the cosine between two normals; cos 20 deg to this power is 0.14.
 #define NORMAL_POWER 32.0
 
+// The view-space point that a pixel shows, in metres.
 vec3 Position(ivec2 pixel) {
     vec2 ndc = (vec2(pixel) + 0.5) / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, texelFetch(depth_buffer, pixel, 0).r, 1.0);
@@ -47,7 +48,7 @@ SHADE(out_reflection) {
 
     vec4 sum = vec4(0.0);
     float weights = 0.0;
-    vec4 alike = vec4(0.0);   // of the most similar texel, for when none is similar enough
+    vec4 alike = vec4(0.0);   // the reflection of the most similar texel, if none is similar enough
     float likeness = -1.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 step = ivec2(i & 1, i >> 1);

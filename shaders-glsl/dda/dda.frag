@@ -1,9 +1,9 @@
 #version 460
 #pragma program(Dda)
 #pragma in_either_stage
-// `dda`: every ray by a march over pixels along its longer screen axis, and the colour where it ends: a mirror lookup,
-// whatever the roughness. After the text of McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing" (JCGT 3(4),
-// 2014); ERRATA.md beside this file lists what that leaves open and what differs.
+// The method `dda` marches each mirror ray over pixels along its longer screen axis, and shows the colour where the ray
+// ends, whatever the roughness. It follows the text of McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing" (JCGT
+// 3(4), 2014). ERRATA.md beside this file lists what this text leaves open and what differs.
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"
@@ -22,7 +22,7 @@ layout(push_constant) uniform DdaBlock {
     float longest;    // metres after which a ray ends
     int steps;        // samples of a ray at most
     float fade_start; // I_start of the thesis's Eq. 4.7
-    float fade_end;   // I_end of it
+    float fade_end;   // I_end of Eq. 4.7
     int fade;         // 0: no fade at all
 } dda;
 
@@ -36,20 +36,20 @@ layout(binding = 6) uniform sampler2D behind_color;
 OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
-// A ray on the screen. Everything about it is a function of s, the pixels along the longer of its two axes from the
+// A ray on the screen. Each of its quantities is a function of s, the pixels along the longer of its two axes from the
 // centre of the pixel where it starts. Pixels and k = 1 / z are linear in s. The paper interpolates Q k beside k; of Q
 // only the depth is asked for, and since w is z in our clip space, its z k is 1 all along the ray.
 struct Line {
     vec2 start; // pixels
     vec2 slope; // pixels of each axis to one of s; one of the two is 1 or -1
     float k;    // 1 / z at the start
-    float dk;   // what it grows by with s
+    float dk;   // by how much k grows with each pixel of s
     float end;  // s where the ray ends, or leaves the screen
 };
 
-// How near to its own start a ray is not held against anything: the rest of its own pixel.
+// The s up to which a ray is not compared with any depth: the rest of its own pixel.
 const float OWN_PIXEL = 0.5;
-// Pixels that the search within a step gets near to a hit.
+// The search within a step ends when its interval is as short as this, in pixels.
 const float SEARCH_ENDS = 0.25;
 // The order in which a block of 4 x 4 pixels is shifted, so that neighbours are far apart in it.
 const int ORDER[16] = int[](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
@@ -61,7 +61,7 @@ float Shift(ivec2 pixel) {
     return (float(ORDER[(pixel.y & 3) * 4 + (pixel.x & 3)]) + 0.5) / 16.0 - 0.5;
 }
 
-// View depth of a layer at a place on the screen; what is not there is infinitely far away.
+// The view depth that a layer shows at a position in pixels; NEVER where the layer shows nothing.
 float SceneDepth(vec2 place, int layer) {
     ivec2 pixel = clamp(ivec2(place), ivec2(0), ivec2(camera.resolution) - 1);
     float depth;
@@ -75,17 +75,18 @@ float SceneDepth(vec2 place, int layer) {
     return (m[2][2] * depth + m[3][2]) / (m[2][3] * depth + m[3][3]);
 }
 
+// The position of a ray on the screen at s, in pixels.
 vec2 Place(Line line, float s) {
     return line.start + line.slope * s;
 }
 
-// View depth of the ray. Its end lies before the near plane, so that k is never 0.
+// The view depth of a ray at s. The ray is cut off at the near plane and has a finite length, so that k is never 0.
 float Depth(Line line, float s) {
     return 1.0 / (line.k + line.dk * s);
 }
 
-// The ray from a point in view space on the screen: cut off at the near plane and at its greatest length, projected,
-// and cut off where it leaves the screen. Without an end (0) if it never leaves its own pixel.
+// Projects the ray from a view-space point, seen at `start` in pixels, to the screen. The ray is cut off at the near
+// plane, at its greatest length and where it leaves the screen. Its `end` is 0 if it never leaves its own pixel.
 Line Project(vec2 start, vec3 position, vec3 direction) {
     float len = dda.longest;
     if (direction.z < 0.0)
@@ -95,7 +96,7 @@ Line Project(vec2 start, vec3 position, vec3 direction) {
     vec2 way = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.resolution - start;
     float pixels = max(abs(way.x), abs(way.y));
     Line line = Line(start, vec2(0.0), 1.0 / position.z, 0.0, 0.0);
-    // Also where the ray has no length, or numbers are none.
+    // True also for a ray without a length on the screen, and where a number is NaN or infinite.
     if (!(pixels > OWN_PIXEL) || !(last.z > 0.0) || isinf(pixels))
         return line;
     line.slope = way / pixels;
@@ -116,12 +117,13 @@ bool Meets(Line line, vec2 place, float a, float b, int layer) {
     return max(depths.x, depths.y) >= scene && min(depths.x, depths.y) <= scene + dda.thickness;
 }
 
+// Whether the ray at s is as far away as what a layer shows there, or farther.
 bool IsBehind(Line line, float s, int layer) {
     return Depth(line, s) >= SceneDepth(Place(line, s), layer);
 }
 
-// A sample met a surface. Finds by bisection where the ray goes behind that surface, within one step around the
-// sample.
+// Returns the s at which a ray goes behind the surface that its sample at s met. Bisection finds it within one step
+// around the sample.
 float Refine(Line line, float s, float next, int layer) {
     bool behind = IsBehind(line, s, layer);
     float before = behind ? max(s - dda.stride, OWN_PIXEL) : s;
@@ -136,7 +138,8 @@ float Refine(Line line, float s, float next, int layer) {
     return after;
 }
 
-// s of the hit, or -1; in which layer it lies, and how the ray ended.
+// Returns the s of the hit, or -1 for a miss. `layer` becomes the layer of the hit, and `path` how the ray ended
+// (PATH_*).
 float March(Line line, float shift, out int layer, out int path) {
     path = PATH_LINEAR_MISS;
     layer = 0;
@@ -161,7 +164,7 @@ float March(Line line, float shift, out int layer, out int path) {
             if (!meets)
                 continue;
             float hit = REFINE ? Refine(line, s, next, l) : s;
-            // What the step met must be met where the search ended, too: by the ray within one pixel.
+            // The ray must meet the layer where the search ended, too, within the last pixel before that place.
             if (!REFINE || Meets(line, Place(line, hit), max(hit - 1.0, OWN_PIXEL), hit, l)) {
                 path = PATH_LINEAR;
                 layer = l;
@@ -173,8 +176,8 @@ float March(Line line, float shift, out int layer, out int path) {
     return -1.0;
 }
 
-// Where a direction in view space goes on for ever on the screen, in texture coordinates. False where that is not on the
-// screen, or where the screen shows something in front of the sky there.
+// The place on the screen that a view-space direction tends to in the distance (its vanishing point), in texture
+// coordinates. False if it is not on the screen, or if the screen shows something in front of the sky there.
 bool MeetsSky(vec3 direction, out vec2 uv) {
     precise vec4 clip = camera.view_to_clip * vec4(direction, 0.0);
     precise vec2 place = clip.xy / clip.w * vec2(0.5, -0.5) + 0.5;

@@ -43,6 +43,7 @@ float Depth(ivec2 pixel) {
 
 #include "common/normal_of_depth.glsl"
 
+// The normal of a pixel in our view space: decoded from the other renderer's image, or made from depth.
 vec3 Normal(ivec2 pixel, float depth) {
     vec3 stored = texelFetch(normal_source, pixel, 0).xyz;
     if (NORMAL_KIND == NORMAL_OF_DEPTH)

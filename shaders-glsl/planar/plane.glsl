@@ -16,6 +16,7 @@ layout(binding = 2) uniform sampler2D material_buffer; // reflectivity, roughnes
 #define ON_PLANE_M 2e-3
 #define ON_PLANE_SHARE 5e-5
 
+// Whether a pixel reflects, and its point lies in the mirror's plane.
 bool OnPlane(ivec2 pixel) {
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     if (depth <= 0.0 || texelFetch(material_buffer, pixel, 0).r <= REFLECTS_ABOVE)

@@ -2,8 +2,9 @@
 #pragma program(PosterBlurAcross, ACROSS)
 #pragma program(PosterBlurDown)
 #pragma in_either_stage
-// One direction of one slice: a Gaussian of depth, normal and colour at once. Across, from a slice of the volumes into
-// plain images; down, from these into the next slice. Taps are those of thesis 4.3.2, `blur.direction` apart.
+// Blurs one slice of the volumes in one direction, by a Gaussian of depth, normal and colour at once. With ACROSS it
+// reads a slice and writes plain images; without ACROSS it reads these images and writes the next slice. Taps are those
+// of thesis 4.3.2, `blur.direction` apart.
 
 #if defined(COMPUTE) && !defined(ACROSS)
 #define OUTPUT_IMAGE image3D

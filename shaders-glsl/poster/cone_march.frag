@@ -50,6 +50,7 @@ layout(constant_id = 1) const bool LAYERS = false; // whether there is a second 
 OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
+// Samples a filtered image at a level, which is a mip level, or with VOLUME a slice.
 vec4 Filtered(FILTERED tex, vec2 texCoord, float level) {
 #ifdef VOLUME
     return textureLod(tex, vec3(texCoord, (level + 0.5) / float(textureSize(tex, 0).z)), 0.0);
@@ -68,7 +69,7 @@ bool LeftScreen(vec2 texCoord) {
     return any(lessThan(texCoord, vec2(0.0))) || any(greaterThan(texCoord, vec2(1.0)));
 }
 
-// How much longer than a texel is wide a path may be that is seen to cross one.
+// The greatest length of a path that is seen to cross a texel, in widths of the texel.
 const float MOST_SHORTENED = 8.0;
 
 // Metres that the screen's height spans at a depth.
@@ -92,6 +93,7 @@ struct Cone {
     float solidAngle; // steradians
 };
 
+// The point at a length of path along the axis of a cone, in view space.
 vec3 At(Cone cone, float pathLength) {
     return cone.origin + cone.direction * pathLength;
 }
@@ -126,7 +128,8 @@ float BinarySearch(Cone cone, float pathLength, float stride, int layer) {
 }
 
 // Whether a hit-point lies on a surface of its layer, and not on the slope that the filter makes between the depths of
-// two: a texel further on, the axis is within the layer's thickness, beside what it went deeper itself.
+// two surfaces. A texel further on, the axis may then lie behind the layer by no more than the layer's thickness and
+// the change of the axis's own depth.
 bool Stands(Cone cone, float pathLength, int layer) {
     vec3 Q = At(cone, pathLength);
     float texel = exp2(Level(cone.solidAngle, pathLength, Q.z));

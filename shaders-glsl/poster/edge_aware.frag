@@ -1,8 +1,8 @@
 #version 460
 #pragma program(EdgeAware)
 #pragma in_either_stage
-// A level of the poster's G-buffer from the level below it, edge-aware as its conclusion asks for: of the texels below,
-// those count that lie on the surface that most of them lie on, so that no depth is a mean of two surfaces.
+// Makes a level of the poster's G-buffer from the level below it, edge-aware as the poster's conclusion asks for. Only
+// the texels below that lie on the surface that most of them lie on count, so that no depth is a mean of two surfaces.
 
 #include "common/either_stage.glsl"
 
@@ -19,6 +19,7 @@ OUTPUT(0, r32f, float, out_depth);
 OUTPUT(1, rgba16f, vec4, out_normal);
 OUTPUT(2, rgba16f, vec4, out_color);
 
+// Whether two view depths lie on one surface.
 bool SameSurface(float a, float b) {
     return abs(a - b) <= edge.tolerance * min(a, b);
 }
@@ -36,7 +37,7 @@ SHADE_ALL(out_depth, STORE(out_normal) STORE(out_color)) {
         for (int x = first.x; x <= last.x; ++x)
             depths[count++] = texelFetch(depth_source, ivec2(x, y), 0).r;
 
-    // The depth that most of the others agree with; of equals the nearest.
+    // The depth that most of the others agree with. If several have as many that agree, the nearest of them counts.
     float surface = depths[0];
     int most = 0;
     for (int i = 0; i < count; ++i) {

@@ -2,8 +2,8 @@
 #pragma program(LinearDepth)
 #pragma program(LinearDepthVolume, VOLUME)
 #pragma in_either_stage
-// Linear depth of the G-buffer: view-space z in metres, that of the far plane for the sky; with VOLUME into the first slice of a
-// volume.
+// Writes the linear depth of the G-buffer: view-space z in metres, and for sky the z of the far plane. With VOLUME the
+// target is the first slice of a volume.
 
 #if defined(COMPUTE) && defined(VOLUME)
 #define OUTPUT_IMAGE image3D

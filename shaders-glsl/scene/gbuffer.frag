@@ -45,16 +45,16 @@ float ViewDepth(float depth) {
     return (m[2][2] * depth + m[3][2]) / (m[2][3] * depth + m[3][3]);
 }
 
-// Whether this fragment belongs to the layer in front, or lies too close behind it. Where something is drawn, that
-// layer has a depth above 0.
+// Whether this fragment belongs to the layer in front, or lies too close behind it, and so is left out. Where something
+// is drawn, that layer has a depth above 0.
 bool IsPeeled() {
     float first = texelFetch(first_depth, ivec2(gl_FragCoord.xy), 0).r;
     return !(ViewDepth(gl_FragCoord.z) > ViewDepth(first) + peel.separation);
 }
 #endif
 
-// Distance that is put between the coordinates of neighbouring pixels with one point, over the coordinates: at most a
-// 256th of a texel of a map of 4096 texels, which is what filters resolve.
+// The difference that is put between the coordinates of neighbouring pixels that have one point, as a share of the
+// coordinates. It is at most a 256th of a texel of a map of 4096 texels, the finest step that filters resolve.
 #define POINT_WIDTH (1.0 / 1048576.0)
 
 // The texture coordinates at which a pixel samples. Very close to the eye, or where rounding makes neighbouring

@@ -28,6 +28,7 @@ layout(constant_id = 22) const uint LIGHTS = 16u; // at least the number of ligh
 #define LIGHTS scene.count
 #endif
 
+// `albedo` is linear, and `emission` is the share of the albedo that is emitted, 0 to 1.
 vec3 LitColor(vec3 albedo, float emission, vec3 position, vec3 normal) {
     float shading = 0.0;
     for (uint i = 0u; i < LIGHTS; ++i) {

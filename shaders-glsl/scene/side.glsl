@@ -9,7 +9,7 @@ bool IsSeenFromBehind() {
     return gl_FrontFacing == mirrored;
 }
 
-// Whether nothing shows there, since the surface has no back.
+// Whether a single-sided surface is seen from behind, so that nothing of it shows.
 bool HasNoSuchSide(bool is_behind) {
     return is_behind && (draw.maps & SINGLE_SIDED) != 0u;
 }

@@ -16,26 +16,29 @@ layout(binding = 5) uniform sampler2D material_buffer;
 
 OUTPUT(0, rgba16f, vec4, out_reflection);
 
-// Pixels that a ray passes at most; a longer one is sampled as often.
+// The most samples of a ray on the screen. A ray takes one for each pixel; a longer ray takes no more than these.
 #define MARCH_MAX 512
 
+// The view-space point at a position in pixels and a reversed depth.
 vec3 ViewPosition(vec2 position, float depth) {
     vec4 h = camera.clip_to_view_reversed * vec4(position / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0), depth, 1.0);
     return h.xyz / h.w;
 }
 
-// Pixel coordinates and reversed depth.
+// The pixel coordinates and the reversed depth of a view-space point.
 vec3 Screen(vec3 view) {
     vec4 clip = camera.view_to_clip_reversed * vec4(view, 1.0);
     return vec3((0.5 + vec2(0.5, -0.5) * clip.xy / clip.w) * camera.resolution, clip.z / clip.w);
 }
 
+// The view depth that a pixel shows, in metres; -1 for sky.
 float ViewZ(ivec2 pixel) {
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     return depth > 0.0 ? ViewPosition(vec2(pixel) + 0.5, depth).z : -1.0;
 }
 
-// What a pixel's surface is taken to measure in depth: T of docs/definitions.md, "Oracle", item 3.
+// The extent in depth that the surface of a pixel is taken to have, in metres: T of docs/definitions.md, "Oracle", item
+// 3.
 float Thickness(ivec2 pixel, float z) {
     vec2 slope = vec2(0.0);
     for (int axis = 0; axis < 2; ++axis) {
@@ -54,17 +57,17 @@ float Thickness(ivec2 pixel, float z) {
     return slope.x + slope.y + SHARE_OF_DEPTH * z;
 }
 
-// Whether the depth buffer shows something on the way from a pixel to its hit on a billboard. Where the
-// ray leaves the screen nothing is known, and nothing hides it.
+// Whether the depth buffer shows something on the way from a pixel to its hit on a billboard, `t` metres away. Beyond
+// the screen nothing is known, and nothing hides the billboard.
 bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t) {
     if (occlusion == 0)
         return false;
     vec3 from = (camera.world_to_view * vec4(wsPosition, 1.0)).xyz;
     vec3 along = mat3(camera.world_to_view) * wsReflectVec;
     float far_end = max((from + t * along).z, camera.near_plane);
-    // An occluder this near to the billboard is what the billboard stands for.
+    // A thing this near to the billboard is the thing that the billboard stands for, and does not hide it.
     t -= VISIBLE_WITHIN + VISIBLE_WITHIN * far_end;
-    // Before the near plane, where the projection ends.
+    // The way ends before the near plane, where the projection ends.
     if (along.z < 0.0)
         t = min(t, (from.z - camera.near_plane) / -along.z * 0.999);
     if (t <= 0.0)
@@ -72,7 +75,7 @@ bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t) {
     vec3 start = Screen(from);
     vec3 step = Screen(from + t * along) - start;
     float pixels = max(abs(step.x), abs(step.y));
-    // To where it leaves the screen.
+    // `inside` is the part of the way until the ray leaves the screen.
     vec2 room = mix(start.xy, camera.resolution - start.xy, greaterThan(step.xy, vec2(0.0))) / max(abs(step.xy), 1e-6);
     float inside = min(1.0, min(room.x, room.y));
     int steps = int(clamp(ceil(pixels * inside), 1.0, float(MARCH_MAX)));
@@ -98,8 +101,8 @@ bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t) {
 // Roughness of the pixel that is drawn.
 float roughness = 0.0;
 
-// Level of detail for the width of a pixel seen along the whole path, as a mirror shows it. With a blur, the width of the
-// cone there is added.
+// The level of a billboard's image for the width of a pixel seen along the whole path, as a mirror shows it. With a
+// blur, the width of the cone at the hit is added. `t` is the distance from the pixel to the hit, in metres.
 float BillboardLod(int i, vec3 wsPosition, float t) {
     vec3 eye = camera.view_to_world[3].xyz;
     float pixel = 2.0 / (camera.view_to_clip[1][1] * camera.resolution.y);

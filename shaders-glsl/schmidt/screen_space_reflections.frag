@@ -35,7 +35,7 @@ float linearizeDepth(float z) {
         / (camera.far_plane + camera.near_plane - z * (camera.far_plane - camera.near_plane));
 }
 
-// Layer of depth that SampleDepth read last.
+// Whether SampleDepth read the second layer of depth last.
 bool behind = false;
 
 // Reads the linearised depth that stands at a place. With LAYERS, where the ray is deeper than the first layer is thick, it
@@ -56,6 +56,7 @@ vec4 SampleDiffuse(vec2 samplingPosition, float level) {
     return textureLod(DiffuseTex, samplingPosition, level);
 }
 
+// The texture coordinates and the standard depth of a view-space point.
 vec3 Project(vec3 vsPoint) {
     vec4 csPoint = camera.view_to_clip * vec4(vsPoint, 1.0);
     vec3 ndcsPoint = csPoint.xyz / csPoint.w;

@@ -35,7 +35,7 @@ OUTPUT(2, rgba32f, vec4, out_hit);   // of a mirror: texture coordinates, standa
 // Where a ray ended.
 struct RayEnd {
     int code;      // PATH_*
-    bool hits;
+    bool hits;     // the ray hit what a pixel shows
     bool shows;    // the pixel shows what the ray hits, or the sky; false for a pixel that is seen from behind its normal
     vec2 position; // continuous pixel coordinates
     float depth;   // reversed

@@ -19,8 +19,8 @@ float InterpolatedConeAngle(float roughness) {
     return alpha > thesis.cone_mirror_alpha ? 0.0 : acos(pow(thesis.cone_xi, 1.0 / (alpha + 1.0)));
 }
 
-// The angle of the author's program, which is that of xi = 0.244 for the lobe of a roughness; that of another xi for the
-// same lobe.
+// Half the angle of the cone that holds the share 1 - xi of the lobe of a roughness. For xi = 0.244 it is the angle of
+// the author's program.
 float LobeConeAngle(float roughness) {
     float theta = ConeAngle(roughness);
     return thesis.cone_xi == XI ? theta : acos(pow(cos(theta), log(thesis.cone_xi) / log(XI)));

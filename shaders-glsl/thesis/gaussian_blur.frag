@@ -17,11 +17,11 @@ layout(binding = 1) uniform sampler2D hiZ; // the level that is written: standar
 layout(constant_id = 0) const bool SURFACE = false; // a tap on another surface is masked, not one on none
 
 layout(push_constant) uniform MaskedBlurBlock {
-    vec2 invSize;    // as below
-    vec2 direction;
-    float near;      // of the lens, metres
-    float far;
-    float tolerance; // of one surface, depths differ by no more than this part of the lesser one
+    vec2 invSize;    // 1 / size of the level that is written
+    vec2 direction;  // (invTexWidth, 0) or (0, invTexHeight)
+    float near;      // near plane, metres
+    float far;       // far plane, metres
+    float tolerance; // depths of one surface differ by no more than this part of the lesser one
 } blur;
 
 vec4 central;
@@ -31,7 +31,7 @@ float ViewDepth(float depth) {
     return blur.near * blur.far / (blur.far - depth * (blur.far - blur.near));
 }
 
-// What the mask buffer of 4.3.2 says of a place: whether it counts.
+// Whether the tap at a place counts, as the mask buffer of 4.3.2 says it.
 bool Mask(vec2 texCoord) {
     float depth = textureLod(hiZ, texCoord, 0.0).r;
     if (!SURFACE)

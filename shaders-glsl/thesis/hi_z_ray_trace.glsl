@@ -46,6 +46,7 @@ vec3 IntersectCellBoundary(
     return Ray(rayOrigin, rayDirection, t);
 }
 
+// The least standard depth of the cell in which a place lies.
 float GetCellMinimumDepthPlane(vec2 ray, float level) {
     return textureLod(hiZBuffer, ray, level).r;
 }

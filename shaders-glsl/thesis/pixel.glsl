@@ -1,5 +1,5 @@
-// What every ray of the thesis begins with: the pixel, whether it reflects, and Alg. 2's ray; and how
-// a ray ends. Needs parameters.glsl.
+// Reads the pixel with which every ray of the thesis begins: whether it reflects, and its reflection ray (Alg. 2).
+// Needs parameters.glsl.
 
 layout(binding = 1) uniform sampler2D hiZBuffer;       // standard depth, minimum and maximum
 layout(binding = 2) uniform sampler2D normalBuffer;    // view space
@@ -16,6 +16,7 @@ struct Pixel {
     float roughness;
 };
 
+// Reads the pixel whose centre is at `fragCoord`, in pixels.
 Pixel ReadPixel(vec2 fragCoord) {
     ivec2 coord = ivec2(fragCoord);
     Pixel pixel = Pixel(false, vec3(0.0), vec3(0.0), vec3(0.0), 0.0);

@@ -4,7 +4,7 @@
 #include "thesis/linear_ray_march.glsl"
 #include "thesis/hi_z_ray_trace.glsl"
 
-// Whether rays towards the camera are marched: of `ssct` they are, of `hzct` not.
+// Whether rays towards the camera are marched: `ssct` marches them, and `hzct` does not trace them.
 layout(constant_id = 0) const bool FALLBACK = true;
 
 struct Trace {
@@ -38,6 +38,8 @@ vec3 RayTrace(vec3 P_ss, vec3 V_ss, out float path) {
     return hit;
 }
 
+// Traces the reflection ray of the pixel whose centre is at `fragCoord`. A pixel that does not reflect has no hit and
+// the code PATH_NONE.
 Trace TracePixel(vec2 fragCoord) {
     Trace trace = Trace(INVALID_RAY, PATH_NONE, vec3(0.0), 0.0);
     Pixel pixel = ReadPixel(fragCoord);

@@ -33,6 +33,7 @@ vec2 OwnRaySample(ivec2 pixel, int ray) {
     return vec2((float(ray) + fract(shift.x)) / float(OWN_RAYS), fract(0.618034 * float(ray) + shift.y));
 }
 
+// Traces an own ray of a pixel, and returns the colour that it saw, with the fade in alpha; -1 in alpha for a miss.
 vec4 TraceOwnRay(ivec2 pixel, int ray) {
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
@@ -67,6 +68,7 @@ vec4 MeanWithNeighbours(Doubt doubt, uint first) {
 
 #else
 
+// Among triangles no ray misses, and nothing fades.
 vec4 MeanWithNeighbours(Doubt doubt, uint first) {
     vec3 sum = doubt.rays * doubt.color.rgb;
     for (uint i = first; i < first + uint(OWN_RAYS); ++i)

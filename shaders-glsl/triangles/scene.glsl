@@ -10,7 +10,8 @@
 
 #include "common/constants.glsl"
 
-// What all programs that trace rays against triangles have together, from this file and from those that colour hits.
+// The resources and constants of every program that traces rays against triangles, from this file and from those that
+// colour hits.
 #pragma group(TriangleResources, geometry_texels, geometry, table_texels, table, image_texels, images, triangles, scene, screen_color, screen_depth)
 #pragma group(TriangleConstants, GEOMETRY_TEXELS, IMAGE_TEXELS, ASKS, LIGHTS, SCREEN_COLORS, WALK_ROOM)
 
@@ -48,6 +49,7 @@ layout(std140, binding = 26) uniform TriangleBlock {
                          // units where rays of sight are parallel
 } triangles;
 
+// Geometry, Table and ImageWord load entry i of the three buffers.
 uvec4 Geometry(int i) {
     return GEOMETRY_TEXELS ? imageLoad(geometry_texels, i) : geometry.words[i];
 }

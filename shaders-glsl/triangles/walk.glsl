@@ -51,6 +51,7 @@ vec3 CrossInOrder(vec3 a, vec3 b) {
     return cross;
 }
 
+// Whether a hit comes after the hit `than`: farther away, or as far with a greater number.
 bool IsFarther(float t, uint id, TriangleHit than) {
     return t > than.t || (t == than.t && id > than.id);
 }

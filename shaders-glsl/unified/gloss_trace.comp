@@ -37,6 +37,7 @@ layout(binding = 12, rgba16f) uniform writeonly image2D seen_image;
 
 shared vec3 units[GROUP_SIDE * GROUP_SIDE];
 
+// The differences of a unit vector within a block of 2 x 2 cells, by memory that threads share.
 void BlockDifferences(vec3 unit, out vec3 across, out vec3 along) {
     uint thread = gl_LocalInvocationIndex;
     units[thread] = unit;

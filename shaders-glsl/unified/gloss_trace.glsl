@@ -189,9 +189,9 @@ vec3 RecordedPlace(vec3 point, RayEnd end) {
 }
 
 struct CellRay {
-    vec4 place; // and the ray's density; all is 0 for no ray
-    vec4 color;
-    uvec2 ray_end;
+    vec4 place;    // RecordedPlace, and in w the ray's density, negative for a miss; all is 0 for no ray
+    vec4 color;    // colour that the ray saw, and fade in alpha
+    uvec2 ray_end; // PackRayEnd
 };
 
 // The ray of a cell. A cell beyond the border has none, but its thread must call this as well, for BlockDifferences.

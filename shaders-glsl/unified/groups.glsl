@@ -35,6 +35,7 @@ bool ThreadTexel(int list, int halved, out ivec2 texel) {
     return true;
 }
 
+// Whether a texel lies inside the image, or with `halved` 1 inside an image with a texel for 2 x 2 pixels.
 bool IsInside(ivec2 texel, int halved) {
     return all(lessThan(texel, (unified.size + halved) >> halved));
 }

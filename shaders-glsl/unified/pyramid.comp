@@ -70,6 +70,7 @@ vec2 DepthBlock(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
     return mix(EMPTY_BLOCK, vec2(depth, mix(back, parallel, ORTHOGRAPHIC)), bvec2(depth > 0.0));
 }
 
+// The least block that holds two blocks.
 vec2 Union(vec2 a, vec2 b) {
     return vec2(max(a.x, b.x), min(a.y, b.y));
 }
@@ -100,6 +101,7 @@ vec4 Reciprocals(vec4 depths) {
     return vec4(Reciprocal(depths.x), Reciprocal(depths.y), Reciprocal(depths.z), Reciprocal(depths.w));
 }
 
+// Fetches two rows of four pixels, the first of which is p.
 Rows FetchRows(ivec2 p) {
     vec4 left = FetchDepths(p), right = FetchDepths(p + ivec2(2, 0));
     vec4 upper = vec4(left.wz, right.wz), lower = vec4(left.xy, right.xy);
@@ -113,6 +115,7 @@ vec2 BuildPixel(ivec2 pixel, float depth, vec2 left, vec2 right, vec2 up, vec2 d
     return block;
 }
 
+// Depth and Reciprocal of pixel x of the upper row; LowerPixel returns those of the lower row.
 vec2 UpperPixel(Rows rows, int x) {
     return vec2(rows.upper_depth[x], rows.upper_reciprocal[x]);
 }

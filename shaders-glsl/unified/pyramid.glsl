@@ -17,6 +17,7 @@ layout(constant_id = 0) const int STRIP = 2; // log2 of the columns to a strip
 
 const vec2 EMPTY_BLOCK = vec2(-1.0, 2.0); // front below every depth, back above
 
+// Twice the number of strips of level 0.
 int PyramidStrips() {
     return 2 * unified.padded.x >> STRIP;
 }
@@ -27,6 +28,7 @@ ivec2 StripTexel(ivec2 cell, int row) {
     return ivec2((cell.y << STRIP) | column, (cell.x >> STRIP) + row);
 }
 
+// The texel of the pyramid's image that holds a cell; PixelTexel returns that of a pixel, a cell of level 0.
 ivec2 CellTexel(ivec2 cell, int level) {
     int strips = PyramidStrips();
     return StripTexel(cell, strips - (strips >> level));

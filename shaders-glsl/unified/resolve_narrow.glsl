@@ -41,6 +41,7 @@ struct RayStatistics {
     float count;  // of rays
 };
 
+// Adds a ray to the statistics that IsDoubtful reads.
 void CountRay(inout RayStatistics statistics, NeighbourRay r) {
     if (OWN_RAYS > 0) {
         float counts = r.key.w != 0.0 ? 1.0 : 0.0;
@@ -51,6 +52,7 @@ void CountRay(inout RayStatistics statistics, NeighbourRay r) {
     }
 }
 
+// Gathers a neighbour's ray, weighted by how alike its lobe and the pixel's own lobe are.
 void GatherRay(inout RayStatistics statistics, NeighbourRay own, NeighbourRay r) {
     // The square root of LobeOverlap, for a power between the two, by mirror directions instead of normals, which turn
     // half as far. The root is steadier than the overlap under a moving camera.

@@ -17,6 +17,7 @@ ivec2 first;
 // The ray of a texel, which may lie beyond the border of the image.
 NeighbourRay LoadGatheredRay(ivec2 texel);
 
+// The ray of a texel, after LoadSharedRays has loaded it.
 NeighbourRay SharedRay(ivec2 texel) {
     ivec2 offset = texel - first;
     return loaded[offset.y * ROOM + offset.x];

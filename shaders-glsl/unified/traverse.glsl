@@ -166,6 +166,7 @@ ivec2 Ahead(Ray ray) {
 
 #ifndef FACES
 
+// Walks over the pyramid until the ray hits a block or ends.
 Hit Traverse(Ray ray) {
     Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, ray.end);
     ivec2 ahead = Ahead(ray);

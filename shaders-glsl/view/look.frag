@@ -25,8 +25,8 @@ layout(push_constant) uniform LookBlock {
 
 layout(location = 0) out vec4 out_color;
 
-// Near is bright; the logarithm spreads what depth compresses. A hundred times the near distance is
-// mid-grey, and sky black.
+// The shade of a reversed depth, 0 to 1. Near is bright, and a logarithm spreads the depths that a perspective
+// compresses: a hundred times the near plane's distance is mid-grey. Sky is black.
 float DepthShade(float reversed) {
     if (reversed <= 0.0)
         return 0.0;
@@ -37,7 +37,7 @@ float DepthShade(float reversed) {
     return clamp(1.0 - log(z / look.near_plane) / log(1e4), 0.0, 1.0);
 }
 
-// Black, blue, green, yellow, red, white.
+// The colour of a share (0 to 1) in a heat map: black, blue, green, yellow, red, white.
 vec3 HeatColor(float share) {
     const vec3 stops[6] = vec3[](
         vec3(0.0), vec3(0.05, 0.1, 0.6), vec3(0.0, 0.5, 0.2), vec3(0.9, 0.75, 0.0), vec3(0.8, 0.05, 0.0), vec3(1.0));
@@ -46,10 +46,12 @@ vec3 HeatColor(float share) {
     return mix(stops[below], stops[below + 1], position - float(below));
 }
 
+// Multiplies a value by the exposure, and maps range_low to 0 and range_high to 1.
 vec3 MapToRange(vec3 value) {
     return (value * look.exposure - look.range_low) / max(look.range_high - look.range_low, 1e-6);
 }
 
+// The colour in which a texel is shown, by `look.channel` and `look.content`.
 vec3 Shade(vec4 texel) {
     if (look.channel >= 0)
         return MapToRange(vec3(texel[look.channel]));

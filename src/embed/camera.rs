@@ -18,7 +18,7 @@ pub struct CameraInput {
     /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
     /// orthographic projection has its near plane at the eye or in front of the eye.
     pub view_to_clip: [f32; 16],
-    /// Where the top of the image is in clip space.
+    /// The place of the image's top in clip space.
     pub clip_y: ClipY,
 }
 
@@ -70,8 +70,7 @@ mod tests {
     use super::*;
     use glam::{Vec3, Vec4Swizzles};
 
-    /// The conventions that engines have: a projection matrix, the top of the image, and along which way of z the camera
-    /// looks.
+    /// Conventions of engines: a name, a projection matrix, the place of the top, and the sign of z along the sight.
     fn conventions() -> Vec<(&'static str, Mat4, ClipY, f32)> {
         let perspectives = perspectives().into_iter().map(|(name, clip, y)| (name, clip, y, clip.z_axis.w));
         perspectives.chain(parallels()).collect()

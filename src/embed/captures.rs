@@ -21,10 +21,10 @@ pub struct CaptureCubesInfo<'a> {
     pub places: &'a [[f32; 3]],
     /// Width and height of each face in texels, 1 to 4096.
     pub side: u32,
-    /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers stand as those of
-    /// [`CameraInput::view_to_clip`].
+    /// The projection that all faces were drawn with. Its angle of view is a quarter turn, and its numbers have the
+    /// order of those of [`CameraInput::view_to_clip`].
     pub view_to_clip: [f32; 16],
-    /// Where the top of a face is in its clip space.
+    /// The place of a face's top in clip space.
     pub clip_y: ClipY,
     /// A box in world space outside of which nothing stands, so that rays that leave it end in the sky: its least and its greatest
     /// corner. `None` if there is no such box.
@@ -38,8 +38,7 @@ pub struct CaptureCubesInfo<'a> {
 pub struct CaptureFaceInput {
     /// The capture's number, from 0.
     pub capture: usize,
-    /// The face's number, 0 to 5: +x −x +y −y +z −z. Each face lies as in a cube map of Vulkan that world directions are looked up
-    /// in.
+    /// The face's number, 0 to 5: +x −x +y −y +z −z. Faces are turned as in a cube map of Vulkan in world directions.
     pub face: usize,
     /// The colour of the surfaces in the face, linear, in light that does not depend on the viewer.
     pub color: ImageInput,
@@ -48,7 +47,7 @@ pub struct CaptureFaceInput {
 }
 
 /// Cubes of images of the scene around places, in which `unified` and `captures` follow the rays that the screen loses.
-/// The caller draws the faces, hands over each at least once, and again whenever it likes.
+/// The caller draws the faces, and hands over each face at least once, and again whenever it likes.
 pub struct CaptureCubes {
     frames: FrameContext,
     import: ImportPass,
@@ -107,7 +106,7 @@ impl CaptureCubes {
         })
     }
 
-    /// Records the commands that take over a face. Submit them before frames that are to see the face.
+    /// Records the commands that copy a face into the captures. Submit them before frames that see the face.
     ///
     /// # Errors
     /// [`Error::Usage`] with what is wrong with an input; nothing is recorded then.
@@ -135,7 +134,7 @@ impl CaptureCubes {
         let mut borrowed = BorrowedImages::default();
         let color = borrowed.take(&gpu, "color", color)?;
         let depth = borrowed.take(&gpu, "depth", depth)?;
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps to the contract of this function.
         let mut frame = unsafe { self.frames.begin_in(commands, slot, Mode::Plain) }?;
         borrowed.begin(&mut frame);
         let foreign = ForeignImages {

@@ -11,7 +11,7 @@ use glam::Mat3;
 use ssct_ground::conventions::{NormalEncoding, NormalSpace};
 use ssct_ground::math::constants::{NORMAL_FLOAT, NORMAL_OCTAHEDRAL, NORMAL_OCTAHEDRAL_UNORM, NORMAL_UNORM};
 
-/// An image of the caller's. One level of it is read, and one layer; of a cube map, six layers.
+/// An image of the caller. The crate reads one level and one layer of the image, or six layers of a cube map.
 #[derive(Debug, Clone, Copy)]
 pub struct ImageInput {
     /// The image.
@@ -28,7 +28,7 @@ pub struct ImageInput {
     pub usage: vk::ImageUsageFlags,
     /// How the caller used the image last.
     pub before: ImageUse,
-    /// How the caller uses the image next. The recorded commands leave it in that layout.
+    /// How the caller uses the image next. The recorded commands leave the image in the layout of that use.
     pub after: ImageUse,
 }
 
@@ -65,7 +65,7 @@ impl ImageInput {
         Self { before, after, ..self }
     }
 
-    /// Checks the image before anything is recorded.
+    /// Checks an image that shaders sample; `extent` is `None` for a cube map.
     pub(super) fn check(&self, name: &str, extent: Option<[u32; 2]>) -> Result<()> {
         self.check_made(name, extent, (vk::ImageUsageFlags::SAMPLED, "SAMPLED"))?;
         let wrong = |why: String| Err(Error::Usage(format!("the input {name} {why}")));
@@ -79,7 +79,7 @@ impl ImageInput {
         Ok(())
     }
 
-    /// Checks the image as one of numbers of triangles.
+    /// Checks an image of the numbers of the triangles that pixels show.
     pub(super) fn check_numbers(&self, name: &str, extent: [u32; 2]) -> Result<()> {
         self.check_made(name, Some(extent), (vk::ImageUsageFlags::STORAGE, "STORAGE"))?;
         if self.format != vk::Format::R32_UINT {
@@ -89,7 +89,7 @@ impl ImageInput {
         Ok(())
     }
 
-    /// Checks how the image was made and is used.
+    /// Checks the image's handles, size, usage, layouts, levels and layers; `extent` is `None` for a cube map.
     fn check_made(
         &self,
         name: &str,
@@ -237,12 +237,12 @@ impl NormalInput {
 pub struct MotionInput {
     /// The image of the motion: x in red and y in green.
     pub image: ImageInput,
-    /// Pixels in one unit of the image, x to the right and y down: 1 and 1 if the image is in pixels, its width and height if it is
-    /// in texture coordinates. Negate the second number if y points up, and both if the way leads from the frame before to this
-    /// one.
+    /// How many pixels one unit of the motion is, x to the right and y down: 1 and 1 for motion in pixels, the image's
+    /// width and height for motion in texture coordinates. Negate the second number if y points up, and both if the
+    /// motion leads from the frame before to this one.
     pub scale: [f32; 2],
-    /// Whether the motion contains the difference of the two frames' jitter. It does if it was computed with the matrices that the
-    /// images were drawn with.
+    /// Whether the motion contains the difference of the two frames' jitter. Motion does if it was computed with the
+    /// jittered matrices that the images were drawn with.
     pub jittered: bool,
 }
 
@@ -278,6 +278,7 @@ pub enum FactorInput {
 }
 
 impl FactorInput {
+    /// Checks the range of the value, or the channel and its image.
     pub(super) fn check(&self, name: &str, extent: [u32; 2]) -> Result<()> {
         match self {
             Self::Constant(value) if (0.0..=1.0).contains(value) => Ok(()),
@@ -307,6 +308,7 @@ pub(super) enum BorrowedFactor {
 }
 
 impl BorrowedFactor {
+    /// The factor in the form in which the import pass reads it.
     pub fn to_factor(self, borrowed: &BorrowedImages) -> Factor<'_> {
         match self {
             Self::Constant(value) => Factor::Constant(value),

@@ -26,13 +26,12 @@ pub struct ReflectionsInfo<'a> {
     pub projection: ProjectionKind,
     /// A method of [`methods`](super::methods()).
     pub method: &'a str,
-    /// Parameters by name, with their values as text, as docs/options.md lists them: `("fade", "off")`. `preset` is a parameter,
-    /// too.
+    /// Names and values of parameters, such as `("fade", "off")`; docs/options.md lists them. `preset` is one, too.
     pub parameters: &'a [(&'a str, &'a str)],
     /// Width and height of the faces of the [`CaptureCubes`] that every frame is given; `None` for frames without captures.
     pub captures: Option<u32>,
-    /// Triangles like those that every frame is given; `None` for frames without triangles. Captures and triangles exclude each
-    /// other.
+    /// Triangles that are made like those of every later frame; `None` for frames without triangles. Reflections have
+    /// captures or triangles, and not both.
     pub triangles: Option<&'a Triangles>,
     /// Produces the composite: lit colour plus reflections.
     pub composite: bool,
@@ -78,25 +77,25 @@ pub struct FrameInput<'a> {
     pub reflectivity: FactorInput,
     /// Roughness ϱ; 0 is a mirror.
     pub roughness: FactorInput,
-    /// The kinds of reflecting surface that the frame may have, as the caller knows them from the materials that it drew. A kind
-    /// that is known to be absent costs nothing; [`Reflectors::UNKNOWN`] is always right.
+    /// The kinds of reflecting surface that the frame may have, which the caller knows from the materials that it drew.
+    /// Passes for absent kinds are left out. [`Reflectors::UNKNOWN`] is right for every frame.
     pub reflectors: Reflectors,
     /// Lit colour, linear.
     pub color: ImageInput,
-    /// A cube map of the light from where nothing stands, in world axes ([`ImageInput::cube`]). A ray gets this light if captures
-    /// or triangles say that it ends in the sky. Without captures and triangles, every ray that leaves the screen misses.
+    /// A cube map of the sky's light, in world axes ([`ImageInput::cube`]). A ray gets this light if captures or
+    /// triangles say that the ray ends in the sky. Without captures and triangles, rays that leave the screen miss.
     pub sky: Option<ImageInput>,
     /// Images of the scene around places, for rays that the screen loses.
     pub captures: Option<&'a CaptureCubes>,
     /// Triangles of the scene, for rays that the screen loses.
     pub triangles: Option<&'a Triangles>,
     /// The number of the triangle that each pixel shows, counted over all meshes in their order, or `u32::MAX` for none; R32_UINT.
-    /// Without it, some rays meet the surface that they begin on.
+    /// With `None`, some rays hit the very surface that they start from.
     pub triangle_numbers: Option<ImageInput>,
-    /// The motion of surfaces since the frame that was recorded before, for the parameter `history`; `None` if it is not known, or
-    /// if nothing but the camera moved.
+    /// The motion of surfaces since the frame that was recorded before, for the parameter `history`; `None` if the
+    /// motion is not known, or if nothing but the camera moved.
     pub motion: Option<MotionInput>,
-    /// Whether each pass is timed ([`Reflections::times`]). Passes do not overlap then.
+    /// Whether each pass is timed ([`Reflections::times`]). The passes of a timed frame do not overlap.
     pub timed: bool,
     /// How the caller uses the outputs next.
     pub outputs: ImageUse,
@@ -118,14 +117,14 @@ pub struct OutputImage {
 /// The outputs and passes of a recorded frame.
 #[derive(Debug, Clone)]
 pub struct Recorded {
-    /// Lit colour plus reflections, linear, RGBA16F. `None` if it was not asked for.
+    /// Lit colour plus reflections, linear, RGBA16F. `None` if [`ReflectionsInfo::composite`] is false.
     pub composite: Option<OutputImage>,
-    /// Reflection in rgb, before reflectivity, and its fade in alpha: 0 where the method knows nothing, less than 1 where the
-    /// reflection fades out. RGBA16F. `None` if it was not asked for, or if nothing reflects.
+    /// The reflection in rgb, before reflectivity, and its fade in alpha: 0 where the method has no reflection, less
+    /// than 1 where the reflection fades out. RGBA16F. `None` if the caller wants none, or if nothing reflects.
     pub reflection: Option<OutputImage>,
-    /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
-    /// `shaders-glsl/common/constants.glsl`). RGBA32F. `None` if it was not asked for, or if the method does not tell where rays
-    /// end.
+    /// The place where each ray ended: texture coordinates, standard depth, and a code that says how the ray ended
+    /// (`PATH_*` of `shaders-glsl/common/constants.glsl`). RGBA32F. `None` if [`ReflectionsInfo::hits`] is false, or if
+    /// the method does not tell where rays end.
     pub hits: Option<OutputImage>,
     /// The passes that were recorded, in order.
     pub passes: Vec<String>,
@@ -156,6 +155,7 @@ enum WorldInput {
 }
 
 impl WorldInput {
+    /// Returns the kind of what frames are given; refuses captures together with triangles.
     fn from_inputs(captures: Option<u32>, triangles: Option<&Triangles>) -> Result<Self> {
         match (captures, triangles) {
             (None, None) => Ok(Self::Nothing),
@@ -167,8 +167,8 @@ impl WorldInput {
         }
     }
 
-    /// Returns whether passes that were made for `self` can read `given`. The number of triangles may differ, since it does not
-    /// matter once the passes are made.
+    /// Returns whether passes that were made for `self` can read `given`. The number of triangles may differ, since
+    /// passes that are made do not depend on this number.
     fn takes(self, given: Self) -> bool {
         match (self, given) {
             (Self::Triangles(made), Self::Triangles(given)) => made == TriangleReading { count: made.count, ..given },
@@ -192,9 +192,8 @@ impl Reflections {
     /// Makes all that the frames of a view need. Nothing is submitted.
     ///
     /// # Errors
-    /// [`Error::Usage`] for an unknown method or parameter, or a wrong value or size. [`Error::Usage`] for a method that needs the
-    /// scene, needs captures that are not given, or does not take the projection. [`Error::Memory`] and [`Error::Vulkan`] from the
-    /// device.
+    /// [`Error::Usage`] for an unknown method or parameter, a wrong value or size, or a method that needs the scene,
+    /// lacks its captures or does not take the projection. [`Error::Memory`] and [`Error::Vulkan`] from the device.
     pub fn new(context: &Context, info: &ReflectionsInfo) -> Result<Self> {
         let method = super::method(info.method)?;
         let mut setup = Setup::new(info.extent).seen_by(info.projection);
@@ -246,10 +245,10 @@ impl Reflections {
     /// # Safety
     /// - The command buffer is recording, outside rendering, for a queue of the context's family.
     /// - The handles of the inputs belong to the context's device, are as their fields describe them, and live until the device is
-    ///   done. Whatever writes the images was submitted before.
+    ///   done. The commands that write the images were submitted before.
     /// - The frame that was recorded with the same slot before is no longer under way.
-    /// - Frames of this object are submitted in the order in which they were recorded, to one queue, and so are the faces of the
-    ///   captures that they see. A command buffer is submitted once, or thrown away before another is recorded.
+    /// - Frames of this object, and the faces of the captures that they see, are submitted in the order in which they
+    ///   were recorded, to one queue. A command buffer is submitted once, or thrown away before another is recorded.
     pub unsafe fn record(&mut self, commands: vk::CommandBuffer, input: &FrameInput) -> Result<Recorded> {
         let taken = self.check(input)?;
         let captures = input.captures.map(CaptureCubes::images).transpose()?;
@@ -265,7 +264,7 @@ impl Reflections {
         let numbers = input.triangle_numbers.map(|n| borrowed.take(&gpu, "triangle_numbers", &n)).transpose()?;
         let motion = input.motion.map(|m| Ok::<_, Error>((m, borrowed.take(&gpu, "motion", &m.image)?))).transpose()?;
         let mode = if input.timed { Mode::Timed } else { Mode::Plain };
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps to the contract of this function.
         let mut frame = unsafe { self.frames.begin_in(commands, input.slot, mode) }?;
         borrowed.begin(&mut frame);
         let (kind, to_view) = input.normal.kind(&taken);
@@ -359,6 +358,7 @@ impl Reflections {
     }
 }
 
+/// Makes the effect for frames with the captures or triangles that `beyond` says.
 fn effect(
     frames: &mut FrameContext,
     method: &MethodInfo,

@@ -20,12 +20,12 @@ use ssct_ground::scene::{Aabb, Encoding, Material, Mesh, Scene, Texture, Vertex}
 pub struct TriangleMesh<'a> {
     /// Places of the vertices, in the mesh's own space.
     pub positions: &'a [[f32; 3]],
-    /// Three vertices for each triangle, which is seen from both sides.
+    /// Three indices of vertices for each triangle. Triangles are seen from both sides.
     pub indices: &'a [u32],
     /// The matrix from the mesh's space to the world, column by column.
     pub mesh_to_world: [f32; 16],
-    /// The light that comes from the mesh, linear. Give the colour as lit at its place, since the crate computes no light for it.
-    /// With a texture, the colour is a factor of the texture.
+    /// The light that comes from the mesh, linear. Give the colour as your lights make it, since the crate does not
+    /// light meshes. With a texture, the colour is a factor of the texture.
     pub color: [f32; 3],
     /// The texture of the light, if the light differs over the mesh.
     pub texture: Option<MeshTexture<'a>>,
@@ -36,8 +36,8 @@ pub struct TriangleMesh<'a> {
 pub struct MeshTexture<'a> {
     /// The texture's number among those that [`Triangles::with_textures`] is given.
     pub number: usize,
-    /// The texture coordinates of each vertex: (0, 0) is the corner of the first texel, (1, 1) that of the last. Beyond them the
-    /// texture repeats.
+    /// The texture coordinates of each vertex: (0, 0) is the corner of the first texel, (1, 1) that of the last.
+    /// Outside of this range the texture repeats.
     pub places: &'a [[f32; 2]],
 }
 
@@ -49,7 +49,7 @@ pub struct HitTexture<'a> {
     pub extent: [u32; 2],
     /// Whether the bytes are sRGB; otherwise they are linear.
     pub is_srgb: bool,
-    /// Four bytes for each texel, red, green, blue and one that is not read; rows from the top.
+    /// Four bytes for each texel: red, green, blue, and a byte that is not read. Rows begin at the top.
     pub texels: &'a [u8],
 }
 
@@ -58,9 +58,8 @@ impl HitTexture<'_> {
     pub const MAX_SIDE: u32 = 32768;
 }
 
-/// Triangles of the scene, in which `unified` and `traced` follow the rays that the screen loses. A ray that hits a triangle sees
-/// the colour or texture of its mesh. If something moved, make new triangles, and keep the old ones until the device is done with
-/// them.
+/// Triangles of the scene, among which `unified` and `traced` follow rays. A ray sees the colour or texture of the mesh
+/// that it hits. If something moved, make new triangles, and keep the old ones until the device is done with them.
 pub struct Triangles {
     frames: FrameContext,
     unlit: UnlitTriangles,
@@ -111,7 +110,7 @@ impl Triangles {
         if self.is_recorded {
             return Err(Error::Usage("the triangles were uploaded before: make others where something moved".into()));
         }
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps to the contract of this function.
         let mut frame = unsafe { self.frames.begin_in(commands, 0, Mode::Plain) }?;
         self.unlit.record(&mut frame)?;
         frame.end()?;
@@ -138,7 +137,7 @@ impl Triangles {
 
 #[cfg(feature = "tree")]
 impl TriangleMesh<'_> {
-    /// The mesh in world space, with its colour or texture as a material.
+    /// Checks the mesh, and converts it to world space, with its colour or texture as a material.
     fn take(&self, number: usize, textures: usize) -> Result<(Mesh, Material)> {
         let wrong = |why: String| Err(Error::Usage(format!("triangle mesh {number} {why}")));
         let (vertices, indices) = (self.positions.len(), self.indices);
@@ -191,7 +190,7 @@ const MAX_TEXELS: usize = 1 << 30;
 
 #[cfg(feature = "tree")]
 impl HitTexture<'_> {
-    /// Converts the texture. Alpha is 255, since shaders take alpha for the share of the light that is emitted.
+    /// Checks and converts the texture. Alpha is 255, since shaders take alpha for the share of light that is emitted.
     fn take(&self, number: usize) -> Result<Texture> {
         let [width, height] = self.extent;
         let wrong = |why: String| Err(Error::Usage(format!("texture {number} {why}")));

@@ -18,22 +18,22 @@ pub enum Stage {
 
 /// A compiled permutation of a program: one stage with its macros.
 pub struct Permutation {
-    /// Its name in a source, with its macros.
+    /// The program's name in a source, with the macros of this permutation.
     pub named: NamedProgram,
-    /// Its stage.
+    /// The shader stage.
     pub stage: Stage,
-    /// Path under `shaders-glsl/`.
+    /// Path of the source under `shaders-glsl/`.
     pub file: String,
-    /// The file of its module, without the extension.
+    /// The file of the compiled module, without the extension.
     pub module: String,
-    /// What it binds.
+    /// The bindings, constants, blocks and outputs of the module.
     pub interface: Interface,
     /// Binding and format of the image for each output of the fragment permutations, if this is a compute permutation beside them.
     pub stored: Vec<(u32, &'static str)>,
 }
 
 impl Permutation {
-    /// The bindings that the program's fields give.
+    /// The bindings that fields of the program's struct give: all but the images in place of outputs.
     fn given(&self) -> impl Iterator<Item = &StageBinding> {
         let is_stored = |bound: &StageBinding| self.stored.iter().any(|(binding, _)| *binding == bound.binding);
         self.interface.bindings.iter().filter(move |bound| !is_stored(bound))
@@ -45,8 +45,8 @@ pub fn title(file: &str, defines: &[String]) -> String {
     [&[file.to_owned()], defines].concat().join(" ")
 }
 
-/// Finds the images that compute permutations store to in place of the outputs of fragment permutations. They are storage images that no
-/// fragment permutation has, in the order of the outputs.
+/// Finds the images that compute permutations store to in place of the outputs of fragment permutations. These are the
+/// storage images that no fragment permutation has, in the order of the outputs.
 pub fn find_stored(permutations: &mut [Permutation]) -> Result<(), String> {
     let fragments: Vec<&Interface> =
         permutations.iter().filter(|v| v.stage == Stage::Fragment).map(|v| &v.interface).collect();
@@ -75,7 +75,7 @@ pub fn find_stored(permutations: &mut [Permutation]) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses a compute permutation that was made from a fragment shader's source and reads something else.
+/// Refuses a compute permutation that was made from a fragment shader's source and reads other inputs than that shader.
 fn check_twins(permutations: &[Permutation]) -> Result<(), String> {
     for twin in permutations.iter().filter(|v| v.named.defines.iter().any(|define| define == glsl::COMPUTE)) {
         let own = twin.named.defines.iter().take_while(|define| *define != glsl::COMPUTE);
@@ -95,7 +95,7 @@ fn check_twins(permutations: &[Permutation]) -> Result<(), String> {
     Ok(())
 }
 
-/// The groups that sources name.
+/// The groups of bindings or constants that GLSL sources name.
 pub struct Groups {
     named: Vec<Group>,
     /// The declarations of groups that programs have, by name.
@@ -103,7 +103,7 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// No group is declared yet.
+    /// Takes the groups that sources name, none of which is declared yet.
     pub fn new(named: Vec<Group>) -> Self {
         Self { named, declared: BTreeMap::new() }
     }
@@ -119,7 +119,7 @@ impl Groups {
         }
     }
 
-    /// The group that a member belongs to, of those whose members all are among some names.
+    /// Finds the group that a member belongs to, among the groups whose members are all in `names`.
     fn around(&self, member: &str, names: &BTreeSet<&str>) -> Option<&Group> {
         let has_all = |group: &&Group| group.members.iter().all(|member| names.contains(member.as_str()));
         self.named.iter().filter(has_all).find(|group| group.members.iter().any(|m| m == member))
@@ -144,7 +144,7 @@ impl Groups {
     }
 }
 
-/// The type of a binding's field in Rust, and the resource that it is, in which `{}` stands for the field's value.
+/// The Rust type of a binding's field, and the code that makes its `Resource`, in which `{}` stands for the field.
 fn bound_type(bound: &StageBinding) -> (String, String) {
     let StageBinding { kind, count, block, read_only, .. } = bound;
     let (ty, resource) = match (*kind, *count, *read_only) {
@@ -161,8 +161,8 @@ fn bound_type(bound: &StageBinding) -> (String, String) {
     (ty, resource.to_owned())
 }
 
-/// Declares the fields of a program's struct, and the arms that find the resource of a binding by its name. What some permutations do
-/// without is an `Option`: a binding that they lack, or a group none of whose members they have.
+/// Declares the fields of a program's struct, and the match arms that find the resource of a binding by its name. A
+/// binding that some permutation lacks is an `Option`, and so is a group of which some permutation has no member.
 fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(String, String), String> {
     let mut bindings: Vec<&StageBinding> = Vec::new();
     for bound in permutations.iter().flat_map(Permutation::given) {
@@ -283,7 +283,7 @@ fn permutation(permutation: &Permutation) -> String {
     )
 }
 
-/// Returns the name of the type of a program's specialization constants, and its declaration: all that any permutation has.
+/// Returns name and declaration of the struct with the specialization constants of all permutations of a program.
 fn program_constants(
     program: &str,
     permutations: &[Permutation],

@@ -32,8 +32,7 @@ pub struct DeviceQuery {
     pub device: Option<String>,
     /// Whether to load the validation layers (core, synchronization, best practices).
     pub validation: bool,
-    /// Whether the layers also instrument the shaders and watch them run (GPU-assisted validation); only
-    /// with `validation`.
+    /// Whether the layers also instrument the shaders (GPU-assisted validation). This flag needs `validation`.
     pub gpu_assisted: bool,
     /// Whether material maps are sampled without anisotropy. Drivers place the samples of an anisotropic filter differently, so that
     /// their images differ less without such a filter.
@@ -54,7 +53,7 @@ pub struct DeviceInfo {
     pub name: String,
     /// Driver name and version.
     pub driver: String,
-    /// Highest Vulkan version, as "1.3.230".
+    /// Highest Vulkan version, such as "1.3.230".
     pub api: String,
     /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
     #[serde(rename = "type")]
@@ -173,6 +172,7 @@ pub struct Shared {
 /// The longest time that a frame may take, and a function that is called with a sentence if one takes longer.
 pub(crate) type Patience = (Duration, fn(&str));
 
+/// The functions of VK_EXT_debug_utils, and the messenger that writes messages of the layers into the log.
 struct Debug {
     loader: ash::ext::debug_utils::Instance,
     messenger: Option<vk::DebugUtilsMessengerEXT>,
@@ -230,10 +230,10 @@ impl Gpu {
     /// [`Error::NoDevice`] with what the device lacks, or with the feature that was not enabled on it.
     ///
     /// # Safety
-    /// The handles belong together, and outlive every clone of this handle and all that is made from it. What `device` says to be on is
-    /// on. When the last clone is dropped, the device is done with everything that was recorded.
+    /// The handles belong together, and outlive every clone of this handle and all that is made from it. The features
+    /// in `device` are on. When the last clone is dropped, the device is done with everything that was recorded.
     pub unsafe fn of_others(device: DeviceHandles) -> Result<Self> {
-        // SAFETY: by the contract.
+        // SAFETY: `open::of_others` has the contract of this function.
         Ok(Self { shared: Arc::new(unsafe { open::of_others(device) }?) })
     }
 
@@ -242,7 +242,7 @@ impl Gpu {
         self.shared.timestamp_mask != 0
     }
 
-    /// How finely the device rasterises and filters.
+    /// The precision of the device's rasteriser and filters.
     pub fn precision(&self) -> Precision {
         let limits = &self.shared.limits;
         Precision {
@@ -267,8 +267,7 @@ impl Gpu {
         self.shared.debug.as_ref().map(|d| d.log.messages()).unwrap_or_default()
     }
 
-    /// The log of the validation messages. It outlives the device, because the layers report undestroyed objects when the device is
-    /// destroyed.
+    /// The log of the validation messages. The log outlives the device, since layers report leaked objects at its end.
     pub fn validation_log(&self) -> Option<Arc<ValidationLog>> {
         self.shared.debug.as_ref().map(|d| Arc::clone(&d.log))
     }
@@ -303,6 +302,7 @@ impl Gpu {
         self.shared.submissions.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// The allocator of the device's memory.
     pub(super) fn memory(&self) -> &Source {
         &self.shared.memory
     }
@@ -338,7 +338,7 @@ impl Gpu {
         self.memory().bytes().1
     }
 
-    /// Invocations of a subgroup.
+    /// The number of invocations in a subgroup.
     pub fn subgroup_size(&self) -> u32 {
         let mut v11 = vk::PhysicalDeviceVulkan11Properties::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut v11);
@@ -416,6 +416,7 @@ impl Gpu {
         let _ = unsafe { debug.set_debug_utils_object_name(&info) };
     }
 
+    /// Begins a label around commands, which debuggers show.
     pub(crate) fn begin_label(&self, commands: vk::CommandBuffer, name: &str) {
         if let Some(debug) = &self.shared.debug_device {
             let name = CString::new(name.replace('\0', " ")).unwrap_or_default();
@@ -460,6 +461,7 @@ impl Drop for Shared {
 }
 
 impl Debug {
+    /// Loads the functions. With `listen`, the messages of the validation layers go into the log.
     fn new(entry: &ash::Entry, instance: &ash::Instance, listen: bool, log: &Arc<ValidationLog>) -> Result<Self> {
         let loader = ash::ext::debug_utils::Instance::new(entry, instance);
         let messenger = if listen {
@@ -478,7 +480,7 @@ impl Debug {
     /// The instance is alive and no longer used.
     unsafe fn destroy(self) {
         if let Some(messenger) = self.messenger {
-            // SAFETY: by the contract.
+            // SAFETY: the messenger belongs to the instance, which is alive by the contract.
             unsafe { self.loader.destroy_debug_utils_messenger(messenger, None) };
         }
     }

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Executable {
     /// The driver's own name.
     pub name: String,
-    /// Stage that the code is for, as "fragment" or "compute"; several with "+" between them.
+    /// Stage that the code is for, such as "fragment" or "compute"; several stages have "+" between them.
     pub stage: String,
     /// Invocations of a subgroup.
     pub subgroup_size: u32,
@@ -53,6 +53,7 @@ pub(crate) struct Executables {
     pass_pipelines: Mutex<Vec<PassPipeline>>,
 }
 
+/// A pass of a frame, whether it counts towards the method's time, and a pipeline that it ran.
 struct PassPipeline {
     pass: String,
     counted: bool,
@@ -80,6 +81,7 @@ impl Executables {
         std::mem::take(&mut *self.pass_pipelines.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
+    /// Asks the driver for the code that each stage of a pipeline was compiled to.
     fn of_pipeline(&self, pipeline: &SharedPipeline) -> Result<Vec<Executable>> {
         let asked = |call: &str| vulkan(format!("{call} for {}", pipeline.name));
         let info = vk::PipelineInfoKHR::default().pipeline(pipeline.handle);
@@ -89,7 +91,7 @@ impl Executables {
         let executable = |(index, p): (usize, &vk::PipelineExecutablePropertiesKHR)| {
             let info =
                 vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.handle).executable_index(index as u32);
-            // SAFETY: as above; the index is below the number of executables.
+            // SAFETY: the pipeline is alive, and the index is below the number of its executables.
             let statistics = unsafe { self.functions.get_pipeline_executable_statistics(&info) }
                 .map_err(asked("vkGetPipelineExecutableStatisticsKHR"))?;
             Ok(Executable {
@@ -113,6 +115,7 @@ fn stages(flags: vk::ShaderStageFlags) -> String {
     if names.is_empty() { format!("{flags:?}") } else { names.join("+") }
 }
 
+/// Converts a statistic that a driver stated.
 fn statistic(stated: &vk::PipelineExecutableStatisticKHR) -> Statistic {
     use vk::PipelineExecutableStatisticFormatKHR as Format;
     // SAFETY: the format says which field of the union the driver wrote.
@@ -128,8 +131,7 @@ fn statistic(stated: &vk::PipelineExecutableStatisticKHR) -> Statistic {
 }
 
 impl Gpu {
-    /// Returns the programs of the passes that were recorded since the last call, with their compiled code, in the
-    /// order of the passes.
+    /// Returns the programs of the passes that were recorded since the last call, in order, with their compiled code.
     ///
     /// # Errors
     /// [`Error::Usage`] on a device that was not opened to compile only; errors of the driver.

@@ -124,8 +124,7 @@ pub struct Frame<'c> {
     begun: (SystemTime, Instant),
 }
 
-/// States of images and buffers before the frame, to be restored if the frame is never submitted: its barriers then changed
-/// nothing.
+/// States of images and buffers before the frame, restored if the frame, and thus its barriers, are never submitted.
 #[derive(Default)]
 struct Undo(Vec<(TrackedState, State)>);
 
@@ -234,6 +233,7 @@ impl Frame<'_> {
         )
     }
 
+    /// Submits the frame between two lists of semaphores, waits until the device is done, and reads the queries.
     fn submit(mut self, waits: &[vk::SemaphoreSubmitInfo], signals: &[vk::SemaphoreSubmitInfo]) -> Result<FrameReport> {
         self.stamp()?;
         let device = self.context.gpu.raw();
@@ -247,8 +247,7 @@ impl Frame<'_> {
             .signal_semaphore_infos(signals);
         let fences = [own.fence];
         let submitted;
-        // SAFETY: the command buffer is complete; the fence is unsignalled and waited for before
-        // anything is reused or destroyed.
+        // SAFETY: the command buffer is complete; the unsignalled fence is waited for before anything is reused.
         unsafe {
             device.end_command_buffer(own.commands).map_err(vulkan("vkEndCommandBuffer"))?;
             let queue = self.context.gpu.queue()?;
@@ -356,6 +355,7 @@ impl Frame<'_> {
         }
     }
 
+    /// Writes a timestamp if the frame is timed.
     fn stamp(&mut self) -> Result<()> {
         let commands = self.context.commands;
         if self.mode == Mode::Timed { self.slot().timestamps.stamp(commands) } else { Ok(()) }
@@ -397,6 +397,7 @@ impl Frame<'_> {
         }
     }
 
+    /// Collects the barriers that bring the levels of a slice to an access.
     fn use_image(&mut self, slice: ImageSlice, access: Access) {
         for (level, state) in slice.states() {
             let transition = step(&mut self.undo, state, access);
@@ -422,6 +423,7 @@ impl Frame<'_> {
         );
     }
 
+    /// Collects the barrier that brings a buffer to an access.
     fn use_buffer(&mut self, buffer: &Buffer, access: Access) {
         if let Some(t) = step(&mut self.undo, buffer.state(), access) {
             self.pending.buffers.push(
@@ -451,6 +453,7 @@ impl Frame<'_> {
     }
 }
 
+/// Changes a tracked state to an access, and returns the barrier that this needs. `undo` keeps the state from before.
 fn step(undo: &mut Undo, state: &TrackedState, access: Access) -> Option<Transition> {
     let mut s = state.get();
     undo.0.push((state.clone(), s));

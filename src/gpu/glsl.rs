@@ -9,8 +9,8 @@
 //! #pragma program(BlurDown)
 //! ```
 //!
-//! Programs of one name are permutations of one program, and have one struct. A `.frag` and a `.comp` file may both name
-//! it. After a colon stands where the rays of a permutation end (`RaySource` in `program.rs`):
+//! Programs of one name are permutations of one program, and have one struct. A `.frag` and a `.comp` file may share a
+//! program. After a colon stands where the rays of a permutation end (`RaySource` in `program.rs`):
 //!
 //! ```glsl
 //! #pragma program(Mirror: Confirmed, CONFIRMED)
@@ -65,11 +65,11 @@ fn kind(path: &Path) -> Option<shaderc::ShaderKind> {
 /// A program that a stage file names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamedProgram {
-    /// Name of its struct in Rust.
+    /// Name of the program's struct in Rust.
     pub name: String,
     /// Name of the `RaySource` of the permutation, if there is one.
     pub rays: Option<String>,
-    /// Macros that are defined for it.
+    /// Macros that are defined for the permutation.
     pub defines: Vec<String>,
 }
 
@@ -142,7 +142,7 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> 
     Ok(found)
 }
 
-/// The program that a pragma's list names.
+/// Reads the text between the brackets of `#pragma program(…)`; `None` if it names no program.
 fn named(list: &str) -> Option<NamedProgram> {
     let (rays, list) = match list.split_once(':') {
         None => (None, list.to_owned()),
@@ -164,14 +164,14 @@ fn named(list: &str) -> Option<NamedProgram> {
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
-    /// Name of its struct in Rust.
+    /// Name of the group's struct in Rust.
     pub name: String,
     /// Names of the bindings or constants.
     pub members: Vec<String>,
 }
 
 impl Group {
-    /// The name of its field: its own in snake case.
+    /// The name of the group's field in the structs of programs: the group's name in snake case.
     pub fn field(&self) -> String {
         let spaced = |(i, c): (usize, char)| {
             let space = (i > 0 && c.is_ascii_uppercase()).then_some('_');

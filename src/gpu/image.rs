@@ -84,8 +84,7 @@ enum Kind {
 }
 
 impl ImageDesc<'_> {
-    /// The longest side that the image may have. The limits of viewports and framebuffers apply only to images that are
-    /// drawn into.
+    /// The longest side that the image may have. Limits of viewports and framebuffers hold for images drawn into.
     fn largest(&self, gpu: &Gpu) -> u32 {
         use vk::ImageUsageFlags as U;
         let is_drawn = self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT);
@@ -128,6 +127,7 @@ impl Image {
         Self::layered(gpu, desc, Kind::Cubes)
     }
 
+    /// Checks the size, and makes an image whose layers are images or cube maps.
     fn layered(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
         let ([width, height], limit, layers) = (desc.extent, desc.largest(gpu), gpu.max_image_layers());
         if width == 0 || height == 0 || width > limit || height > limit || desc.layers > layers {
@@ -142,8 +142,7 @@ impl Image {
         Self::make(gpu, desc, kind)
     }
 
-    /// Makes a volume of some slices: sampled as a whole, rendered into and copied slice by slice. It has
-    /// one level and one layer.
+    /// Makes a volume of one level and one layer, which is sampled as a whole, and drawn and copied slice by slice.
     ///
     /// # Errors
     /// Errors of [`Self::new`], with the limit of volumes.
@@ -161,6 +160,7 @@ impl Image {
         Self::make(gpu, desc, Kind::Volume(depth))
     }
 
+    /// Makes an image of a checked size, with its memory and its views.
     fn make(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
         use vk::{ImageCreateFlags as F, ImageViewType as V};
         let [width, height] = desc.extent;
@@ -308,14 +308,14 @@ impl Image {
         }
     }
 
-    /// Says that the presentation engine handed the image over, for a submission that waits for it
-    /// at some stages.
+    /// Notes that the presentation engine handed the image over to a submission that waits for it at some stages.
     pub fn acquired(&self, wait_stages: vk::PipelineStageFlags2) {
         for state in &self.states {
             state.set(State::acquired(wait_stages));
         }
     }
 
+    /// Makes a view of a range of the image.
     fn view(&self, kind: vk::ImageViewType, range: vk::ImageSubresourceRange) -> Result<vk::ImageView> {
         let info = vk::ImageViewCreateInfo::default()
             .image(self.handle)
@@ -414,6 +414,7 @@ impl Image {
         self.aspect() & !vk::ImageAspectFlags::STENCIL
     }
 
+    /// All layers of `count` levels from `base` on; for a caller's image, the part that the caller gave.
     pub(crate) fn range(&self, base: u32, count: u32) -> vk::ImageSubresourceRange {
         if let Some(part) = self.part {
             return part;

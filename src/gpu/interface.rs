@@ -20,8 +20,7 @@ pub struct Interface {
     pub local_size: [u32; 3],
     /// Uniform and push-constant blocks and the structs in them, by name.
     pub blocks: BTreeMap<String, Block>,
-    /// Vulkan's names for the formats of storage images, by binding; formats that `format_name` does not know are left
-    /// out.
+    /// Vulkan's names for the formats of storage images, by binding, without formats that `format_name` does not know.
     pub formats: BTreeMap<u32, &'static str>,
 }
 
@@ -136,6 +135,7 @@ struct Reflection<'a> {
 }
 
 impl<'a> Reflection<'a> {
+    /// Collects the names of ids and of the members of structs.
     fn new(module: &'a Module, name: &'a str, local_size: Option<[Word; 3]>) -> Self {
         let (mut names, mut member_names) = (HashMap::new(), HashMap::new());
         for i in &module.debug_names {
@@ -152,6 +152,7 @@ impl<'a> Reflection<'a> {
         Self { module, name, local_size, names, member_names }
     }
 
+    /// The number of an id's decoration, or 0 for a decoration without one; `None` if the id is not decorated so.
     fn decoration(&self, id: Word, wanted: Decoration) -> Option<u32> {
         self.module.annotations.iter().find_map(|i| match (i.class.opcode, i.operands.as_slice()) {
             (Op::Decorate, [Operand::IdRef(target), Operand::Decoration(d), rest @ ..])
@@ -189,6 +190,7 @@ impl<'a> Reflection<'a> {
         self.module.types_global_values.iter().find(|i| i.result_id == Some(id))
     }
 
+    /// The id that is the operand `index` of the instruction that defines `id`.
     fn operand_id(&self, id: Word, index: usize) -> Result<Word, String> {
         match self.definition(id).and_then(|d| d.operands.get(index)) {
             Some(Operand::IdRef(x)) => Ok(*x),
@@ -216,6 +218,7 @@ impl<'a> Reflection<'a> {
         Ok(found)
     }
 
+    /// Reads bindings, push constants, outputs, constants and blocks off the module.
     fn interface(&self) -> Result<Interface, String> {
         let mut found = Interface {
             bindings: Vec::new(),
@@ -332,6 +335,7 @@ impl<'a> Reflection<'a> {
         })
     }
 
+    /// Adds a struct, and the structs that its members are made of, to `structs` by their names.
     fn collect(&self, id: Word, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
         for member in self.members(id) {
             let mut ty = member;
@@ -346,11 +350,13 @@ impl<'a> Reflection<'a> {
         Ok(())
     }
 
+    /// The ids of the types of a struct's members.
     fn members(&self, id: Word) -> Vec<Word> {
         let operands = self.definition(id).map(|d| d.operands.as_slice()).unwrap_or_default();
         operands.iter().filter_map(|o| if let Operand::IdRef(x) = o { Some(*x) } else { None }).collect()
     }
 
+    /// The fields of a struct, with their places in memory.
     fn struct_of(&self, id: Word) -> Result<Block, String> {
         let mut fields = Vec::new();
         let (mut end, mut align) = (0, 4);

@@ -25,8 +25,7 @@ pub(super) fn check(gpu: &Gpu, shaders: &[&Shader], bindings: &[Binding]) -> Res
     }
 }
 
-/// The first limit that a workgroup or a stage exceeds: the name of what is limited, the number, and the most that is
-/// allowed.
+/// The first limit that a workgroup or a stage exceeds: the limit's name, the number there is, and the most allowed.
 fn excess(
     limits: &vk::PhysicalDeviceLimits,
     local_size: [u32; 3],

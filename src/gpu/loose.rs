@@ -1,5 +1,5 @@
-//! Programs that are known only at run time: a user's shaders. Their resources are matched to their reflected bindings
-//! when they are recorded, and the Rust compiler checks nothing.
+//! Programs that are known only at run time: a user's shaders. The resources of such a program are matched to its
+//! reflected bindings when a pass is recorded, and the Rust compiler checks nothing.
 
 use super::device::Gpu;
 use super::frame::{Frame, Resource, Target};
@@ -65,8 +65,7 @@ pub fn shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Result<&'s
 }
 
 impl LooseProgram {
-    /// Makes a fragment program over whole targets of some formats. Texture coordinates are the program's input at
-    /// location 0.
+    /// Makes a fragment program over whole targets of some formats. The input at location 0 is texture coordinates.
     ///
     /// # Errors
     /// Errors of the device.
@@ -90,7 +89,7 @@ impl LooseProgram {
         Ok(Self { shader, pipeline, _gpu: gpu.clone() })
     }
 
-    /// The bindings of the program. Its resources are given in their order.
+    /// The bindings of the program. The program's resources are given in the order of these bindings.
     pub fn bindings(&self) -> &'static [Binding] {
         self.shader.bindings
     }

@@ -30,7 +30,7 @@ pub enum MemoryPlace {
     Readback,
 }
 
-/// An allocator of the caller's, in place of the crate's own.
+/// An allocator that the caller gives, in place of the crate's own.
 ///
 /// # Safety
 /// A block that [`allocate`](Self::allocate) gives fits the requirements, is of the context's device, has no second
@@ -39,7 +39,7 @@ pub unsafe trait DeviceMemory: Send {
     /// Memory for an image or a buffer; `linear` is false for images of optimal tiling.
     ///
     /// # Errors
-    /// A clause that says why there is none.
+    /// A clause that says why there is no such memory.
     fn allocate(
         &mut self,
         name: &str,
@@ -48,7 +48,7 @@ pub unsafe trait DeviceMemory: Send {
         linear: bool,
     ) -> std::result::Result<MemoryBlock, String>;
 
-    /// Takes a block back, whose image or buffer is destroyed already.
+    /// Takes back a block whose image or buffer is already destroyed.
     fn free(&mut self, block: MemoryBlock);
 }
 
@@ -59,16 +59,15 @@ pub struct MemoryBlock {
     pub memory: vk::DeviceMemory,
     /// Where the part begins, in bytes.
     pub offset: u64,
-    /// Address of the part on the host, for [`MemoryPlace::Upload`] and [`MemoryPlace::Readback`]; this memory is
-    /// coherent.
+    /// Address of the part on the host, in coherent memory, for [`MemoryPlace::Upload`] and [`MemoryPlace::Readback`].
     pub mapped: Option<NonNull<u8>>,
-    /// Whatever the allocator wants to know when it gets the block back.
+    /// A number of the allocator's choice, which the allocator gets back with the block.
     pub key: u64,
 }
 
 // SAFETY: the pointer is into mapped memory that is this block's alone (`DeviceMemory`).
 unsafe impl Send for MemoryBlock {}
-// SAFETY: as above; through a shared block the memory is only read.
+// SAFETY: through a shared block, its mapped memory is only read.
 unsafe impl Sync for MemoryBlock {}
 
 /// The allocator of a device's memory.
@@ -87,14 +86,14 @@ pub(super) enum Allocation {
 }
 
 impl Source {
-    /// Bytes that are allocated, and bytes of the blocks that hold them. Both are 0 for a caller's allocator, since the
-    /// caller knows them.
+    /// Bytes that are allocated, and bytes of the blocks that hold them; both are 0 for a caller's allocator.
     pub fn bytes(&self) -> (u64, u64) {
         let Self::Ours(allocator) = self else { return (0, 0) };
         let report = locked(allocator).generate_report();
         (report.total_allocated_bytes, report.total_capacity_bytes)
     }
 
+    /// Allocates memory; an error is a clause that says why there is none.
     fn allocate(
         &self,
         name: &str,
@@ -158,6 +157,7 @@ impl Allocation {
         }
     }
 
+    /// The memory as the host sees it; `None` if the memory is not mapped.
     fn bytes(&self) -> Option<&[u8]> {
         match self {
             Self::Ours(allocation) => allocation.mapped_slice(),
@@ -174,7 +174,7 @@ impl Allocation {
             Self::Ours(allocation) => allocation.mapped_slice_mut(),
             Self::Theirs(block, size) => {
                 let size = *size as usize;
-                // SAFETY: as in `bytes`.
+                // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
                 block.mapped.map(|pointer| unsafe { std::slice::from_raw_parts_mut(pointer.as_ptr(), size) })
             }
         }
@@ -243,8 +243,7 @@ impl Buffer {
     /// The address of a buffer whose usage has a device address, for shaders and for builds of ray structures.
     pub(super) fn address(&self) -> u64 {
         let info = vk::BufferDeviceAddressInfo::default().buffer(self.handle);
-        // SAFETY: the buffer is alive. Its memory was allocated for addresses: on a device with ray queries on, the
-        // memory of all buffers is.
+        // SAFETY: the buffer is alive, and where ray queries are on, the memory of all buffers is made for addresses.
         unsafe { self.gpu.raw().get_buffer_device_address(&info) }
     }
 

@@ -49,8 +49,8 @@ pub struct ComputePipeline<P> {
     program: PhantomData<fn() -> P>,
 }
 
-/// A compiled graphics or compute pipeline, which all who ask for it share. It holds no [`Gpu`], since the device keeps the pipeline, and
-/// two that keep each other are never dropped.
+/// A compiled graphics or compute pipeline, which all users share. This struct holds no [`Gpu`], since the device keeps
+/// the pipeline, and two values that keep each other are never dropped.
 pub(crate) struct SharedPipeline {
     pub layout: Layout,
     pub handle: vk::Pipeline,
@@ -97,6 +97,7 @@ pub(super) enum Geometry<'a> {
 }
 
 impl Layout {
+    /// Makes the layouts for the bindings and push constants of some shaders, if the device's limits allow these.
     fn new(gpu: &Gpu, shaders: &[(&Shader, vk::ShaderStageFlags)]) -> Result<Self> {
         let mut bindings: Vec<Binding> = Vec::new();
         for (shader, _) in shaders {
@@ -132,7 +133,7 @@ impl Layout {
         } else {
             &[]
         });
-        // SAFETY: as above.
+        // SAFETY: the create info lives through the call; the handle is destroyed in `drop`.
         layout.pipeline = unsafe { gpu.raw().create_pipeline_layout(&info, None) }
             .map_err(vulkan(format!("vkCreatePipelineLayout for {name}")))?;
         gpu.name(layout.pipeline, name);
@@ -164,8 +165,7 @@ impl Drop for Layout {
 }
 
 impl<F: Fragment> GraphicsPipeline<F> {
-    /// Makes a pipeline of a fragment program over whole targets. `targets` has their formats by location: UNDEFINED for an output that
-    /// nobody wants.
+    /// Makes a pipeline of a fragment program over whole targets, with their formats: UNDEFINED for an unwanted output.
     pub fn fullscreen(gpu: &Gpu, targets: F::Outputs<vk::Format>) -> Result<Self>
     where
         F: Program<Constants = ()>,
@@ -173,11 +173,10 @@ impl<F: Fragment> GraphicsPipeline<F> {
         Self::fullscreen_by(gpu, None, targets, &())
     }
 
-    /// Makes a pipeline that draws a full-screen triangle, for the permutation of a program with a source of rays, and with values of its
-    /// specialization constants.
+    /// Makes a full-screen pipeline of a program's permutation with a source of rays and specialization constants.
     ///
     /// # Errors
-    /// [`Error::Usage`] if there is none.
+    /// [`Error::Usage`] if the program has no permutation with this source.
     pub fn fullscreen_by(
         gpu: &Gpu,
         rays: Option<RaySource>,
@@ -187,8 +186,7 @@ impl<F: Fragment> GraphicsPipeline<F> {
         Self::with_geometry(gpu, (rays, constants), Geometry::Triangles(None), targets, None)
     }
 
-    /// Makes a pipeline of a fragment program that marks each pixel that it doesn't discard, in the stencil of a depth target, and writes
-    /// nothing else.
+    /// Makes a pipeline that only marks, in the stencil of a depth target, the pixels that a fragment program keeps.
     pub fn marking(gpu: &Gpu, depth: vk::Format) -> Result<Self>
     where
         F: Fragment<Outputs<vk::Format> = [vk::Format; 0]> + Program<Constants = ()>,
@@ -199,11 +197,11 @@ impl<F: Fragment> GraphicsPipeline<F> {
 }
 
 impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
-    /// Makes a pipeline that draws points, that is squares of pixels, which a vertex program makes from their number alone. It has the
-    /// permutation of the fragment program with a source of rays.
+    /// Makes a pipeline that draws points, that is squares of pixels, which a vertex program makes from their number
+    /// alone. The pipeline has the permutation of the fragment program with a source of rays.
     ///
     /// # Errors
-    /// [`Error::Usage`] if there is none.
+    /// [`Error::Usage`] if the program has no permutation with this source.
     pub fn points(
         gpu: &Gpu,
         rays: Option<RaySource>,
@@ -213,9 +211,9 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         Self::with_geometry(gpu, (rays, constants), Geometry::Points, targets, None)
     }
 
-    /// Makes a pipeline that draws both sides of triangles, with reversed depth: greater wins, and of equal ones the last. The viewport
-    /// has negative height. A triangle whose winding agrees with its normal, by the usual cross product in our left-handed world, is
-    /// therefore front-facing when it faces the camera.
+    /// Makes a pipeline that draws both sides of triangles, with reversed depth: the greater depth wins, and of equal
+    /// depths the last drawn. The viewport has negative height. A triangle whose winding agrees with its normal, by the
+    /// usual cross product in our left-handed world, is therefore front-facing when it faces the camera.
     pub fn mesh(gpu: &Gpu, input: VertexInput, targets: F::Outputs<vk::Format>, depth: vk::Format) -> Result<Self>
     where
         F: Program<Constants = ()>,
@@ -239,6 +237,7 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         Self::with_geometry(gpu, (None, &()), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
+    /// Makes a pipeline for a kind of geometry and a depth target, with the chosen permutation of the fragment program.
     fn with_geometry(
         gpu: &Gpu,
         (rays, constants): (Option<RaySource>, &F::Constants),
@@ -256,8 +255,7 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
 }
 
 impl SharedPipeline {
-    /// Returns the pipeline that the device keeps for these stages and targets, or makes it. Targets without a format at the end of the
-    /// list are left out.
+    /// Returns the kept pipeline of these stages and targets, or makes it. Unwanted targets at the end are left out.
     fn graphics(
         gpu: &Gpu,
         stages: &Stages,
@@ -281,6 +279,7 @@ impl SharedPipeline {
         gpu.kept_pipeline(key, || Self::new_graphics(gpu, stages, geometry, targets, depth))
     }
 
+    /// Compiles a graphics pipeline.
     fn new_graphics(
         gpu: &Gpu,
         &Stages { vertex, fragment, constants }: &Stages,
@@ -388,6 +387,7 @@ impl SharedPipeline {
         gpu.kept_pipeline(key, || Self::new_compute(gpu, shader, &constants))
     }
 
+    /// Compiles a compute pipeline.
     fn new_compute(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
         let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
         let module = Module::new(gpu, shader)?;
@@ -415,6 +415,7 @@ pub(super) struct Stages<'c> {
 }
 
 impl Stencil {
+    /// The test for both sides of triangles, with the reference value 1.
     fn state(self) -> vk::StencilOpState {
         let (pass_op, compare_op, write_mask) = match self {
             Self::Mark => (vk::StencilOp::REPLACE, vk::CompareOp::ALWAYS, 0xff),
@@ -441,7 +442,7 @@ impl<P: program::Compute> ComputePipeline<P> {
     /// Makes the pipeline of the permutation of a program with a source of rays.
     ///
     /// # Errors
-    /// [`Error::Usage`] if there is none.
+    /// [`Error::Usage`] if the program has no permutation with this source.
     pub fn by(gpu: &Gpu, rays: RaySource, constants: &P::Constants) -> Result<Self> {
         Self::of_permutation(gpu, permutation::<P>(PermutationChoice::compute(rays), &[])?, constants)
     }
@@ -471,6 +472,7 @@ fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>,
     (constants.iter().enumerate().map(entry).collect(), constants.iter().map(|(_, bits)| *bits).collect())
 }
 
+/// The pipeline that a call made, or the call's error with the pipeline's name.
 fn first(
     made: std::result::Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
     name: &str,
@@ -485,8 +487,7 @@ fn first(
 
 impl Drop for SharedPipeline {
     fn drop(&mut self) {
-        // SAFETY: submissions are waited for before the users of the pipeline are dropped (`FrameContext`), and the pipeline is destroyed
-        // before its device (`Shared`).
+        // SAFETY: `FrameContext` waits for submissions before users are dropped; the device is alive (`Shared`).
         unsafe { self.layout.device.destroy_pipeline(self.handle, None) };
     }
 }

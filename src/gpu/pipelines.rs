@@ -18,7 +18,7 @@ const KEPT: usize = 512;
 #[derive(Default)]
 pub(crate) struct Pipelines(Mutex<KeyedCache<Key, SharedPipeline>>);
 
-/// Shared things by their keys.
+/// A cache of shared things, each under a key.
 struct KeyedCache<K, T> {
     /// Each thing, with the value of `asked` when somebody last asked for the thing.
     things: HashMap<K, (u64, Arc<T>)>,
@@ -95,6 +95,7 @@ impl<K, T> Default for KeyedCache<K, T> {
 }
 
 impl<K: Clone + Eq + Hash, T> KeyedCache<K, T> {
+    /// Returns the thing under a key, if there is one, and notes that somebody asked for it.
     fn get(&mut self, key: &K) -> Option<Arc<T>> {
         self.asked += 1;
         let (asked, thing) = self.things.get_mut(key)?;
@@ -116,6 +117,7 @@ impl<K: Clone + Eq + Hash, T> KeyedCache<K, T> {
         made
     }
 
+    /// Drops the things that nobody uses now.
     fn trim(&mut self) {
         self.things.retain(|_, (_, thing)| Arc::strong_count(thing) > 1);
     }

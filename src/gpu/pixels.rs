@@ -1,5 +1,5 @@
-//! Programs that make every texel of their targets, in the shader stage that was chosen. They run as fragment programs
-//! over whole targets, or as compute programs, a thread a texel. `build.rs` makes both from the same source
+//! Programs that make every texel of their targets, in the shader stage that was chosen. Such programs run as fragment
+//! programs over whole targets, or as compute programs, a thread a texel. `build.rs` makes both from the same source
 //! (`shaders-glsl/common/either_stage.glsl`), or from a `.frag` and a `.comp` file that name the same program.
 
 use super::device::Gpu;
@@ -42,8 +42,7 @@ pub(super) enum StagePipeline<F> {
 pub struct StoringPipeline<F> {
     pub(super) pipeline: Arc<SharedPipeline>,
     pub(super) permutation: &'static Permutation,
-    /// Images of one texel for the outputs that nobody wants. The program stores nothing to them, but every binding needs an
-    /// image.
+    /// Images of one texel for unwanted outputs. The program stores nothing there, but every binding needs an image.
     pub(super) unwanted: Arc<[Option<Image>]>,
     /// Keeps the device until the pipeline is gone.
     _gpu: Gpu,
@@ -55,8 +54,7 @@ impl<F: InEitherStage> PixelPipeline<F> {
     /// output that nobody wants.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::error::Error::Usage) if no compute shader of the program stores to images of these formats; errors of the
-    /// device.
+    /// [`Error::Usage`](crate::error::Error::Usage) if no compute shader stores to these formats; errors of the device.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,

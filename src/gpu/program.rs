@@ -1,7 +1,7 @@
 //! Shader programs on the host: a program is a struct of everything that its shaders read. `build.rs` writes a struct
 //! for each program that `shaders-glsl/` names, so that a binding that is missing, or of the wrong kind, does not
-//! compile. A program may have permutations: shaders of either stage, and for each source of rays. They share the struct,
-//! and a binding that only some of them have is an `Option`.
+//! compile. A program may have permutations: shaders of either stage, and for each source of rays. Permutations share
+//! the struct, and a binding that only some permutations have is an `Option`.
 
 use super::frame::Resource;
 use super::image::ImageSlice;
@@ -29,11 +29,11 @@ pub enum RaySource {
 pub struct Permutation {
     /// The compiled stage.
     pub shader: &'static Shader,
-    /// Whether it is a compute shader.
+    /// Whether the shader is a compute shader.
     pub is_compute: bool,
-    /// How it finds where rays end; `None` if the program has no choice of that.
+    /// How the shader finds where rays end; `None` for a program that has no choice of a source of rays.
     pub rays: Option<RaySource>,
-    /// Ids of its specialization constants.
+    /// Ids of the shader's specialization constants.
     pub constants: &'static [u32],
 }
 
@@ -42,7 +42,7 @@ pub struct Permutation {
 pub struct PermutationChoice {
     /// The shader stage.
     pub stage: ShaderStage,
-    /// How rays find where they end; `None` for a program that has no choice of that.
+    /// How the shader finds where rays end; `None` for a program that has no choice of a source of rays.
     pub rays: Option<RaySource>,
 }
 
@@ -59,19 +59,18 @@ impl PermutationChoice {
     }
 }
 
-/// A program. Its fields are the bindings and the push constants of its permutations, named as in GLSL; see
-/// [`programs`](super::programs).
+/// A program. Its fields are the bindings and push constants of its permutations, as in GLSL ([`super::programs`]).
 pub trait Program {
     /// The program's type without borrowed lifetimes, which is part of a pipeline's type.
     type Kind: 'static;
 
-    /// Values of its specialization constants; `()` where it has none.
+    /// The type of the program's specialization constants; `()` for a program without such constants.
     type Constants: Constants;
 
-    /// Its shaders.
+    /// The program's shaders.
     const PERMUTATIONS: &'static [Permutation];
 
-    /// The shader of a program that has one alone. For any other program this does not compile.
+    /// The shader of a program that has only one. For any other program, code with this constant does not compile.
     const SHADER: &'static Shader = {
         assert!(Self::PERMUTATIONS.len() == 1, "the program has several permutations");
         Self::PERMUTATIONS[0].shader
@@ -80,7 +79,7 @@ pub trait Program {
     /// The resource of a binding, by its name; `None` if none is given.
     fn resource(&self, name: &str) -> Option<Resource<'_>>;
 
-    /// The bytes of its push constants; empty without a push-constant block.
+    /// The bytes of the program's push constants; empty without a push-constant block.
     fn push(&self) -> &[u8];
 }
 
@@ -128,11 +127,11 @@ impl<'a> Sampled<'a> {
     }
 }
 
-/// Finds the permutation of a choice. A compute permutation beside fragment permutations stores to images of the formats `targets`, of
-/// which UNDEFINED fits every format.
+/// Finds the permutation of a choice. A compute permutation beside fragment permutations must store to images of the
+/// formats `targets`, of which UNDEFINED fits every format.
 ///
 /// # Errors
-/// [`Error::Usage`] if there is none.
+/// [`Error::Usage`] if the program has no such permutation.
 pub(super) fn permutation<P: Program>(
     choice: PermutationChoice,
     targets: &[vk::Format],

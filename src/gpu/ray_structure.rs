@@ -161,7 +161,7 @@ fn address(device_address: u64) -> vk::DeviceOrHostAddressConstKHR {
     vk::DeviceOrHostAddressConstKHR { device_address }
 }
 
-/// A `VkAccelerationStructureInstanceKHR` of the structure at an address, unmoved and visible to every ray.
+/// A `VkAccelerationStructureInstanceKHR` of the structure at an address: an identity matrix, and a mask for every ray.
 fn instance(device_address: u64) -> [u32; 16] {
     let one = 1.0_f32.to_bits();
     let mut words = [0; 16];

@@ -15,8 +15,7 @@ pub struct Pixels {
     pub height: u32,
     /// Number of channels: 1, 2 or 4.
     pub channels: usize,
-    /// `channels · width · height` values; sRGB formats are decoded to linear, and whole numbers of 32 bits are the
-    /// bits of floats.
+    /// `channels · width · height` values; sRGB is decoded to linear, and 32-bit whole numbers are the bits of floats.
     pub values: Vec<f32>,
 }
 

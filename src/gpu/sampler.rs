@@ -18,6 +18,7 @@ pub enum Sampler {
 pub(crate) struct Samplers([vk::Sampler; 3]);
 
 impl Samplers {
+    /// Makes all samplers; if one fails, destroys those that were made.
     pub(super) fn new(device: &ash::Device, anisotropy: bool, limits: &vk::PhysicalDeviceLimits) -> Result<Self> {
         use vk::{Filter as F, SamplerAddressMode as A, SamplerMipmapMode as M};
         let mut made = Self([vk::Sampler::null(); 3]);
@@ -58,7 +59,7 @@ impl Samplers {
     /// No submission uses the samplers any more.
     pub(super) unsafe fn destroy(&self, device: &ash::Device) {
         for sampler in self.0 {
-            // SAFETY: by the contract.
+            // SAFETY: by the contract, no submission uses the sampler.
             unsafe { device.destroy_sampler(sampler, None) };
         }
     }

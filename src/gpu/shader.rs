@@ -3,8 +3,7 @@
 /// A compiled stage and what it binds.
 #[derive(Debug)]
 pub struct Shader {
-    /// Path under `shaders-glsl/` and the macros that are defined, for labels and errors. No two shaders have the same
-    /// name.
+    /// Path under `shaders-glsl/` and the defined macros, for labels and errors; no other shader has this name.
     pub name: &'static str,
     /// Path under `shaders-glsl/`.
     pub file: &'static str,
@@ -12,7 +11,7 @@ pub struct Shader {
     pub defines: &'static [&'static str],
     /// SPIR-V.
     pub spirv: &'static [u8],
-    /// Bytes of its push-constant block.
+    /// Bytes of the push-constant block.
     pub push_constant_size: u32,
     /// Threads of a workgroup (compute).
     pub local_size: [u32; 3],
@@ -53,7 +52,7 @@ pub enum BindingKind {
     StorageBuffer,
 }
 
-/// Code that replaces compiled-in code, by [`Shader::name`], for shaders that changed while a window shows them. A
+/// Code that replaces compiled-in code, by [`Shader::name`], for shaders whose files changed while a window is open. A
 /// pipeline made after the change has the new code.
 #[cfg(feature = "reload")]
 #[derive(Debug, Default)]
@@ -66,8 +65,7 @@ impl ReplacedShaders {
         self.lock().get(name).cloned()
     }
 
-    /// Replaces a shader's code, or with `None` goes back to the compiled-in code. Returns the code that replaced it
-    /// before.
+    /// Replaces a shader's code, or goes back to the compiled-in code for `None`. Returns the earlier replacement.
     pub fn set(&self, shader: &Shader, spirv: Option<std::sync::Arc<[u8]>>) -> Option<std::sync::Arc<[u8]>> {
         match spirv {
             Some(spirv) => self.lock().insert(shader.name, spirv),

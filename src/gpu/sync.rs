@@ -168,7 +168,7 @@ pub struct ImageUse {
 impl ImageUse {
     /// Drawn into as a colour attachment.
     pub const COLOR_ATTACHMENT: Self = Self::for_access(Access::ColorAttachment);
-    /// Drawn into as a depth attachment; the layout is that of the depth aspect alone.
+    /// Drawn into as a depth attachment; the layout is for the depth aspect alone.
     pub const DEPTH_ATTACHMENT: Self = Self::for_access(Access::DepthAttachment);
     /// Sampled in fragment shaders, in `SHADER_READ_ONLY_OPTIMAL`.
     pub const FRAGMENT_SAMPLED: Self = Self::for_access(Access::FragmentSampled);
@@ -269,6 +269,7 @@ impl State {
         self.transition_to(AccessInfo { stages, access, layout, writes: true })
     }
 
+    /// Moves to a use. A new layout, a write, or a read that does not see the last write yet needs a barrier.
     fn transition_to(&mut self, info: AccessInfo) -> Option<Transition> {
         let moves = info.layout != vk::ImageLayout::UNDEFINED && info.layout != self.layout;
         let sees = self.read_stages.contains(info.stages) && self.read_access.contains(info.access);

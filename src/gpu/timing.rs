@@ -21,8 +21,7 @@ pub struct PassTime {
 /// Number of queries in a pool.
 const QUERIES: u32 = 512;
 
-/// Queries of one kind, which are taken in order. There are as many pools as a frame needs, and the next frame uses
-/// them again.
+/// Queries of one kind, taken in order. There are as many pools as a frame needs, and the next frame uses them again.
 struct Queries {
     gpu: Gpu,
     name: &'static str,
@@ -63,6 +62,7 @@ impl Queries {
         Ok(query)
     }
 
+    /// Adds a pool of queries.
     fn grow(&mut self) -> Result<()> {
         let info = vk::QueryPoolCreateInfo::default()
             .query_type(self.kind)
@@ -108,7 +108,7 @@ impl Timestamps {
         Ok(Self(Queries::new(gpu, "timestamps", vk::QueryType::TIMESTAMP, none)?))
     }
 
-    /// Forgets the last frame.
+    /// Forgets the timestamps of the last frame.
     pub fn reset(&mut self) {
         self.0.reset();
     }

@@ -15,8 +15,7 @@ pub const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 pub struct AllowedMessage {
     /// ID of the message.
     pub id: &'static str,
-    /// The versions of the layer that give this message, as Vulkan encodes versions: from the first one up to the one
-    /// that no longer does.
+    /// The versions of the layer that give this message, as Vulkan encodes versions; the end of the range does not.
     pub versions: Range<u32>,
     /// Beginning of the names of the drivers whose use gives the message; "" for every driver.
     pub driver: &'static str,
@@ -31,17 +30,17 @@ const LAYER_1_4: u32 = vk::make_api_version(0, 1, 4, 0);
 /// browser Chromium, which scripts/drivers.sh fetches and gives the version 1.4.0, do not.
 const LAYERS_1_4_309: Range<u32> = vk::make_api_version(0, 1, 4, 1)..vk::make_api_version(0, 1, 4, 310);
 
-/// Why stages are named ALL_COMMANDS.
+/// The reason why messages about the stage ALL_COMMANDS are allowed.
 const FULL_BARRIERS: &str = "timing mode stamps at ALL_COMMANDS and separates passes by full barriers on purpose, so that neighbours cannot overlap";
 
 /// Beginning of the name of the driver that needs frame/quirks/settle.rs.
 pub(super) const MESA_22: &str = "llvmpipe Mesa 22.";
 
-/// Why dispatches have no workgroups.
+/// The reason why messages about dispatches without workgroups are allowed.
 const SETTLING: &str = "on lavapipe of Mesa 22, dispatches of no workgroups keep it from compiling programs again \
                         (frame/quirks/settle.rs)";
 
-/// Why VK_EXT_debug_utils is enabled.
+/// The reason why messages about the extension VK_EXT_debug_utils are allowed.
 const MESSENGER: &str = "VK_EXT_debug_utils carries these very messages";
 
 /// The messages that do not fail a run.
@@ -112,7 +111,7 @@ pub struct Message {
     pub id: String,
     /// Text of the message.
     pub text: String,
-    /// Whether the allow-list names it.
+    /// Whether the allow-list names the message.
     pub allowed: bool,
 }
 
@@ -166,8 +165,7 @@ unsafe extern "system" fn callback(
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     user_data: *mut c_void,
 ) -> vk::Bool32 {
-    // SAFETY: both pointers are valid for the call, by the function's contract; strings that are
-    // not null are null-terminated.
+    // SAFETY: by the function's contract, both pointers are valid; strings that are not null are null-terminated.
     unsafe {
         let (Some(data), Some(log)) = (data.as_ref(), user_data.cast::<ValidationLog>().as_ref()) else {
             return vk::FALSE;

@@ -281,9 +281,9 @@ impl FacePasses {
     }
 }
 
-/// Draws captures again: all faces of captures that move, and in each frame a few faces, in turn over all captures, so that
-/// captures show moving objects, if late. The age of a face, in frames, is at most the number of all faces over the number for each
-/// frame, rounded up.
+/// Draws captures again: all faces of captures that move, and in each frame a few faces, in turn over all captures, so
+/// that captures show moving objects with a delay. The age of a face, in frames, is at most the number of all faces
+/// divided by the number for each frame, rounded up.
 pub struct Renewal {
     passes: FacePasses,
     faces_per_frame: u32,
@@ -320,8 +320,8 @@ impl Renewal {
         captures.draw(context, scene, &self.passes)
     }
 
-    /// Records the passes "capture/…" of each face whose turn it is: scene passes, pyramid, copies and colour chain. They draw
-    /// `scene` as it is now.
+    /// Records the passes "capture/…" of each face whose turn it is: scene passes, pyramid, copies and colour chain.
+    /// These passes draw `scene` as it is now.
     ///
     /// # Errors
     /// Errors of the device.
@@ -349,8 +349,8 @@ pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Ima
     Ok(map)
 }
 
-/// Returns the materials without the properties that a capture does not show. A map stays right as long as the result stays the
-/// same.
+/// Returns the materials without the properties that a capture does not show. A captured map stays valid as long as
+/// this result stays the same.
 pub fn captured_of(materials: &[Material]) -> Vec<Material> {
     let bare = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
     materials.iter().map(bare).collect()

@@ -26,7 +26,7 @@ use std::time::Instant;
 /// Faces of the capture at the camera. Each frame draws all of them.
 const FACES_OF_A_CUBE: u32 = 6;
 
-/// What an effect made in a frame.
+/// The images that an effect made in a frame.
 #[derive(Clone)]
 pub struct Output<'a> {
     /// The method's intermediates and hits, and the reflection that was composited.
@@ -74,8 +74,7 @@ impl Effect {
     /// needs none.
     ///
     /// # Errors
-    /// [`Error::Usage`] for what [`EXCLUSIONS`](exclusions::EXCLUSIONS) refuse, and if captures or triangles are wanted and there is no
-    /// scene.
+    /// [`Error::Usage`] for a request in [`EXCLUSIONS`](exclusions::EXCLUSIONS), or without a scene that is needed.
     pub fn new(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -123,8 +122,8 @@ impl Effect {
     /// Makes the method and the passes around it for a G-buffer without its scene, and for captures that come from elsewhere.
     ///
     /// # Errors
-    /// [`Error::Usage`] for what [`EXCLUSIONS`](exclusions::EXCLUSIONS) refuse of captures that are brought along, such as a method that
-    /// follows no rays in them.
+    /// [`Error::Usage`] for a request in [`EXCLUSIONS`](exclusions::EXCLUSIONS), such as a method that follows no
+    /// rays in captures.
     pub fn with_captures(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -154,7 +153,7 @@ impl Effect {
     }
 
     /// Makes the method and the passes around it for a G-buffer without its scene, and for triangles that each input brings along
-    /// ([`Input::triangles`]). `reading` says how shaders read them.
+    /// ([`Input::triangles`]). `reading` says how shaders read the triangles.
     ///
     /// # Errors
     /// [`Error::Usage`] as for [`Self::new`], and for a method that follows no rays among triangles.
@@ -169,6 +168,7 @@ impl Effect {
         Self::with_parts(context, info, setup, wants, (None, Some(reading)))
     }
 
+    /// Makes the method and the passes around it, for captures or triangles of any origin, and after all checks.
     fn with_parts(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -311,6 +311,7 @@ impl Effect {
         Some((images, self.places().collect()))
     }
 
+    /// The captures with the places where they are now; none before their images are made.
     fn places(&self) -> impl Iterator<Item = Capture> {
         let captured =
             self.captures.as_ref().and_then(|c| Some((c.places.iter(), c.images.as_ref()?.captures().places)));

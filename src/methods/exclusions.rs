@@ -1,18 +1,18 @@
-//! What excludes what: one table of the requests that an effect refuses. Errors, the help of parameters and the page of options come
-//! from it. (That a method looks for captures or triangles where there is no scene is told where these are made.)
+//! The table of the requests that an effect refuses. Errors, the help of parameters and the page of options come from
+//! this table. The functions that make captures and triangles refuse a request without the scene that they need.
 
 use super::setup::{BeyondScreen, CaptureCount, Setup, Tracer};
 use super::{EffectParams, METHODS, MethodInfo};
 use crate::error::{Error, Result};
 use crate::passes::trace_normals::TraceNormals;
 
-/// What an effect is asked for.
+/// A request for an effect.
 pub struct Asked<'a> {
     /// The method.
     pub info: &'a MethodInfo,
-    /// Its setup.
+    /// The method's setup.
     pub setup: &'a Setup,
-    /// The parameters of the effect around it.
+    /// The parameters of the effect around the method.
     pub effect: EffectParams,
     /// Whether the scene is known, and not a G-buffer alone.
     pub has_scene: bool,
@@ -34,7 +34,7 @@ pub enum Brought {
 }
 
 impl<'a> Asked<'a> {
-    /// What is asked for with a G-buffer without its scene, and a part of the scene that the caller brings along.
+    /// The request for a G-buffer without its scene, and with a part of the scene that the caller brings along.
     pub fn beside_gbuffer(info: &'a MethodInfo, setup: &'a Setup, part: Brought) -> Self {
         Self {
             info,
@@ -47,27 +47,27 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// Whether a method sees what it needs: the screen is enough, or the scene is known, or what it follows rays in is given.
+    /// Whether a method sees enough: the screen, the whole scene, or captures or triangles in which it follows rays.
     fn is_seen(&self, method: &MethodInfo) -> bool {
         let is_given = (method.takes_captures && self.has_captures) || (method.takes_triangles && self.has_triangles);
         self.has_scene || method.is_screen_space() || is_given
     }
 }
 
-/// A request that is refused.
+/// A kind of request that is refused.
 pub struct Exclusion {
-    /// The parameter that asks for it, or "method".
+    /// The parameter whose value is refused, or "method".
     pub parameter: &'static str,
-    /// When it is refused, as the page of options says it.
+    /// The case in which the value is refused, in the words of the page of options.
     pub refused: &'static str,
-    /// Whether it is asked for.
+    /// Returns true for requests of this kind.
     pub is_asked: fn(&Asked) -> bool,
     message: fn(&Asked) -> String,
 }
 
 const DRAWN_ANEW: &str = "captures without their scene cannot be drawn anew in frames";
 
-/// The requests that are refused by what is asked for alone. If several are asked for, the error names the first.
+/// The kinds of requests that are refused. If a request is of several kinds, the error names the first of them.
 pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "captures",
@@ -228,10 +228,10 @@ fn behind(asked: &Asked) -> &'static str {
     asked.effect.fallback.method().map_or("none", |method| method.name)
 }
 
-/// Refuses what cannot be.
+/// Refuses a request that is of a kind in [`EXCLUSIONS`].
 ///
 /// # Errors
-/// [`Error::Usage`] with the first of [`EXCLUSIONS`] that is asked for.
+/// [`Error::Usage`] with the message of the first such kind.
 pub fn check(asked: &Asked) -> Result<()> {
     match EXCLUSIONS.iter().find(|exclusion| (exclusion.is_asked)(asked)) {
         Some(exclusion) => Err(Error::Usage((exclusion.message)(asked))),

@@ -1,6 +1,6 @@
-//! `ibr`: image-based reflections (thesis §3.1.4). A proxy is a box in the scene. Its content is drawn, lit, into an image on the
-//! box's middle plane, and each pixel's mirror ray is tested against these planes. The image is read in the level that fits the
-//! width of the ray's cone, so that gloss costs nothing.
+//! `ibr`: image-based reflections (thesis §3.1.4). A proxy is a box in the scene. The content of the box is drawn, lit,
+//! into an image on the box's middle plane, and each pixel's mirror ray is tested against these planes. The image is
+//! read in the level that fits the width of the ray's cone, so that gloss costs nothing.
 //!
 //! The boxes are the scene's impostors (`[[impostor]]`) with a depth. The method differs from `billboard` in that no artist paints
 //! an image: a box shows its content as the scene passes light it, from its front alone.

@@ -17,7 +17,7 @@ pub enum Need {
 }
 
 impl Need {
-    /// The word for people, in the plural.
+    /// The part's name in messages, in the plural.
     pub fn words(self) -> &'static str {
         match self {
             Self::Impostors => "impostors",

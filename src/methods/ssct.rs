@@ -66,12 +66,13 @@ parameters! {
 }
 
 impl SsctParams {
+    /// The function that fills in the block's members for these parameters.
     fn filling(self) -> Fill {
         Box::new(move |block| self.border.fill(self.cone.fill(self.march.fill(self.hi_z.fill(block)))))
     }
 }
 
-/// Fills in the parameters of a method.
+/// A function that fills in those members of a uniform block that the parameters of a method decide.
 pub(super) type Fill = Box<dyn Fn(ThesisBlock) -> ThesisBlock + Send>;
 
 /// The thesis's passes in their order.

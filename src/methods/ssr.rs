@@ -39,7 +39,7 @@ parameters! {
     }
 }
 
-/// Schmidt's screen-space reflections. They ignore roughness: every reflection is a mirror's.
+/// Schmidt's screen-space reflections. The method ignores roughness: every reflection is a mirror's.
 pub struct SchmidtMethod {
     /// The colour chain, of which the blur reads a coarse level; `None` without the blur.
     chain: Option<ColorChainPass>,
@@ -51,7 +51,7 @@ pub struct SchmidtMethod {
 
 impl SchmidtMethod {
     /// Makes the method with the march of listing 4 or 5. Listing 5 alone has the blur, which reads a chain of the lit colour.
-    /// `blur` says how the chain is filtered.
+    /// `blur` says how the chain is filtered; `None` leaves the blur out.
     pub(super) fn new(
         gpu: &Gpu,
         request: &MethodRequest,

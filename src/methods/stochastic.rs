@@ -86,6 +86,7 @@ struct StochasticMethod {
     fade: bool,
 }
 
+/// The passes that trace rays, by the kind of walk.
 enum Walk {
     Exact(PyramidPass, StochasticTrace<StochasticExact<'static>>),
     Thesis(HiZPass, SsctParams, StochasticTrace<StochasticThesis<'static>>),

@@ -9,10 +9,10 @@
 //! hundreds of steps. The thesis and the engines that followed it skip pixels, and lose hits on the way: at odd sizes, towards the
 //! camera, behind objects, far away. This method skips pixels and loses no hit.
 //!
-//! **The ray** is followed in the space of (pixel x, pixel y, reversed depth), where it is straight and the frustum is a box. Its
-//! direction in this space is the exact derivative of the projection. A mirror reflects the direction v, in which the pixel is
-//! seen, to v + a n. Since v projects to a point, the derivative depends on a n alone, and nothing cancels (`traverse.glsl`).
-//! Reversed depth in f32 keeps its precision at any ratio of near to far.
+//! **The ray** is followed in the space of (pixel x, pixel y, reversed depth), where it is straight and the frustum is
+//! a box. The ray's direction in this space is the exact derivative of the projection. A mirror reflects the direction
+//! v, in which the pixel is seen, to v + a n. Since v projects to a point, the derivative depends on a n alone, and
+//! nothing cancels (`traverse.glsl`). Reversed depth in f32 keeps its precision at any ratio of near to far.
 //!
 //! **The pyramid** ([`pyramid`]) holds, for each cell of 2ⁿ × 2ⁿ pixels, the interval from the farthest
 //! back to the nearest front of its blocks. Sides are padded so that cell = pixel >> n at every size.
@@ -53,11 +53,11 @@
 //! new directions. Over a fallback ([`Fallback`]) the share of the rays that miss is not black but transparent, and the fallback
 //! shows through.
 //!
-//! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source. Both make
-//! the same image to the bit on a device that computes alike in both stages; which is faster depends on the device.
-//! [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and `--stage` chooses one for all. Only
-//! the pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute program runs in as many
-//! workgroups of 8 × 8 as the classification has counted, and stores to the same images.
+//! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
+//! Both programs make the same image to the bit where both stages compute alike; which is faster depends on the device.
+//! [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and `--stage` chooses one for
+//! all. Only the pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute
+//! program runs in as many workgroups of 8 × 8 as the classification has counted, and stores to the same images.
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
 //! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles; `traverse.glsl`;
@@ -107,8 +107,8 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
-/// The greatest number of triangles with which they answer every ray on a device that is a CPU, if the parameter `first` is `auto`.
-/// On a GPU triangles answer every ray in any scene (docs/unified.md).
+/// If the parameter `first` is `auto`, a CPU follows every ray among the triangles of scenes with up to this many
+/// triangles. A GPU does so in every scene (docs/unified.md).
 const FIRST_UP_TO: u32 = 60_000;
 
 choices! {
@@ -215,6 +215,7 @@ impl UnifiedMethod {
         Self::with(gpu, request, (false, request.triangles), [StageChoice::Auto.on(gpu, Stage::Published); 2])
     }
 
+    /// Makes the method. `screen` says whether rays walk over the screen; `trace` and `resolve` are shader stages.
     fn with(
         gpu: &Gpu,
         request: &MethodRequest,
@@ -303,6 +304,7 @@ struct Plan {
 }
 
 impl Plan {
+    /// Chooses the passes for the reflectors of a frame.
     fn new(reflectors: Reflectors) -> Self {
         let Reflectors { mirrors, narrow, wide, everywhere } = reflectors;
         Self { mirrors, narrow, wide, whole: everywhere && reflectors.kinds() == 1 }

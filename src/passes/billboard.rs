@@ -98,8 +98,8 @@ impl BillboardPass {
         check_at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, method)
     }
 
-    /// Records pass "billboards", or the pass of its label. It draws at most [`MAX_IMPOSTORS`] of a scene's impostors, with their
-    /// own images or with `images`, in the same order.
+    /// Records pass "billboards", or the pass of its label. The pass draws at most [`MAX_IMPOSTORS`] of a scene's
+    /// impostors, with their own images or with `images`, in the same order.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

@@ -44,8 +44,7 @@ enum LevelPipelines {
     Coarse(ComputePipeline<ColorFirst<'static>>, ComputePipeline<ColorCoarse<'static>>),
     /// Two passes for each level, with the image between the two directions.
     Gaussian(PixelPipeline<GaussianBlur<'static>>, Box<Image>),
-    /// Two masked passes for each level, with the greatest difference of depths that counts as one surface, as a part of the lesser
-    /// depth.
+    /// Two masked passes a level, with the greatest depth difference in one surface, as a part of the lesser depth.
     Masked(PixelPipeline<GaussianBlurMasked<'static>>, Box<Image>, f32),
 }
 
@@ -95,8 +94,7 @@ impl ColorChainPass {
         Ok(Self(LevelPipelines::Coarse(ComputePipeline::new(gpu)?, ComputePipeline::new(gpu)?)))
     }
 
-    /// Records passes "color/1" to the coarsest level, or "color/coarse" for several levels. They write into the colour image
-    /// itself.
+    /// Records passes "color/1" to the coarsest level, or "color/coarse" for several. All write to the colour image.
     pub fn record<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
         match &self.0 {

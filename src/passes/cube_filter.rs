@@ -19,8 +19,7 @@ pub const LEVELS: u32 = 6;
 /// Directions of a lobe that are averaged, at every level.
 const SAMPLES: u32 = 64;
 
-/// Roughness of a level: 0 at level 0, then doubling up to 1 at the coarsest. Inverse of `CubeLevel` in
-/// `shaders-glsl/common/cube_map.glsl`.
+/// Roughness of a level: 0 at level 0, then doubling up to 1 at the coarsest. `CubeLevel` in GLSL is the inverse.
 pub fn level_roughness(level: u32) -> f64 {
     if level == 0 { 0.0 } else { 2_f64.powi(level as i32 - (LEVELS as i32 - 1)) }
 }

@@ -1,5 +1,6 @@
-//! The poster's pre-filtered G-buffer of linear depth, normal and colour. It has mip chains, made by the hardware's filter or by a
-//! filter that averages one surface alone, or volumes, whose slices are ever wider Gaussians of the original at its full size.
+//! The poster's pre-filtered G-buffer of linear depth, normal and colour. The G-buffer has mip chains, made by the
+//! hardware's filter or by a filter that averages one surface alone, or volumes, whose slices are ever wider Gaussians
+//! of the original at its full size.
 
 use super::{FilteredGBuffer, GBuffer, PosterFilter, camera_block};
 use crate::error::Result;
@@ -35,6 +36,7 @@ enum LinearDepths {
     Volume(PixelPipeline<LinearDepthVolume<'static>>),
 }
 
+/// The images of the filtered G-buffer, by the kind of filter.
 enum Images {
     /// Depth and normal; the colour's chain is the G-buffer's own.
     Mip(Box<[Image; 2]>),
@@ -151,6 +153,7 @@ impl FilteredGBufferPass {
         }
     }
 
+    /// Records pass "linear depth", which writes view-space z in metres.
     fn linear_depth(&self, frame: &mut Frame, gbuffer: &GBuffer, camera: &Camera, to: ImageSlice) -> Result<()> {
         let block = camera_block(camera, to.extent());
         let (camera, depth_buffer) = (&block, Sampled::nearest(gbuffer.depth.all()));

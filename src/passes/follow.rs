@@ -20,7 +20,7 @@ pub struct FollowPass {
 /// The outputs that are wanted, and where rays begin.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FollowWants {
-    /// Another reflection shows where no image knows what a ray sees.
+    /// Whether another reflection shows where no image shows the end of a ray.
     pub over: bool,
     /// The finished image.
     pub composite: bool,
@@ -30,7 +30,7 @@ pub struct FollowWants {
     pub hits: bool,
     /// Where each ray of a glossy pixel ended, for a history.
     pub stores_ends: bool,
-    /// Rays begin only where another reflection does not cover all.
+    /// Whether rays begin only where the reflection in front leaves something uncovered.
     pub behind: bool,
     /// The screen's projection.
     pub projection: ProjectionKind,
@@ -47,9 +47,6 @@ pub struct FollowInput<'a> {
 
 impl FollowPass {
     /// Compiles the pipelines, for faces whose pyramids have strips of 2^`strip` columns.
-    ///
-    /// Composite, reflection and hits of mirrors are written if they are wanted. `behind` says that rays that are followed from
-    /// where they begin make a fallback behind another reflection.
     pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;
         let FollowWants { over, composite, reflection, hits, stores_ends, behind, projection } = wanted;

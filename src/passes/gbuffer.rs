@@ -34,7 +34,7 @@ const NOTHING: [f32; 4] = [f32::from_bits(NO_TRIANGLE); 4];
 
 /// Pipelines and images of one size.
 pub struct GBufferPass {
-    /// Draws depth alone, before all else is drawn, so that what a pixel does not show is not shaded there.
+    /// Draws depth alone before all else, so that no surface is shaded in a pixel that does not show it.
     depth: Option<GraphicsPipeline<GBufferDepth<'static>, GBufferVertex<'static>>>,
     pipeline: GBufferPipeline,
     images: GBufferImages,
@@ -186,6 +186,7 @@ impl GBufferImages {
     }
 }
 
+/// The layout of [`Vertex`] in a buffer.
 fn vertex_input() -> VertexInput<'static> {
     VertexInput {
         stride: size_of::<Vertex>() as u32,
@@ -375,7 +376,7 @@ struct SurfaceInput<'a> {
 struct SceneView<'a> {
     scene: &'a SceneData,
     materials: &'a [Material],
-    /// The last mesh of the scene first: of surfaces in one place the one that is drawn last shows, which is the first of the scene.
+    /// The last mesh first: of surfaces in one place the last one drawn shows, which is then the first of the scene.
     seen: Vec<&'a MeshData>,
     culled: usize,
     world_to_clip: DMat4,
@@ -462,6 +463,7 @@ fn reflectors<'m>(materials: impl Iterator<Item = &'m Material>) -> Reflectors {
     })
 }
 
+/// The uniform block for draws of one material.
 fn draw_block(material: &Material, world_to_clip: [[f32; 4]; 4]) -> DrawBlock {
     let lit = material.surface == Surface::Lit;
     DrawBlock {

@@ -1,6 +1,5 @@
-//! The Hi-Z buffer (thesis §4.2.4, Alg. 3, Eq. 4.1): level 0 is the standard depth, each further
-//! level the minimum of four texels of the level below, and beside it their maximum if that is wanted. CPU twin:
-//! `reference::hi_z`.
+//! The Hi-Z buffer (thesis §4.2.4, Alg. 3, Eq. 4.1). Level 0 is the standard depth, and each further level the minimum
+//! of four texels of the level below, with their maximum beside it if that is wanted. CPU twin: `reference::hi_z`.
 
 use super::{GBuffer, HiZ};
 use crate::error::Result;

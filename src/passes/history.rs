@@ -36,12 +36,12 @@ pub struct HistoryPass {
     no_triangle: Image,
     /// The state that one frame leaves to the next.
     previous_frame: RefCell<PreviousFrame>,
-    frames: Cell<u32>,
-    averaged: u32,
-    deviations: f32,
+    frames: Cell<u32>, // counts recorded frames, to take the two history images in turn
+    averaged: u32,     // the most frames that are averaged
+    deviations: f32,   // how many standard deviations a history may lie from the mean around its pixel
 }
 
-/// The history's program in the chosen stage. It makes the same images in both.
+/// The history's program in the chosen stage. The program makes the same images in both stages.
 type Pipeline = PixelPipeline<History<'static>>;
 
 /// The variant of the history's program.
@@ -120,8 +120,7 @@ pub struct Turns {
 }
 
 impl Turns {
-    /// Returns the turns of the next frame. `change` says how the camera moved, and `has_stopped` whether the last moving object
-    /// came to rest.
+    /// Returns the turns of the next frame. `has_stopped` says whether the last moving object came to rest.
     fn next(self, change: CameraChange, has_stopped: bool, averaged: u32) -> Self {
         let Self { drawn, rested, left } = self;
         let most = averaged.saturating_sub(1);
@@ -160,8 +159,7 @@ impl CameraChange {
 }
 
 impl PreviousFrame {
-    /// Returns what the search has to look for; `None` if nothing can have moved, and in the first frame. `motion` says whether the
-    /// caller gives the motion of surfaces.
+    /// Returns what to search for, with the caller's motion or without; `None` in the first frame and if nothing moved.
     fn search(&self, motion: bool) -> Option<HistorySearch> {
         let movers = !self.movers.is_empty();
         let moves = self.change == CameraChange::Moves || motion || movers;
@@ -289,6 +287,7 @@ impl HistoryPass {
         Ok((Reflection(&now.reflection), composite))
     }
 
+    /// The program for a frame in which something may have moved, compiled at the first call.
     fn searching(&self, search: HistorySearch) -> Result<&Pipeline> {
         let made = &self.searching[search.index()];
         if let Some(pipeline) = made.get() {
@@ -298,6 +297,7 @@ impl HistoryPass {
         Ok(made.get_or_init(|| pipeline))
     }
 
+    /// The uniform block of a frame: the matrices to the frame before, and what has moved since.
     fn block(
         &self,
         camera: &Camera,
@@ -398,7 +398,7 @@ mod tests {
         let moved = settled.next(CameraChange::Moves, false, averaged);
         assert_eq!((moved.rested, moved.drawn), (0, settled.drawn + 1));
         assert_eq!(rest(moved).rested, 1);
-        // A jittered camera has no end of them, unless one frame is all that is averaged.
+        // A jittered camera never runs out of new directions, unless only one frame is averaged.
         let jittered = (0..6).fold(settled, |turns, _| turns.next(CameraChange::Shifts, false, averaged));
         assert_eq!((jittered.rested, jittered.drawn), (settled.rested + 6, settled.drawn + 6));
         assert_eq!(Turns::default().next(CameraChange::Shifts, false, 1), Turns::default());

@@ -129,6 +129,7 @@ impl ImportPass {
     }
 }
 
+/// The uniform block for the images of another renderer; `to_view` turns decoded normals into our view space.
 fn block(from: &ForeignImages, to_view: Mat3) -> ImportBlock {
     let channel = |factor| if let Factor::Channel(_, channel) = factor { channel as i32 } else { -1 };
     ImportBlock {

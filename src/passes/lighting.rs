@@ -10,7 +10,7 @@ use ssct_ground::scene::{Camera, ProjectionKind};
 pub struct LightingPass {
     gpu: Gpu,
     stage: ShaderStage,
-    sky_apart: bool,
+    sky_apart: bool, // Whether pixels of the sky become black.
     pipelines: PerProjection<PixelPipeline<programs::Lighting<'static>>>,
     label: &'static str,
 }
@@ -26,7 +26,7 @@ impl LightingPass {
         Self::with(gpu, stage, false)
     }
 
-    /// Makes a lighting pass that writes black for the sky. With and without the sky, a is 1 for lit surfaces and 0 for sky.
+    /// Makes a lighting pass that writes black for the sky. All passes write alpha 1 for lit surfaces, 0 for sky.
     pub fn without_sky(gpu: &Gpu) -> Result<Self> {
         Self::with(gpu, ShaderStage::Fragment, true)
     }

@@ -12,7 +12,7 @@ use ssct_ground::scene::Lens;
 /// Format of the copies, wide enough for every image that a method makes.
 const KEPT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Copies a level of an image, at a size of its own.
+/// Copies a level of an image into an image of the pass's size.
 pub struct KeepPass {
     pipeline: GraphicsPipeline<programs::Keep<'static>>,
     image: Image,

@@ -86,7 +86,7 @@ impl<'a> LostRayBindings<'a> {
 }
 
 impl LostRays {
-    /// Makes the buffers, with room for what the list holds of each pixel.
+    /// Makes the buffers, with room on the list for an element of each pixel.
     pub fn new(gpu: &Gpu, extent: [u32; 2], content: ListContent) -> Result<Self> {
         use vk::BufferUsageFlags as U;
         // Tiles at the border overlap, so that a ray may be on the list twice.

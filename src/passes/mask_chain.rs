@@ -23,6 +23,7 @@ pub struct MaskChainPass {
     gaussian: Option<Gaussian>,
 }
 
+/// The program of the masked Gaussian, and the images between its two directions.
 struct Gaussian {
     pipeline: PixelPipeline<programs::SslrBlur<'static>>,
     color: Image,

@@ -7,37 +7,37 @@ use ssct_ground::math::constants;
 pub enum PathCode {
     /// The pixel does not reflect.
     None = constants::PATH_NONE as isize,
-    /// Hit by Hi-Z traversal.
+    /// The Hi-Z traversal found a hit.
     HiZ = constants::PATH_HI_Z as isize,
-    /// Hit by a linear march: the fallback's, or the method's own.
+    /// A linear march found a hit: the fallback's, or the method's own.
     Linear = constants::PATH_LINEAR as isize,
-    /// Hi-Z traversal left the screen.
+    /// The Hi-Z traversal left the screen.
     Miss = constants::PATH_MISS as isize,
     /// A linear march found nothing.
     LinearMiss = constants::PATH_LINEAR_MISS as isize,
-    /// Out of iterations; the thesis takes it for a hit.
+    /// The ray ran out of iterations; the thesis takes it for a hit.
     Exhausted = constants::PATH_EXHAUSTED as isize,
-    /// Towards the camera, and the method has no fallback.
+    /// The ray goes towards the camera, and the method has no fallback for it.
     Untraced = constants::PATH_UNTRACED as isize,
-    /// `unified`: out of steps. This cannot happen and is never a hit, but it is counted.
+    /// `unified`: the ray ran out of steps. Such an end cannot happen and is never a hit, but it is counted.
     Unfinished = constants::PATH_UNFINISHED as isize,
-    /// `unified`: left by a side of the screen.
+    /// `unified`: the ray left by a side of the screen.
     MissScreen = constants::PATH_MISS_SCREEN as isize,
-    /// `unified`: went behind the near plane.
+    /// `unified`: the ray went behind the near plane.
     MissNear = constants::PATH_MISS_NEAR as isize,
-    /// `unified`: went beyond the far plane.
+    /// `unified`: the ray went beyond the far plane.
     MissSky = constants::PATH_MISS_SKY as isize,
-    /// `unified`: left the frustum behind geometry.
+    /// `unified`: the ray left the frustum behind geometry.
     MissBehind = constants::PATH_MISS_BEHIND as isize,
-    /// With captures or triangles: ended in the sky.
+    /// With captures or triangles: the ray ended in the sky.
     Sky = constants::PATH_SKY as isize,
-    /// With captures: went where no image sees it.
+    /// With captures: the ray went where no image sees it.
     Unknown = constants::PATH_UNKNOWN as isize,
-    /// `dda`: out of steps, and taken for a miss.
+    /// `dda`: the ray ran out of steps, and is taken for a miss.
     LinearExhausted = constants::PATH_LINEAR_EXHAUSTED as isize,
-    /// With triangles: hit one of them.
+    /// With triangles: the ray hit a triangle.
     Triangle = constants::PATH_TRIANGLE as isize,
-    /// With captures: hit in one of them, which [`PathCode::capture`] tells.
+    /// With captures: the ray hit in a capture, whose number [`PathCode::capture`] tells.
     Capture = constants::PATH_CAPTURE as isize,
 }
 
@@ -106,7 +106,7 @@ impl PathCode {
         matches!(self, Self::Exhausted | Self::Unfinished | Self::LinearExhausted)
     }
 
-    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or by a linear march.
+    /// Whether the ray was traced by the Hi-Z traversal (`true`) or a linear march (`false`); `None` if not traced.
     pub fn by_hi_z(self) -> Option<bool> {
         match self {
             Self::HiZ | Self::Miss | Self::Exhausted | Self::Unfinished => Some(true),

@@ -23,28 +23,26 @@ pub struct PyramidPass {
     label: &'static str,
 }
 
-/// The coarsest level that rays in an image of some pixels can use: the first level that is a single cell, but at most
-/// [`COARSEST`].
+/// The coarsest level that rays in an image can use: the first level that is a single cell, but at most [`COARSEST`].
 pub fn top_level(extent: [u32; 2]) -> u32 {
     extent[0].max(extent[1]).next_power_of_two().ilog2().min(COARSEST)
 }
 
-/// Width and height of level 0: whole cells of the coarsest level, so that every level halves
-/// exactly.
+/// Width and height of level 0: whole cells of the coarsest level, so that every level halves exactly.
 pub fn padded(extent: [u32; 2]) -> [u32; 2] {
     extent.map(|side| side.next_multiple_of(1 << top_level(extent)))
 }
 
-/// Log2 of the columns in a strip of the image (`pyramid.glsl`). There are four, or fewer if a side of the image would be longer
-/// than 8192 texels, the limit of some devices. If a side is longer with any number, the longer side is as short as possible.
+/// Log2 of the columns in a strip of the image (`pyramid.glsl`): 2, or less if a side of the image would be longer than
+/// 8192 texels, some devices' limit. If a side is always longer, the longer side is as short as possible.
 pub fn strip(extent: [u32; 2]) -> u32 {
     let longer = |strip: &u32| size(extent, *strip).into_iter().max();
     let fits = (0..=2).rev().find(|strip| longer(strip) <= Some(8192));
     fits.or_else(|| (0..=2).min_by_key(longer)).unwrap_or(0)
 }
 
-/// Width and height of the image with strips of 2^`strip` columns. A row holds a row of a strip. Level n begins at row strips - (strips
-/// >> n) (`pyramid.glsl`), so that the height is the first row of the coarsest level and this level's strips.
+/// Width and height of the image, whose rows each hold one strip of 2^`strip` columns. Level n begins at row strips −
+/// (strips ≫ n) (`pyramid.glsl`), so that the height is the coarsest level's first row and its strips.
 pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     let [width, height] = padded(extent);
     let top = top_level(extent);

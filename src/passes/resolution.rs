@@ -1,5 +1,4 @@
-//! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer for the method, and its
-//! reflection brought back to full size.
+//! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer, and a reflection brought back to full size.
 
 use super::triangle_scene::TRIANGLE;
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};

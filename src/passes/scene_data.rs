@@ -54,7 +54,7 @@ pub struct SceneData {
     triangle_images: OnceCell<TriangleImages>,
     /// Built when ray queries are first asked among the triangles, and again after a mesh has moved.
     ray_structure: OnceCell<RayStructure>,
-    triangles_as_blocks: bool,
+    triangles_as_blocks: bool, // Whether shaders read triangles as storage blocks, and never as texels.
     placed: RefCell<Vec<(WantedCaptures, PlacedCaptures)>>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
@@ -85,7 +85,7 @@ pub struct MovableObject {
 /// A mesh in device memory.
 pub(super) struct MeshData {
     pub vertices: Buffer,
-    /// The last triangle first. Of triangles in one place the one that is drawn last shows, so that the first of the scene does.
+    /// The last triangle first: of triangles in one place the last one drawn shows, which is then the scene's first.
     pub indices: Buffer,
     pub index_count: u32,
     /// The number of the mesh's first triangle among those of the scene.
@@ -275,8 +275,8 @@ impl SceneData {
         self.placed.get_mut().clear();
     }
 
-    /// Sets the function that finds captures which the scene does not name itself. An effect that wants captures calls it, once for
-    /// each number of captures. Without the function the scene has only its own captures.
+    /// Sets the function that finds captures which the scene does not name itself. An effect that wants captures calls
+    /// the function, once for each number of captures. Without the function the scene has only its own captures.
     pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + 'static) {
         self.find_captures = Some(Box::new(find));
         self.placed.get_mut().clear();
@@ -349,6 +349,7 @@ pub(super) fn check_at_most(what: &str, count: usize, most: usize, method: &str)
     Ok(())
 }
 
+/// Uploads bytes into a buffer in device memory, from which draws read vertices or indices.
 fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer> {
     let gpu: Gpu = context.gpu().clone();
     let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
@@ -406,6 +407,7 @@ fn halves<'t>(texels: impl IntoIterator<Item = &'t [f32; 4]>) -> Vec<u16> {
     texels.into_iter().flatten().map(|v| half::f16::from_f32(v.clamp(-most, most)).to_bits()).collect()
 }
 
+/// Uploads six faces of 16-bit RGBA floats as a cube map, ready for fragment shaders.
 fn sky_image(context: &mut FrameContext, side: u32, halves: &[u16]) -> Result<Image> {
     let made = Image::new(
         context.gpu(),

@@ -24,8 +24,7 @@ pub struct Rays<'a> {
     seen: &'a Image,
 }
 
-/// The pass "trace" of one size. The program [`StochasticExact`] walks over the pyramid of `unified`, and [`StochasticThesis`]
-/// walks as `ssct` does.
+/// Pass "trace" of one size. [`StochasticExact`] walks over the pyramid of `unified`, [`StochasticThesis`] as `ssct`.
 pub struct StochasticTrace<F> {
     pipeline: PixelPipeline<F>,
     place: Image,
@@ -72,8 +71,7 @@ impl<F> StochasticTrace<F> {
 }
 
 impl StochasticTrace<StochasticExact<'static>> {
-    /// Makes the pass for images of a size in pixels, and pyramids with strips of 2^`strip` columns. `hits` asks for an image of
-    /// the hits of mirrors.
+    /// Makes the pass for a size and pyramids with strips of 2^`strip` columns. `hits` asks for the hits of mirrors.
     ///
     /// # Errors
     /// Errors of the device.
@@ -95,7 +93,7 @@ impl StochasticTrace<StochasticExact<'static>> {
         )
     }
 
-    /// Records a ray for each pixel.
+    /// Records pass "trace": a ray for each pixel.
     ///
     /// # Errors
     /// Errors of the device.
@@ -135,7 +133,7 @@ impl StochasticTrace<StochasticThesis<'static>> {
         Self::with_constants(gpu, stage, extent, &constants, hits)
     }
 
-    /// Records a ray for each pixel.
+    /// Records pass "trace": a ray for each pixel.
     ///
     /// # Errors
     /// Errors of the device.
@@ -190,7 +188,7 @@ impl StochasticResolvePass {
         })
     }
 
-    /// Adds the rays of one turn to those of the turns before.
+    /// Records pass "resolve", which adds the rays of one turn to the sums of the turns before.
     ///
     /// # Errors
     /// Errors of the device.

@@ -17,6 +17,7 @@ pub struct ThesisTracePass {
     hits: Option<Image>,
 }
 
+/// Ray trace and cone trace, in one program or in two.
 enum Stages {
     Combined(PixelPipeline<Ssct<'static>>),
     Split { trace: PixelPipeline<RayTrace<'static>>, cone: PixelPipeline<ConeTrace<'static>> },

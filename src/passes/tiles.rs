@@ -45,8 +45,7 @@ pub struct UnifiedSetup {
     pub followed: bool,
     /// How shaders read the triangles, if rays go on among them from the point of their pixel.
     pub triangles: Option<TriangleReading>,
-    /// Number of own rays of a pixel with a lobe whose neighbours disagree, among the triangles or on the screen; 0 if rays go on
-    /// in captures.
+    /// Number of own rays of a pixel with a lobe whose neighbours disagree; 0 if rays go on in captures.
     pub own_rays: i32,
     /// Whether a history asks where rays ended.
     pub stores_ends: bool,
@@ -89,7 +88,7 @@ impl UnifiedSetup {
     }
 }
 
-/// Bytes of the arguments of indirect draws and dispatches over the lists (`parameters.glsl`): one draw and two dispatches for each
+/// Bytes of the arguments for the lists (`parameters.glsl`): an indirect draw and two indirect dispatches for each
 /// list.
 pub const ARGUMENT_BYTES: u64 = LISTS as u64 * (DRAW_BYTES + 2 * DISPATCH_BYTES);
 
@@ -152,7 +151,7 @@ where
     ///
     /// # Errors
     /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on a device whose shaders
-    /// take fewer images or buffers than the program has; [`Error::Usage`] for a permutation that there is not.
+    /// take fewer images or buffers than the program has; [`Error::Usage`] for a permutation that the program lacks.
     pub fn new(
         gpu: &Gpu,
         range: TileRange,
@@ -176,8 +175,7 @@ where
         Ok(Self { range, pipelines })
     }
 
-    /// Records one pass over the list's tiles. If the list is known to cover the whole image, the pass runs over the image, and writes every
-    /// texel of its targets.
+    /// Records one pass over the list's tiles, or over all texels if the list is known to cover the whole image.
     pub fn run(
         &self,
         frame: &mut Frame,

@@ -38,7 +38,7 @@ pub struct TriangleGeometry {
     counts: [i32; 4],
     /// The greatest coordinate of a corner of a standing mesh, in metres.
     extent_m: f32,
-    /// Whether a material decides at each hit whether its surface is there.
+    /// Whether some material has an alpha mask or is single-sided, so that a hit on it may not count.
     asks: bool,
     buffer: TexelBuffer,
     /// The triangles of moving meshes.
@@ -47,8 +47,9 @@ pub struct TriangleGeometry {
     places: Option<Places>,
 }
 
-/// The moving part of a scene's triangles, among the vectors of all. Its corners come after those of standing meshes, and its nodes
-/// after everything else. A walk begins with a second root for it, and the numbers of nodes and slots go on from the standing part.
+/// The moving part of a scene's triangles, among the vectors of all. The moving corners come after those of standing
+/// meshes, and the moving nodes after everything else. A walk begins with a second root for the moving part, and the
+/// numbers of nodes and slots go on from the standing part.
 #[derive(Default)]
 struct MovingPart {
     /// The number of the root node; 0 without one.
@@ -77,6 +78,7 @@ struct Places {
 }
 
 impl Places {
+    /// Places the parts one after the other, with room for each moving triangle.
     fn new(tree: &Tree, records: &TriangleRecords, moving: &MovingTriangles) -> Self {
         let room = moving.numbers.len();
         let corners = tree.nodes.len();
@@ -114,7 +116,7 @@ pub struct TriangleReading {
     pub geometry_texels: bool,
     /// Whether images are read as texels.
     pub image_texels: bool,
-    /// Whether a material decides at each hit whether its surface is there.
+    /// Whether some material has an alpha mask or is single-sided, so that a hit on it may not count.
     pub asks: bool,
     /// Number of lights of the scene.
     pub lights: u32,
@@ -227,6 +229,7 @@ impl TriangleGeometry {
         Ok(Self { counts, asks: made.asks || moving.records.asks(), places: Some(places), ..made })
     }
 
+    /// Keeps the root of the tree of moving meshes, and their greatest coordinate.
     fn moves(&self, places: &Places, moving: &MovingTriangles) {
         let root = if moving.tree.nodes.is_empty() { 0 } else { places.root / NODE_WORDS };
         self.moving.root.set(root as i32);
@@ -390,6 +393,7 @@ pub(super) fn staged(
     Ok((staging, TexelBuffer::new(buffer, format, texel)?))
 }
 
+/// Makes a buffer of texels to copy to, from which, where ray queries are on, a ray structure can be built.
 fn texel_buffer(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer> {
     let built = if gpu.has_ray_queries() { RayStructure::INPUT } else { vk::BufferUsageFlags::empty() };
     let usage = TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST | built;

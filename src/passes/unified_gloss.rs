@@ -29,13 +29,13 @@ pub struct UnifiedGlossPass {
     between: BetweenPasses,
 }
 
-/// The images that the passes hand each other. Their content is undefined where no tile is drawn.
+/// The images that the passes hand each other. The images' content is undefined where no tile is drawn.
 pub struct BetweenPasses {
     /// The ray of each pixel with a narrow lobe: `RayRecord` of `gloss.glsl`, packed.
     pub records: Image,
     /// Where the ray of each cell of 2 × 2 pixels ended: a point or a direction, and the density of the ray.
     pub place: Image,
-    /// What the ray of each cell saw.
+    /// The light that the ray of each cell saw.
     pub seen: Image,
     /// Each cell's reflection.
     pub cell_reflection: Image,
@@ -63,8 +63,7 @@ pub struct UnifiedGlossInput<'a> {
 }
 
 impl UnifiedGlossPass {
-    /// # Errors
-    /// Returns the errors of [`TiledPipeline::new`].
+    /// Makes pipelines and images; returns the errors of [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let image = |name, format, extent| {
@@ -225,6 +224,7 @@ impl UnifiedGlossPass {
         self.resolve_wide.run(frame, "resolve/wide", (parameters, *tiles), targets, &program)
     }
 
+    /// Records pass "cells": each cell's reflection from the rays of the 5 × 5 cells around it.
     fn cells(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, .. } = input;
         let BetweenPasses { place, seen, cell_reflection, cell_surface, .. } = &self.between;

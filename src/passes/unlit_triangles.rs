@@ -22,7 +22,7 @@ pub struct UnlitTriangles {
 }
 
 impl UnlitTriangles {
-    /// Makes the buffers. They have no content yet. Materials may have albedo maps among the textures.
+    /// Makes the buffers. The buffers have no content yet. Materials may have albedo maps among the textures.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.

@@ -1,5 +1,4 @@
-//! Pre-integration: the visibility buffer (thesis §4.2.5, Eq. 4.2 and its listing). CPU twin:
-//! `reference::visibility`.
+//! Pre-integration: the visibility buffer (thesis §4.2.5, Eq. 4.2 and its listing). CPU twin: `reference::visibility`.
 
 use super::{HiZ, Visibility};
 use crate::error::Result;

@@ -1,5 +1,5 @@
-//! The library for C as a user installs it, and `examples/c` as a user builds it, by pkg-config and by CMake. What it shows is
-//! what the command makes of the images that it drew, to the bit.
+//! Installs the library for C and builds `examples/c` as a user does, by pkg-config and by CMake. The example's image
+//! must equal, to the bit, what the command makes of the G-buffer that the example drew.
 
 use crate::common::images::check_composite;
 use crate::common::repository;
@@ -11,7 +11,7 @@ use std::process::Command;
 /// Width and height in `examples/c/hall.h`.
 const SIZE: [u32; 2] = [800, 450];
 
-/// Runs what must succeed in a folder; what it says.
+/// Runs a command in a folder, which must succeed; returns all that it prints.
 #[track_caller]
 fn succeed(command: &mut Command, folder: &Path) -> String {
     let output = command.current_dir(folder).output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
@@ -50,7 +50,7 @@ fn the_example_in_c_shows_what_the_command_makes_of_its_images() {
     assert!(said.contains("import"), "passes are timed: {said}");
     check_composite(folder, SIZE, &["--fade", "off"]);
 
-    // What the documentation shows compiles, and C++ reads the header.
+    // The examples of the documentation must compile, and C++ must accept the header.
     let page = std::fs::read_to_string(repository().join("docs/embedding.md")).unwrap();
     let blocks: Vec<_> = page.split("\n```c\n").skip(1).filter_map(|rest| rest.split("\n```").next()).collect();
     assert_eq!(blocks.len(), 6, "the three steps, motion, triangles, and their textures");

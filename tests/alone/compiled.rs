@@ -1,5 +1,5 @@
-//! What AMD's compiler makes of every program, on GPUs that are not there: Mesa's RADV makes a device without hardware where
-//! `RADV_FORCE_FAMILY` names a family, and compiles for it. `make test-drivers` runs these tests with the variables of
+//! Compiles every program for AMD's GPUs, without such a GPU: if `RADV_FORCE_FAMILY` names a family, Mesa's driver RADV
+//! makes a device without hardware, and compiles for it. `make test-drivers` runs these tests with the variables of
 //! `scripts/drivers.sh --radv`.
 //!
 //! No program spills registers or has scratch memory, and each has the vector registers and instructions that
@@ -17,7 +17,7 @@ use std::process::Command;
 const FAMILIES: [(&str, bool); 5] =
     [("vega20", false), ("navi10", false), ("navi21", true), ("navi31", true), ("gfx1201", true)];
 
-/// What runs every program, by scene: methods with their options.
+/// Methods with their options, by scene, which together run every program.
 const RUNS: [(&str, &[&str]); 3] = [
     (
         "rooms",
@@ -71,7 +71,7 @@ const RUNS: [(&str, &[&str]); 3] = [
 const QUERIED: [&str; 3] =
     ["traced --tracer query", "unified --tracer query --own-rays 8", "unified --first screen --tracer query"];
 
-/// The greatest numbers of a program over all that runs it.
+/// Statistics of a program, as the compiler reports them: the greatest over all runs of the program.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Numbers {
     registers: u32,
@@ -80,13 +80,14 @@ struct Numbers {
     instructions: u32,
     /// Inverse throughput, in cycles, as the compiler estimates it: it takes each loop to run eight times.
     cycles: u32,
-    /// Subgroups that a SIMD unit holds, the least.
+    /// Subgroups that a SIMD unit holds at a time: the least over all runs.
     subgroups: Option<u32>,
     spilled: u32,
     scratch: u32,
 }
 
-/// The records of `ssct shaders` of a scene and of some variants on a family, with their passes in a stage.
+/// The records that `ssct shaders` prints for a family, a scene and some variants, whose passes run in a stage of
+/// shaders.
 fn records(family: &str, scene: &str, variants: &[&str], stage: &str) -> Vec<Value> {
     let radv = Command::new(repository().join("scripts/drivers.sh")).arg("--radv").output().unwrap();
     assert!(radv.status.success(), "{}", String::from_utf8_lossy(&radv.stderr));
@@ -109,7 +110,7 @@ fn records(family: &str, scene: &str, variants: &[&str], stage: &str) -> Vec<Val
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The greatest numbers of each program on a family, and the driver.
+/// The statistics of each program on a family, by the program's name, and the name of the driver.
 fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, String) {
     let mut all: BTreeMap<String, Numbers> = BTreeMap::new();
     let mut driver = String::new();
@@ -169,7 +170,7 @@ fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them(
     for ((program, family), numbers) in &found {
         assert_eq!((numbers.spilled, numbers.scratch), (0, 0), "{program} on {family}: spills and scratch bytes");
     }
-    // Every program is among them but for those that draw the scene and those of other tools.
+    // Every program must be compiled, except those that draw the scene and those of other tools.
     let compiled: BTreeSet<&str> = found.keys().map(|(program, _)| program.as_str()).collect();
     let left_out: Vec<&str> =
         programs::ALL.iter().map(|s| s.name).filter(|name| !compiled.contains(name) && !is_elsewhere(name)).collect();
@@ -198,8 +199,8 @@ fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them(
     );
 }
 
-/// Whether no frame of a method runs a program: vertex stages, whose fragment stage is listed, and what imports, converts,
-/// or tests.
+/// Whether no frame of a method runs a program: it is a vertex stage, whose fragment stage is listed, or it imports,
+/// converts or tests.
 fn is_elsewhere(name: &str) -> bool {
     let parts = [".vert", "embed/", "custom/", "scene/", "view/", "common/nothing", "planar/lookup"];
     parts.iter().any(|part| name.contains(part))

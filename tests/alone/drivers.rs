@@ -1,7 +1,7 @@
-//! Two drivers that were written apart must agree: Mesa's lavapipe and SwiftShader (`make test-drivers` fetches the second,
-//! and a validation layer three years younger than Debian's). What drivers may do as they like, by the specification, has a
-//! stated bound; docs/findings.md says what comes of it. These tests measure nothing of their process, so that they may run
-//! beside each other.
+//! Two drivers that were written apart must agree: Mesa's lavapipe and SwiftShader (`make test-drivers` fetches the
+//! second, and a validation layer three years younger than Debian's). Where the specification leaves a choice to
+//! drivers, a stated bound limits the difference (docs/findings.md). These tests measure nothing of their process, so
+//! that they may run beside each other.
 
 use crate::common::check_validation;
 use crate::common::folder::Folder;
@@ -18,6 +18,7 @@ const SWIFTSHADER: &str = "SwiftShader";
 /// Odd sides, so that every level of a chain rounds.
 const EXTENT: [u32; 2] = [321, 181];
 
+/// Opens a device by its name, with or without anisotropic filters.
 fn open(device: &str, isotropic: bool) -> Gpu {
     let device = Some(device.to_owned());
     Gpu::open(&DeviceQuery { device, validation: true, isotropic, ..DeviceQuery::default() }).unwrap()
@@ -32,7 +33,8 @@ fn of_roughness(roughness: f32) -> Globals {
     Globals { roughness: Some(roughness), ..Globals::default() }
 }
 
-/// The greatest mean FLIP between the drivers' images of a method on one G-buffer, for a mirror and for gloss.
+/// The greatest mean FLIP that is allowed between the drivers' images of a method on one G-buffer: of a mirror, and of
+/// roughness 0.1.
 fn greatest_flip(method: &str) -> [f64; 2] {
     match method {
         // Levels of chains per pixel: SwiftShader samples the four pixels of a block at one level, that of the first
@@ -40,8 +42,8 @@ fn greatest_flip(method: &str) -> [f64; 2] {
         "ssct" | "hzct" | "sslr" | "poster" => [0.01, 0.04],
         // These methods draw the scene again, into cube maps or a mirror's image, and there the devices' filters differ.
         "local-map" | "pccm" | "captures" | "planar" => [0.04, 0.04],
-        // It looks into levels of material maps that the device makes by its own filter: with the finest level alone, the
-        // images are as near as those of the methods below.
+        // `traced` reads levels of material maps that the device makes by its own filter. With the finest level alone,
+        // its images are as near as those of the methods below.
         "traced" => [0.04, 0.04],
         _ => [0.01, 0.02],
     }
@@ -190,7 +192,7 @@ fn a_device_is_measured_and_held_against_its_own_images() {
     );
     assert_eq!(records_of("steps").len(), 2 * 3);
     assert_eq!(records_of("validation")[0]["messages"], Value::Array(Vec::new()));
-    // The second driver is here, and draws what this one is held against.
+    // The second driver is installed, and draws the images with which those of the first are compared.
     let rooms = crate::common::built_in("rooms");
     let shown = METHODS.iter().filter(|method| method.lacks(&rooms).is_empty()).count();
     assert_eq!((records_of("agreement").len(), records_of("drawn").len()), (2 * shown, 3));
@@ -207,7 +209,7 @@ fn a_device_is_measured_and_held_against_its_own_images() {
     let page = folder.text("study/readme.html").replace('\u{a0}', " ");
     let is_told = |row: &str| row.contains("not comparable") && row.contains("make league");
     assert!(page.split("<tr").any(is_told), "a row names the command that measures it");
-    // Beside itself, as on another machine: nothing is measured again, and nothing differs.
+    // The study beside itself, as if of another machine: nothing is measured again, and nothing differs.
     let again = study(&["--resume", "--beside", "study"]);
     let own: Vec<_> =
         again.iter().filter(|r| r["kind"] == "agreement" && r["base"]["name"] == r["device"]["name"]).collect();

@@ -25,9 +25,9 @@ const NEAR: f32 = 0.1;
 /// Scale of x and y by the projection.
 const SCALE: [f32; 2] = [1.2, 1.2 * SIZE[0] as f32 / SIZE[1] as f32];
 
-/// What is seen in a pixel: depth, normal, reflectivity and roughness, and colour. A floor that is the glossier the
-/// farther right, below a pillar and a chequered wall. It uses only operations that IEEE 754 rounds, so that every build
-/// computes the same.
+/// The G-buffer of a pixel: depth; then normal, material (reflectivity, roughness) and colour. The scene is a floor,
+/// which is rougher to the right, before a pillar and a chequered wall. The function uses only operations that IEEE 754
+/// rounds, so that every build computes the same.
 fn pixel(x: u32, y: u32) -> ([f32; 1], [[f32; 4]; 3]) {
     let along = |coordinate: u32, axis: usize| (coordinate as f32 + 0.5) / SIZE[axis] as f32 * 2.0 - 1.0;
     let (right, up) = (along(x, 0) / SCALE[0], -along(y, 1) / SCALE[1]);
@@ -45,7 +45,7 @@ fn pixel(x: u32, y: u32) -> ([f32; 1], [[f32; 4]; 3]) {
     (depth, [[0.0, 0.0, -1.0, 0.0], [0.0; 4], color])
 }
 
-/// Composite and reflection, one after the other, as they lie in memory.
+/// Renders a frame, and returns the texels of the composite and then those of the reflection.
 pub fn picture() -> Result<Vec<u8>> {
     // SAFETY: handles are of this instance and device, which are destroyed last, after the queue was waited for; every
     // structure lives through its call.
@@ -95,6 +95,8 @@ struct Renderer<'a> {
 }
 
 impl Renderer<'_> {
+    /// Renders a frame and reads its images back.
+    ///
     /// # Safety
     /// The handles are those of the renderer.
     unsafe fn frame(&self, handles: ssct::DeviceHandles) -> Result<Vec<u8>> {
@@ -235,7 +237,7 @@ impl Renderer<'_> {
         }
     }
 
-    /// An image that is copied to and sampled.
+    /// Makes an image that is copied to and sampled: the image, its view and its memory.
     fn image(&self, format: vk::Format) -> Result<(vk::Image, vk::ImageView, vk::DeviceMemory)> {
         let [width, height] = SIZE;
         let info = vk::ImageCreateInfo::default()
@@ -261,7 +263,7 @@ impl Renderer<'_> {
         }
     }
 
-    /// A buffer that the host sees.
+    /// Makes a buffer that the host sees, and its memory.
     fn buffer(&self, size: usize, usage: vk::BufferUsageFlags) -> Result<(vk::Buffer, vk::DeviceMemory)> {
         use vk::MemoryPropertyFlags as P;
         // SAFETY: as in `picture`.
@@ -275,7 +277,7 @@ impl Renderer<'_> {
         }
     }
 
-    /// Memory of its own for each: there are few.
+    /// Allocates memory for one image or buffer. Each has memory of its own, since there are few.
     fn memory(&self, needs: vk::MemoryRequirements, like: vk::MemoryPropertyFlags) -> Result<vk::DeviceMemory> {
         // SAFETY: as in `picture`.
         unsafe {
@@ -298,7 +300,7 @@ const WHOLE: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: 1,
 };
 
-/// The whole image.
+/// A copy between a whole image and a buffer.
 fn copy() -> vk::BufferImageCopy {
     let [width, height] = SIZE;
     let layers = vk::ImageSubresourceLayers::default()

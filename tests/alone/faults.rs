@@ -1,5 +1,5 @@
-//! A device that runs out of memory or is lost, at every allocation and every submission of a small
-//! run: a typed error, nothing left behind, and the next run is as if nothing had been.
+//! Makes a device run out of memory or be lost, at every allocation and every submission of a small run. Each fault
+//! must become a typed error and leave nothing behind, and the next run must succeed as if there had been no fault.
 //!
 //! Each test has a process of its own because it makes and destroys devices under the validation layers: see
 //! [`common::gpu`](crate::common::gpu).
@@ -30,14 +30,15 @@ fn shot(stage: &mut Stage, method: &MethodInfo, scene: &Scene) -> Result<Shot> {
     Shot::new(stage, method, &Setup::new(EXTENT), Wants::HITS, camera, materials)
 }
 
-/// Every kind of thing that a study does with a shot: times, counts, draws, reads back.
+/// Does with a shot all that a study does: times it, counts it, draws it and reads it back. Returns the composite's
+/// values.
 fn frames(stage: &mut Stage, shot: &Shot) -> Result<Vec<f32>> {
     stage.run(shot, Mode::Timed)?;
     stage.run(shot, Mode::Counted)?;
     Ok(render(stage, shot, false)?.composite.values)
 }
 
-/// Whether an error is the one that a fault is to become, and names the call or the thing.
+/// Whether an error is the one that a fault must become, and names the call or the thing.
 fn is_of(error: &Error, fault: Fault) -> bool {
     use ash::vk::Result as R;
     match (fault, error) {
@@ -54,24 +55,26 @@ fn is_of(error: &Error, fault: Fault) -> bool {
 struct Watched {
     gpu: Gpu,
     watch: Arc<Watch>,
-    /// What a caller records for on the device.
+    /// The context of a caller on the device, if the test has one.
     context: Option<Context>,
 }
 
 impl Watched {
-    /// What lives there, and the bytes that are allocated. Blocks of memory may stay for whoever comes next.
+    /// The number of live objects of each kind, and the bytes that are allocated. Blocks of device memory are left out,
+    /// since they may stay for the next user.
     fn live(&self) -> (Vec<(&'static str, i64)>, u64) {
         self.trim();
         let counts = self.watch.live().into_iter().filter(|(kind, _)| *kind != "device memory");
         (counts.collect(), self.gpu.allocated_bytes())
     }
 
+    /// Frees all that is kept for later use only.
     fn trim(&self) {
         self.gpu.trim();
         self.context.iter().for_each(Context::trim);
     }
 
-    /// Destroys the device: nothing is left on it, and the layers say nothing.
+    /// Destroys the device. No object may be left on it, and the layers must say nothing.
     fn close(self) {
         let Self { gpu, watch, context } = self;
         drop(context);
@@ -91,7 +94,7 @@ impl Watched {
         mut act: impl FnMut() -> Result<T>,
         same: fn(&T, &T) -> bool,
     ) -> usize {
-        // Pipelines that are kept would not be made again, and so not fail.
+        // A pipeline that is kept would not be made again, so that its allocations could not fail.
         let mut act = || {
             self.trim();
             act()
@@ -120,7 +123,7 @@ impl Watched {
     }
 }
 
-/// Every `step`th allocation and every submission of a run of some methods; how many.
+/// Makes every `step`th allocation and every submission of a run of some methods fail; returns the number of faults.
 fn every_fault(methods: &[&MethodInfo], step: usize) -> usize {
     let (watch, scene) = (Arc::<Watch>::default(), two_quads());
     let on = Watched { gpu: open(&watch).unwrap(), watch, context: None };
@@ -225,7 +228,7 @@ fn a_device_of_the_callers_may_fail() {
     assert_eq!(engine.submit(commands), Err(ash::vk::Result::ERROR_DEVICE_LOST));
     let error = reflections.times(input.slot).unwrap_err();
     assert!(is_of(&error, Fault::Submission(1)), "{error}");
-    // Dropped as it is, it leaves nothing; and what is made after the device was found again works.
+    // The reflections are dropped as they are and leave nothing. New ones work after the device is there again.
     drop(reflections);
     on.watch.arm(None);
     let mut reflections = Reflections::new(&context, &what).unwrap();

@@ -1,6 +1,6 @@
-//! What fuzzing left (`make fuzz`): every kept input, and seeded mutations of them, through the entries that
-//! the fuzz targets have. No panic, and no more memory than an input of its length may take. And headers
-//! that claim more than their files can hold, each refused in a sentence.
+//! Gives every input that fuzzing has kept (`make fuzz`), and seeded mutations of them, to the entries of the fuzz
+//! targets. No entry may panic, or take more memory than an input of its length may take. Headers that claim more than
+//! their files can hold must each be refused in a sentence.
 
 #[path = "../../fuzz/src/entry.rs"]
 mod entry;
@@ -20,6 +20,7 @@ const MUTATIONS: u64 = 2000;
 struct Random(u64);
 
 impl Random {
+    /// A random number below `n`; 0 if `n` is 0.
     fn below(&mut self, n: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -82,15 +83,18 @@ fn kept_inputs_and_their_mutations_are_loaded_or_refused() {
     }
 }
 
-/// The sentence of what must be refused, with no more memory than such an input may take.
+/// The sentence by which an input is refused, with no more memory than an input of its length may take. Panics if it is
+/// loaded.
 fn refused(bytes: &[u8], load: impl FnOnce(&[u8]) -> Option<String>) -> String {
     bounded(load, bytes).expect("an error")
 }
 
+/// The error of loading an image by its name's extension, if there is one.
 fn texture(name: &'static str, bytes: &[u8]) -> Option<String> {
     texture::from_bytes(bytes, Path::new(name), Encoding::Srgb).err().map(|e| e.to_string())
 }
 
+/// The CRC-32 of a PNG chunk.
 fn crc(bytes: &[u8]) -> u32 {
     let step = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |c, _| if c & 1 == 1 { c >> 1 ^ 0xedb8_8320 } else { c >> 1 })
@@ -98,6 +102,7 @@ fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, step)
 }
 
+/// A PNG file whose header claims a size, with an empty stream of pixels.
 fn png(width: u32, height: u32) -> Vec<u8> {
     let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
     let header = [&b"IHDR"[..], &width.to_be_bytes(), &height.to_be_bytes(), &[8, 6, 0, 0, 0]].concat();
@@ -109,6 +114,7 @@ fn png(width: u32, height: u32) -> Vec<u8> {
     bytes
 }
 
+/// A TGA file whose header claims a size and a kind of image, with five bytes of pixels.
 fn tga(width: u16, height: u16, kind: u8) -> Vec<u8> {
     let [w, h] = [width, height].map(u16::to_le_bytes);
     [&[0, 0, kind, 0, 0, 0, 0, 0, 0, 0, 0, 0][..], &w, &h, &[32, 0x20], &[0x81, 1, 2, 3, 4]].concat()

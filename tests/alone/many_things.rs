@@ -9,7 +9,7 @@ use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 use ssct_scenes::{LoadOptions, Scene, gltf};
 
-/// A document that draws a quad of four corners whose positions are repeated so often.
+/// A document that draws a quad. The positions of its four corners stand in the accessor `repeats` times.
 fn quad(repeats: usize) -> Value {
     let corners = [[0.0_f32, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]].concat().repeat(repeats);
     let mut bytes: Vec<u8> = [0_u16, 1, 2, 0, 2, 3].into_iter().flat_map(u16::to_le_bytes).collect();
@@ -34,7 +34,8 @@ fn quad(repeats: usize) -> Value {
     })
 }
 
-/// Many cameras, half of whose names are one name.
+/// A document with `count` cameras. One is named "cam 2", and all others are named "cam", so that the loader must
+/// number them.
 fn cameras(count: usize) -> Value {
     let mut document = quad(1);
     document["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
@@ -46,7 +47,8 @@ fn cameras(count: usize) -> Value {
     document
 }
 
-/// Many primitives, each of which draws two triangles of an accessor with ten corners for each of them.
+/// A document with `count` primitives, each of which draws the same two triangles. They share one accessor, which has
+/// ten corners for each primitive.
 fn primitives(count: usize) -> Value {
     let mut document = quad(10 * count / 4);
     let primitive = document["meshes"][0]["primitives"][0].clone();
@@ -54,7 +56,7 @@ fn primitives(count: usize) -> Value {
     document
 }
 
-/// Many materials, each used by one primitive.
+/// A document with `count` materials, each used by one primitive.
 fn materials(count: usize) -> Value {
     let mut document = quad(1);
     let material = document["materials"][0].clone();

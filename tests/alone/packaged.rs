@@ -1,5 +1,5 @@
-//! The crate as others get it: packaged, unpacked into an empty folder, and built there without a shader compiler and
-//! without a network. What it then shows is what it shows here, to the bit.
+//! Tests the crate as others get it: packaged, unpacked into an empty folder, and built there without a shader compiler
+//! and without a network. Its images must equal, to the bit, those of the crate in this repository.
 
 use crate::common::repository;
 use crate::{embedder, is_alone};
@@ -7,13 +7,13 @@ use ssct::gpu::programs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// What a build from clean may compile at most: crates, the embedder's own among them; lines of the package's Rust; and
-/// bytes of its SPIR-V. A build takes as long as these say, on whatever machine.
+/// The most that a build from clean may compile: crates, with the embedder's own; lines of the package's Rust; and
+/// bytes of its SPIR-V. On any machine, these numbers decide how long a build takes.
 const MOST_CRATES: usize = 60;
 const MOST_LINES: usize = 26_000;
 const MOST_SPIRV_BYTES: usize = 17 << 18;
 
-/// A program against the packaged crate, with what that needs and nothing else, built as quickly as can be.
+/// The manifest of a program that depends on the packaged crate alone, and is built as quickly as possible.
 const MANIFEST: &str = r#"
 [package]
 name = "embedder"
@@ -34,6 +34,7 @@ incremental = false
 [workspace]
 "#;
 
+/// The program, which writes the embedder's images to a file.
 const PROGRAM: &str = r#"
 mod embedder;
 
@@ -43,8 +44,8 @@ fn main() {
 }
 "#;
 
-/// A program in a folder, without a network and without what Cargo and the set-up tell this test: where they keep what
-/// they built, and where a shader compiler is.
+/// A command that runs a program in a folder, without a network. It gets none of the variables by which Cargo and the
+/// set-up say where built files and a shader compiler are.
 fn command(program: &str, folder: &Path) -> Command {
     let mut command = Command::new(program);
     command.current_dir(folder);
@@ -59,7 +60,7 @@ fn command(program: &str, folder: &Path) -> Command {
     command
 }
 
-/// Runs what must succeed; its standard error.
+/// Runs a command, which must succeed; returns its standard error.
 fn succeed(command: &mut Command) -> String {
     let Output { status, stderr, .. } = command.output().unwrap();
     let text = String::from_utf8_lossy(&stderr).into_owned();
@@ -78,7 +79,7 @@ fn lines_of_rust(folder: &Path) -> usize {
     entries.map(lines).sum()
 }
 
-/// The bytes of all files in a folder with an extension, sorted.
+/// The contents of all files with an extension in a folder, sorted.
 fn contents(folder: &Path, extension: &str) -> Vec<Vec<u8>> {
     let paths = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
     let wanted = paths.filter(|p| p.extension().is_some_and(|e| e == extension));

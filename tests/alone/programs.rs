@@ -14,7 +14,8 @@ use ssct_scenes::Capture;
 
 const EXTENT: [u32; 2] = [33, 18];
 
-/// Bytes of the process that can be executed and are of no file: what compilers made while it ran.
+/// The bytes of executable memory in this process that come from no file. Compilers of drivers made them while the
+/// process ran.
 fn made_bytes() -> u64 {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
     let length = |range: &str| {
@@ -32,6 +33,7 @@ fn made_bytes() -> u64 {
 
 /// Frames before those that are watched. A driver makes programs in them, and with a history the first of them differ.
 const WARM: usize = 6;
+/// Frames that are watched.
 const MEASURED: usize = 4;
 
 #[test]

@@ -1,5 +1,5 @@
-//! A soak: frames while sizes and methods change, and in the end nothing more lives than after the first
-//! rounds, on the device and on the host.
+//! Soak tests: frames are drawn while sizes and methods change. In the end, no more objects and memory may be in use
+//! than after the first rounds, on the device and on the host.
 
 use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
 use crate::common::{clutter_camera, two_quads};
@@ -15,7 +15,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write;
 use std::sync::Arc;
 
-/// What is held at the end of a round.
+/// The objects and the memory in use at the end of a round.
 #[derive(Debug, Clone, PartialEq)]
 struct Held {
     /// Kinds of objects on the device and their counts, hashed: to keep them would be growth itself.
@@ -29,7 +29,7 @@ struct Held {
 }
 
 impl Held {
-    /// What is held after so many frames, and says so.
+    /// Finds what is in use after a number of frames, and prints it.
     fn now(gpu: &Gpu, watch: &Watch, frames: usize) -> Self {
         let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
         let pages: u64 = statm.split(' ').nth(1).and_then(|p| p.parse().ok()).unwrap_or(0);
@@ -64,8 +64,8 @@ fn digest(live: &impl Hash) -> u64 {
 /// Small, so that ten thousand frames take a minute or two on a CPU.
 const SIZES: [[u32; 2]; 5] = [[1, 1], [5, 3], [37, 20], [20, 37], [64, 64]];
 
-/// Rounds of methods × sizes, with frames of every mode for each; what is held after each round. The scene
-/// is uploaded anew in every round.
+/// Draws rounds of all methods at all sizes, with frames of every mode for each. Returns what is in use after each
+/// round. The scene is uploaded anew in every round.
 fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize, rounds: usize) -> Vec<Held> {
     let watch = Arc::<Watch>::default();
     let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
@@ -75,7 +75,7 @@ fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize,
     for round in 0..rounds {
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         for n in 0..methods.len() * sizes.len() {
-            // Neighbours differ in both.
+            // Consecutive shots differ in method and in size.
             let (method, extent) = (methods[n % methods.len()], sizes[(n + n / methods.len()) % sizes.len()]);
             let roughness = Some([0.0, 0.05, 0.3][(n + round) % 3]);
             let materials = Globals { roughness, ..Globals::default() }.materials(&scene, &View::default());
@@ -94,11 +94,13 @@ fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize,
     held
 }
 
+/// Whether a number has grown by no more than a hundredth.
 fn is_flat(before: u64, after: u64) -> bool {
     after as f64 <= 1.01 * before as f64
 }
 
-/// Holds every round against the one after which nothing more should come.
+/// Checks that every round after the round `warm` has the same objects and device memory in use as that round, and at
+/// most a hundredth more memory on the host.
 fn check(held: &[Held], warm: usize) {
     let first = &held[warm];
     for (n, now) in held.iter().enumerate().skip(warm + 1) {
@@ -132,14 +134,15 @@ fn nothing_grows_in_ten_thousand_frames() {
     check_resident(&held);
 }
 
-/// The driver's memory, too, is flat in the end. Its heap takes two rounds to find its shape.
+/// Checks that the memory of the whole process, with the driver's, does not grow after the third round. Before that,
+/// the driver's heap still grows.
 fn check_resident(held: &[Held]) {
     let (warm, last) = (held[2].resident, held[held.len() - 1].resident);
     assert!(is_flat(warm, last), "resident memory: {warm} to {last} B");
 }
 
-/// Frames through the door for other renderers, of two views of it in turn: every screen-space method, other sizes in every
-/// few frames, two slots each, one frame in two timed. What is held after each round.
+/// Draws rounds of frames through the door for other renderers, by two `Reflections` in turn. Their methods, sizes and
+/// slots change, and every second frame is timed. Returns what is in use after each round.
 fn soak_embedded(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize, rounds: usize) -> Vec<Held> {
     let watch = Arc::<Watch>::default();
     let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();

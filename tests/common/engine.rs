@@ -1,4 +1,5 @@
-//! A renderer that is not ours, with what it draws in its own conventions, to try the door for other renderers.
+//! A stand-in for a renderer of another program, which keeps its images in its own conventions, to try the door for
+//! other renderers.
 
 #![allow(dead_code)]
 
@@ -16,11 +17,12 @@ use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
 use ssct_scenes::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, library};
 use ssct_truth::reference::unified::encode_octahedral;
 
+/// Formats of images: four 16-bit floats, four bytes, and one 32-bit float.
 pub const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 pub const BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
 pub const FLOAT: vk::Format = vk::Format::R32_SFLOAT;
 
-/// A renderer with a device of its own: the raw handles of ours stand for theirs.
+/// The other renderer with its device. The raw handles of our device stand for those of its own.
 pub struct Engine {
     pub gpu: Gpu,
     frames: FrameContext,
@@ -35,6 +37,7 @@ impl Engine {
         Self { gpu: gpu.clone(), frames: FrameContext::new(gpu).unwrap(), pool }
     }
 
+    /// The handles of the device, as the door takes them.
     pub fn handles(&self) -> DeviceHandles {
         let shared = self.gpu.shared();
         let mut enabled = EnabledFeatures::default();
@@ -51,22 +54,25 @@ impl Engine {
         }
     }
 
+    /// A context of the door on the device.
     pub fn context(&self) -> Context {
         // SAFETY: the handles are of one device, which outlives the test's contexts; its features are those of
         // `Gpu::open`, which has them on.
         unsafe { Context::new(self.handles()) }.unwrap()
     }
 
+    /// Makes an image of a format with the given bytes, ready to be sampled by fragment shaders.
     pub fn upload(&mut self, format: vk::Format, extent: [u32; 2], bytes: &[u8]) -> Image {
         self.upload_layers(1, format, extent, bytes)
     }
 
-    /// A cube map of one colour, in halves.
+    /// Makes a cube map of one colour, in 16-bit floats.
     pub fn cube(&mut self, side: u32, color: Vec3) -> Image {
         let texels = (0..6 * side * side).flat_map(|_| color.extend(1.0).to_array());
         self.upload_layers(6, HALVES, [side; 2], &halves(texels))
     }
 
+    /// Makes an image of several layers, as `upload` does.
     fn upload_layers(&mut self, layers: u32, format: vk::Format, extent: [u32; 2], bytes: &[u8]) -> Image {
         use vk::ImageUsageFlags as U;
         let usage = U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC;
@@ -83,6 +89,7 @@ impl Engine {
         image
     }
 
+    /// Begins a command buffer.
     pub fn begin(&self) -> vk::CommandBuffer {
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -94,6 +101,7 @@ impl Engine {
         }
     }
 
+    /// Ends a command buffer, submits it, and waits for the device.
     pub fn submit(&self, commands: vk::CommandBuffer) -> ash::prelude::VkResult<()> {
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&commands)];
@@ -106,7 +114,7 @@ impl Engine {
         }
     }
 
-    /// Frees every command buffer; none is under way.
+    /// Frees every command buffer, none of which may be under way.
     pub fn reset(&mut self) {
         let info = vk::CommandPoolCreateInfo::default().queue_family_index(self.gpu.shared().queue_family);
         // SAFETY: nothing is under way; the new pool is destroyed in `drop`.
@@ -116,6 +124,7 @@ impl Engine {
         }
     }
 
+    /// Reads an output image of the door back to the host.
     pub fn read(&mut self, output: &OutputImage) -> Pixels {
         let part =
             vk::ImageSubresourceRange::default().aspect_mask(vk::ImageAspectFlags::COLOR).level_count(1).layer_count(1);
@@ -130,7 +139,7 @@ impl Engine {
         self.frames.read(image.all()).unwrap()
     }
 
-    /// One frame, submitted.
+    /// Records one frame of reflections, submits it, and waits for it.
     pub fn frame(&mut self, reflections: &mut Reflections, input: &FrameInput) -> ssct::Result<Recorded> {
         let commands = self.begin();
         // SAFETY: the command buffer is recording; what is recorded is submitted and waited for at once.
@@ -139,7 +148,7 @@ impl Engine {
         Ok(recorded)
     }
 
-    /// The composite of a G-buffer that a renderer of a convention hands over.
+    /// The composite that the door makes of a G-buffer which this renderer hands over in a convention.
     pub fn shown(&mut self, reflections: &mut Reflections, data: &GBufferData, convention: Convention) -> Pixels {
         let theirs = Theirs::new(self, data, convention);
         let recorded = self.frame(reflections, &theirs.input()).unwrap();
@@ -160,10 +169,12 @@ pub struct Convention {
     pub normal: (NormalSpace, NormalEncoding),
     /// Whether its view space is right-handed.
     pub right_handed: bool,
+    /// Whether depth is 0 at the near plane; else it is reversed.
     pub standard_depth: bool,
     pub clip_y: ClipY,
 }
 
+/// The convention of `ssct` itself.
 pub const NATIVE: Convention = Convention {
     normal: (NormalSpace::View, NormalEncoding::Float),
     right_handed: false,
@@ -171,7 +182,7 @@ pub const NATIVE: Convention = Convention {
     clip_y: ClipY::Up,
 };
 
-/// A G-buffer as a renderer of a convention has it, in its images.
+/// The images of a G-buffer in the convention of another renderer.
 pub struct Theirs {
     pub depth: Image,
     pub normal: Image,
@@ -181,11 +192,13 @@ pub struct Theirs {
     pub convention: Convention,
 }
 
+/// The bytes of values as 16-bit floats.
 pub fn halves(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(|v| f16::from_f32(v).to_ne_bytes()).collect()
 }
 
 impl Theirs {
+    /// Converts a G-buffer to a convention, and uploads it.
     pub fn new(engine: &mut Engine, data: &GBufferData, convention: Convention) -> Self {
         let extent = [data.width, data.height];
         let turn = Mat3::from_diagonal(Vec3::new(1.0, 1.0, if convention.right_handed { -1.0 } else { 1.0 }));
@@ -235,6 +248,7 @@ impl Theirs {
         }
     }
 
+    /// The input of a frame that hands over these images and nothing optional.
     pub fn input(&self) -> FrameInput<'static> {
         let image_input =
             |image: &Image| ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
@@ -280,15 +294,18 @@ pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferDat
     data
 }
 
+/// The info for reflections by a method of a G-buffer's size and projection.
 pub fn info<'a>(data: &GBufferData, method: &'a str) -> ReflectionsInfo<'a> {
     let (extent, projection) = ([data.width, data.height], data.camera.kind());
     ReflectionsInfo { extent, projection, method, ..ReflectionsInfo::default() }
 }
 
+/// The bits of all values, by which two images are compared exactly.
 pub fn bits(pixels: &Pixels) -> Vec<u32> {
     pixels.values.iter().map(|v| v.to_bits()).collect()
 }
 
+/// The root mean square difference of two images over all channels.
 pub fn rmse(a: &Pixels, b: &Pixels) -> f64 {
     assert_eq!(a.values.len(), b.values.len());
     let sum: f64 = a.values.iter().zip(&b.values).map(|(a, b)| f64::from(a - b).powi(2)).sum();
@@ -310,7 +327,7 @@ pub fn plain_rooms() -> Scene {
 /// Vertices of a mesh as the door takes them.
 pub struct Vertices {
     pub positions: Vec<[f32; 3]>,
-    /// On the mesh's texture.
+    /// Coordinates on the mesh's texture, one pair for each position.
     pub places: Vec<[f32; 2]>,
 }
 
@@ -323,7 +340,8 @@ pub fn vertices_of(scene: &Scene) -> Vec<Vertices> {
     scene.meshes.iter().map(vertices).collect()
 }
 
-/// The meshes of a scene, each in its material's albedo; with textures, in its map of it as well.
+/// The meshes of a scene, each in the colour of its material's albedo. If they are textured, each has its albedo map as
+/// well.
 pub fn meshes_of<'a>(scene: &'a Scene, vertices: &'a [Vertices], are_textured: bool) -> Vec<TriangleMesh<'a>> {
     let all = scene.meshes.iter().zip(vertices);
     all.map(|(mesh, Vertices { positions, places })| {
@@ -362,7 +380,7 @@ pub fn triangles_of(engine: &Engine, scene: &Scene) -> Triangles {
     triangles
 }
 
-/// Milliseconds of the passes that count.
+/// The summed milliseconds of the passes that count towards a method's time.
 pub fn counted(passes: &[PassTime]) -> f64 {
     passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
 }

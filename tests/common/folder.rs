@@ -9,7 +9,7 @@ use tempfile::TempDir;
 pub struct Folder(TempDir);
 
 impl Folder {
-    /// An empty one.
+    /// Makes an empty folder.
     pub fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
@@ -19,6 +19,7 @@ impl Folder {
         self.0.path()
     }
 
+    /// The path of a file in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.root().join(name)
     }
@@ -27,6 +28,7 @@ impl Folder {
         std::fs::write(self.path(name), contents).unwrap();
     }
 
+    /// The text of a file in the folder.
     pub fn text(&self, name: &str) -> String {
         std::fs::read_to_string(self.path(name)).unwrap()
     }
@@ -35,7 +37,7 @@ impl Folder {
         image::open(self.path(name)).unwrap().into_rgb8()
     }
 
-    /// Everything in a folder below, sorted.
+    /// The names of all that is in a folder below this one, sorted.
     pub fn list(&self, name: &str) -> Vec<String> {
         let entries = std::fs::read_dir(self.path(name)).unwrap();
         let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
@@ -43,7 +45,7 @@ impl Folder {
         names
     }
 
-    /// Runs the command; whatever comes of it, no panic.
+    /// Runs the command, which may fail but must not panic.
     pub fn run(&self, args: &[&str]) -> Output {
         let output = Command::new(env!("CARGO_BIN_EXE_ssct")).args(args).current_dir(self.root()).output().unwrap();
         let text = String::from_utf8_lossy(&output.stderr);
@@ -51,8 +53,8 @@ impl Folder {
         output
     }
 
-    /// Runs what must succeed, and say nothing on standard error but which methods lack what they need in a scene; its standard
-    /// output.
+    /// Runs the command, which must succeed, and returns its standard output. On standard error it may say nothing but
+    /// the notices of `is_notice`.
     pub fn succeed(&self, args: &[&str]) -> String {
         let output = self.run(args);
         let errors = String::from_utf8_lossy(&output.stderr);

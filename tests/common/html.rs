@@ -4,7 +4,7 @@ use super::folder::Folder;
 use std::path::Path;
 use std::process::Command;
 
-/// Values of an attribute, in order.
+/// The values of an attribute in an HTML text, in order.
 pub fn attributes<'a>(html: &'a str, name: &str) -> Vec<&'a str> {
     let prefix = format!(" {name}=\"");
     html.split(prefix.as_str()).skip(1).map(|rest| rest.split('"').next().unwrap()).collect()

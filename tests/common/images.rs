@@ -1,5 +1,5 @@
-//! The images that the examples for other renderers write, and the command on them. Nothing of the examples' own is asked:
-//! the files are what any renderer would write.
+//! Compares the composites that the examples for other renderers write with those that the command makes of the same
+//! G-buffers.
 
 use glam::{Mat4, Vec3};
 use ssct_ground::scene::{Projection, ProjectionKind};
@@ -7,12 +7,12 @@ use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 use std::path::Path;
 use std::process::Command;
 
-/// Numbers of a file of an example.
+/// The 32-bit floats of a file.
 fn numbers(path: &Path) -> Vec<f32> {
     std::fs::read(path).unwrap().as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect()
 }
 
-/// The G-buffer that an example drew, whose view space is right-handed, with y turned in the projection.
+/// The G-buffer that an example drew, converted from its right-handed view space and its projection with y down.
 fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
     let values = |name: &str| numbers(&images.join(format!("{name}.f32")));
     let camera = values("camera");
@@ -44,7 +44,8 @@ fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
     }
 }
 
-/// Holds the composite in a folder's `images` to what the command makes, with some options, of the G-buffer there.
+/// Checks that the composite in a folder's `images` equals, to the bit, what the command makes of the G-buffer there.
+/// The command gets `options` beside its usual ones.
 #[track_caller]
 pub fn check_composite(folder: &Path, size: [u32; 2], options: &[&str]) {
     let images = folder.join("images");

@@ -1,5 +1,5 @@
-//! What the tests share: devices under the validation layers, small scenes built in code, and shots of them read
-//! back. Each of the test programs uses its part of it.
+//! Code that the tests share: devices under the validation layers, small scenes built in code, and images of them. Each
+//! test program uses a part of it.
 
 #![allow(dead_code)]
 
@@ -31,15 +31,16 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// A device under the validation layers, for one test at a time; GPU-assisted too where the variable SSCT_GPU_AV is 1.
 ///
-/// All are made before the first is used, and none is destroyed: the layers keep devices in a table that they read in
-/// every call without a lock, and crash where another thread makes or destroys a device meanwhile
+/// All devices are made before the first is used, and none is destroyed. The layers keep devices in a table that they
+/// read in every call without a lock. They crash where another thread makes or destroys a device meanwhile
 /// (KhronosGroup/Vulkan-ValidationLayers issue 4391).
 pub fn gpu() -> Lent {
     let mut free = POOL.get_or_init(|| Mutex::new(new_pool())).lock().unwrap_or_else(PoisonError::into_inner);
     Lent(Some(free.pop().unwrap_or_else(own_gpu)))
 }
 
-/// A device as of [`gpu`], but new, and destroyed after use: for what must hold of a device's whole life.
+/// Opens a device like those of [`gpu`], but a new one, which is destroyed after use: for tests of a device's whole
+/// life.
 pub fn own_gpu() -> Gpu {
     Gpu::open(&DeviceQuery { validation: true, gpu_assisted: is_gpu_assisted(), ..DeviceQuery::default() }).unwrap()
 }
@@ -68,7 +69,8 @@ impl Drop for Lent {
     fn drop(&mut self) {
         let gpu = self.0.take().unwrap();
         if std::thread::panicking() {
-            // Whatever the test left there is not the next one's; and it is not destroyed beside others.
+            // A test that failed may leave anything on the device, so that no other test gets it. It is not destroyed
+            // while other threads use theirs.
             std::mem::forget(gpu);
         } else {
             POOL.get().unwrap().lock().unwrap_or_else(PoisonError::into_inner).push(gpu);
@@ -76,7 +78,7 @@ impl Drop for Lent {
     }
 }
 
-/// What fails on a driver through no fault of ours (`tests/expected_failures.toml`).
+/// A failure that is expected on a driver, through no fault of ours (`tests/expected_failures.toml`).
 #[derive(serde::Deserialize)]
 struct Expected {
     mode: String,
@@ -85,7 +87,7 @@ struct Expected {
     reason: String,
 }
 
-/// The failures that are expected of a device in a mode.
+/// The ids of the failures that are expected on a device's driver in a mode.
 pub fn expected_failures(mode: &str, gpu: &Gpu) -> Vec<String> {
     #[derive(serde::Deserialize)]
     struct File {
@@ -134,8 +136,8 @@ pub fn shared_scenes() -> Option<PathBuf> {
     Some(folder)
 }
 
-/// Crytek Sponza, where the large scenes are there. Its scene file was written for left-handed places and does not say so: it is
-/// loaded from the copy that `scripts/left_handed.sh` makes for measurements, too.
+/// Crytek Sponza, if the large scenes are present. Its scene file has left-handed places and does not say so. The scene
+/// is therefore loaded from a copy by `scripts/left_handed.sh`, as for measurements.
 pub fn sponza() -> Option<Scene> {
     let file = shared_scenes()?.join("sponza/sponza.scene.toml");
     let folder = tempfile::tempdir().expect("a folder");
@@ -157,31 +159,32 @@ pub fn built_in(name: &str) -> Scene {
     scene
 }
 
-/// A scene that grows by quads.
+/// A scene to which a test adds materials and quads.
 pub struct Builder(pub Scene);
 
 impl Builder {
-    /// Nothing yet, with the default lens.
+    /// An empty scene with the default lens.
     pub fn new(name: &str) -> Self {
         Self(Scene { name: name.into(), views: vec![View::default()], ..Scene::default() })
     }
 
+    /// Adds a material; returns its index.
     pub fn material(&mut self, material: Material) -> usize {
         self.0.materials.push(material);
         self.0.materials.len() - 1
     }
 
-    /// A material of one albedo that reflects nothing.
+    /// Adds a material of one albedo that reflects nothing; returns its index.
     pub fn matt(&mut self, albedo: Vec3) -> usize {
         self.material(Material { albedo, reflectivity: 0.0, ..Material::default() })
     }
 
-    /// A black mirror: its lit colour is 0, so that the composite is the reflection alone.
+    /// Adds a black mirror, whose lit colour is 0, so that the composite is the reflection alone; returns its index.
     pub fn mirror(&mut self) -> usize {
         self.material(Material { albedo: Vec3::ZERO, reflectivity: 1.0, ..Material::default() })
     }
 
-    /// A matt material with a picture in sRGB, a colour for each texel.
+    /// Adds a matt material with a picture in sRGB, whose texels `texel` gives; returns its index.
     pub fn picture(&mut self, width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> usize {
         let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let rgba = texels.flat_map(|(x, y)| [texel(x, y).as_slice(), &[255]].concat()).collect();
@@ -190,8 +193,8 @@ impl Builder {
         self.material(Material { albedo_map, reflectivity: 0.0, ..Material::default() })
     }
 
-    /// A rectangle from its lower left corner, along `right` and `up` of its picture, facing
-    /// `normal`'s side.
+    /// Adds a rectangle from the lower left corner of its picture, along the picture's `right` and `up`, whose front
+    /// faces `normal`.
     pub fn quad(&mut self, material: usize, corner: Vec3, right: Vec3, up: Vec3, normal: Vec3) {
         let tangent = right.normalize();
         let w = normal.cross(tangent).dot(up).signum();
@@ -211,7 +214,7 @@ impl Builder {
         self.0.meshes.push(Mesh { name: "quad".into(), vertices, indices, material, bounds });
     }
 
-    /// Parallel light that makes surfaces facing `-direction` as bright as their albedo.
+    /// Adds parallel light along `direction`, which makes surfaces that face it as bright as their albedo.
     pub fn light(&mut self, direction: Vec3) {
         self.0.lights.push(Light::Directional { direction: direction.normalize(), energy: 1.0 });
     }
@@ -227,8 +230,8 @@ pub fn two_quads() -> Scene {
     b.0
 }
 
-/// Many quads at many depths and angles, mirrors among them, over a mirror floor, with sky between:
-/// the same at every call.
+/// Many quads at many depths and angles, mirrors among them, over a reflecting floor, with sky between. Every call
+/// returns the same scene.
 pub fn clutter() -> Scene {
     let mut b = Builder::new("clutter");
     b.light(Vec3::new(0.3, -0.6, 1.0));
@@ -250,7 +253,7 @@ pub fn clutter() -> Scene {
         let up = Vec3::new(0.0, 1.0, 0.4 * (random() - 0.5)) * (0.2 + 1.5 * random());
         b.quad(material, centre, right, up, up.cross(right));
     }
-    // What some methods reflect instead.
+    // Only some methods reflect impostors and area lights.
     let impostor = |centre, half_u| Impostor { name: "sign".into(), centre, half_u, half_v: Vec3::NEG_Y, texture: 0 };
     b.0.impostors = vec![
         impostor(Vec3::new(1.0, 2.0, 12.0), Vec3::X * 3.0),
@@ -270,7 +273,7 @@ pub fn with_small_captures(setup: &Setup) -> Setup {
     setup.with(|p: &mut EffectParams| p.capture_side = CaptureSide::Side128)
 }
 
-/// How [`clutter`] is seen.
+/// The camera that sees [`clutter`].
 pub fn clutter_camera(extent: [u32; 2]) -> Camera {
     camera(Vec3::new(0.0, 1.4, 0.0), Vec3::new(0.0, 1.0, 6.0), extent)
 }
@@ -280,7 +283,7 @@ pub fn camera(eye: Vec3, look_at: Vec3, extent: [u32; 2]) -> Camera {
     Camera::new(eye, look_at, Lens::default(), extent[0] as f32 / extent[1] as f32)
 }
 
-/// A shot with every intermediate.
+/// A rendered image with every intermediate, and its camera.
 pub struct Shown {
     pub image: RenderedImage,
     pub camera: Camera,
@@ -332,7 +335,8 @@ pub fn show_with(
     Shown { image, camera }
 }
 
-/// What a method shows of a scene, and what the traced triangles show of it, one ray for each pixel.
+/// The reflection that a method makes of a scene, and the one that rays among the triangles find, one ray for each
+/// pixel.
 pub struct Truth {
     pub reflection: Pixels,
     pub world: Vec<Vec3>,
@@ -384,7 +388,8 @@ pub fn bilinear(image: &Pixels, u: f32, v: f32) -> [f32; 3] {
 /// Thesis §4.3.2's seven weights.
 pub const BLUR_WEIGHTS: [f32; 7] = [0.002, 0.028, 0.233, 0.474, 0.233, 0.028, 0.002];
 
-/// A blur by [`BLUR_WEIGHTS`] in one direction, to an image of a size; `step` is the distance of the taps.
+/// Blurs an image by [`BLUR_WEIGHTS`] in one direction, to an image of a size. `step` leads from one tap to the next,
+/// in texture coordinates.
 pub fn blur(image: &Pixels, width: u32, height: u32, step: [f32; 2]) -> Pixels {
     let mut values = Vec::new();
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {

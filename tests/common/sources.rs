@@ -3,13 +3,14 @@
 use super::repository;
 use std::path::{Path, PathBuf};
 
-/// Shaders.
+/// The extensions of shaders.
 pub const GLSL: [&str; 4] = ["glsl", "vert", "frag", "comp"];
 
-/// Folders with what nobody wrote.
+/// The names of folders whose files are made by programs.
 const SKIPPED: [&str; 4] = ["target", "corpus", "runs", "golden"];
 
-/// The texts at some places of the repository, files or folders, that have one of some extensions, with their paths from its root.
+/// The path from the repository's root and the text of each file with one of the extensions. `places` are files and
+/// folders of the repository.
 pub fn texts(places: &[&str], extensions: &[&str]) -> Vec<(String, String)> {
     let is_wanted = |path: &Path| path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted));
     let is_skipped = |path: &Path| path.file_name().is_some_and(|name| SKIPPED.iter().any(|skipped| name == *skipped));

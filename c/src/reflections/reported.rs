@@ -1,4 +1,4 @@
-//! Keeps the texts and rows that structures of a caller point to.
+//! Keeps the texts and arrays to which structs in the caller's memory point.
 
 use super::{SsctOutputImage, SsctPassTime, SsctRecorded, SsctSkipped};
 use crate::border::text;
@@ -6,7 +6,7 @@ use crate::vulkan::{VkExtent2D, VkFormat, VkImage, VkImageView};
 use ssct::{OutputImage, Recorded};
 use std::ffi::{CString, c_char};
 
-/// Names of passes, to which `SsctRecorded` points.
+/// The arrays to which `SsctRecorded` points, with the texts to which the arrays point.
 #[derive(Default)]
 pub(super) struct Report {
     _texts: Vec<CString>,
@@ -15,6 +15,7 @@ pub(super) struct Report {
 }
 
 impl Report {
+    /// Copies the names of a recorded frame's passes, and of the passes that it leaves out with the reasons.
     pub(super) fn new(made: &Recorded) -> Self {
         let skipped = made.skipped.iter().flat_map(|s| [&s.pass, &s.why]);
         let texts: Vec<_> = made.passes.iter().chain(skipped).map(|t| text(t)).collect();
@@ -25,6 +26,7 @@ impl Report {
         Self { _texts: texts, passes, skipped }
     }
 
+    /// Returns the struct for the caller, whose pointers lead into this report.
     pub(super) fn shown(&self, made: &Recorded, struct_size: usize) -> SsctRecorded {
         SsctRecorded {
             struct_size,
@@ -39,6 +41,7 @@ impl Report {
     }
 }
 
+/// Converts an output to the header's type; null handles for `None`.
 fn output(made: Option<OutputImage>) -> SsctOutputImage {
     let none =
         OutputImage { image: VkImage::null(), view: VkImageView::null(), format: VkFormat::UNDEFINED, extent: [0, 0] };
@@ -46,7 +49,7 @@ fn output(made: Option<OutputImage>) -> SsctOutputImage {
     SsctOutputImage { image, view, format, extent: VkExtent2D { width, height } }
 }
 
-/// Rows of times, to which `ssct_reflections_times` points.
+/// The array of times that `ssct_reflections_times` returns, with the texts to which its rows point.
 #[derive(Default)]
 pub(super) struct Times {
     pub(super) _names: Vec<CString>,

@@ -1,4 +1,4 @@
-//! What a program does wrong: null pointers, structs of wrong sizes, objects that were destroyed or are of another type, and
+//! Tests of wrong calls: null pointers, structs of wrong sizes, objects that were destroyed or are of another type, and
 //! two threads on one object. Each call is refused with a sentence, and nothing else happens.
 
 use super::program::Program;
@@ -120,10 +120,11 @@ fn objects_that_were_destroyed_or_are_of_another_type_are_refused() {
         gone(ssct_reflections_resize(reflections, vk::Extent2D { width: 8, height: 8 }), "SsctReflections");
         gone(ssct_reflections_restart_history(reflections), "SsctReflections");
         gone(ssct_reflections_times(reflections, 0, &mut null(), &mut 0), "SsctReflections");
-        // A second time does nothing, and the sentence says so.
+        // A second call of the function that destroys does nothing, and the sentence says so.
         ssct_reflections_destroy(reflections);
         assert!(said().contains("is no SsctReflections"), "{}", said());
-        // A context is no triangles, and an address that nobody made is nothing.
+        // The handle of a context is refused as triangles, and an address that the library did not return is refused as
+        // any object.
         gone(ssct_triangles_record_upload(context.cast(), program.commands), "SsctTriangles");
         ssct_triangles_destroy(context.cast());
         assert!(said().contains("is no SsctTriangles"), "{}", said());
@@ -147,7 +148,8 @@ fn two_threads_on_one_object_take_turns_or_are_refused() {
     let reflections = made(context, &view(SIDE));
     let (address, context_address) = (reflections as usize, context as usize);
     let begin = Barrier::new(3);
-    // A context is for all threads at once; a view is for one at a time, and a call beside another is refused.
+    // All threads may use a context at once. One thread at a time may use reflections, and a second call at the same
+    // time is refused.
     let resized: usize = std::thread::scope(|scope| {
         let resizing = |first: u32| {
             let begin = &begin;
@@ -175,7 +177,7 @@ fn two_threads_on_one_object_take_turns_or_are_refused() {
         both.into_iter().map(|thread| thread.join().unwrap()).sum()
     });
     assert!(resized > 0);
-    // The object is whole, and used as before.
+    // The reflections are whole, and can be used as before.
     let extent = vk::Extent2D { width: SIDE, height: SIDE };
     assert_eq!(unsafe { ssct_reflections_resize(reflections, extent) }, SsctResult::Ok, "{}", said());
     unsafe {

@@ -1,4 +1,4 @@
-//! A program's device, images and command buffer, under the validation layers.
+//! The device, the images and the command buffer of a program that uses the library, under the validation layers.
 
 use super::{said, sized};
 use crate::border::SsctResult;
@@ -10,13 +10,14 @@ use std::ptr::{null, null_mut};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A message of the layers for Vulkan 1.4, which is no fault: where nobody wants the hits of a pass, it has no attachment for
-/// them, and Vulkan discards what a shader writes to an output without an attachment.
+/// A message of the layers for Vulkan 1.4, which is no fault. A pass has no attachment for hits if nobody wants the
+/// hits, and Vulkan discards what a shader writes to an output without an attachment.
 const DISCARDED: &CStr = c"Undefined-Value-ShaderOutputNotConsumed-DynamicRendering";
 
-/// Other messages of the validation layers.
+/// The number of all other messages of the validation layers.
 static MESSAGES: AtomicUsize = AtomicUsize::new(0);
 
+/// Prints and counts a message of the validation layers, unless it is [`DISCARDED`].
 unsafe extern "system" fn count(
     _: vk::DebugUtilsMessageSeverityFlagsEXT,
     _: vk::DebugUtilsMessageTypeFlagsEXT,
@@ -31,7 +32,8 @@ unsafe extern "system" fn count(
     vk::FALSE
 }
 
-/// A program's device and command buffer. One at a time, since the layers read their table of devices without a lock.
+/// A program's device and command buffer. Only one program exists at a time, since the layers read their table of
+/// devices without a lock.
 pub struct Program {
     _alone: MutexGuard<'static, ()>,
     _entry: ash::Entry,
@@ -48,6 +50,7 @@ pub struct Program {
 }
 
 impl Program {
+    /// Makes an instance with the layers, and a device with the features that the library needs.
     pub fn new() -> Self {
         static ONE: Mutex<()> = Mutex::new(());
         let alone = ONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -106,6 +109,7 @@ impl Program {
         }
     }
 
+    /// Describes the device as `ssct_context_create` needs it.
     pub fn info(&self) -> SsctContextInfo {
         SsctContextInfo {
             struct_size: size_of::<SsctContextInfo>(),
@@ -122,13 +126,15 @@ impl Program {
         }
     }
 
+    /// Makes a context of the device.
     pub fn context(&self) -> *mut SsctContext {
         let mut context = null_mut();
         assert_eq!(unsafe { ssct_context_create(&self.info(), &mut context) }, SsctResult::Ok, "{}", said());
         context
     }
 
-    /// An image of one value, which is left to be sampled; with six layers it is a cube map's.
+    /// Makes an image whose texels all have one value, ready to be sampled in fragment shaders. Six layers make a cube
+    /// map.
     pub fn image(&mut self, format: vk::Format, side: u32, value: [f32; 4], layers: u32) -> SsctImage {
         let (aspect, usage) = (
             vk::ImageAspectFlags::COLOR,
@@ -188,7 +194,8 @@ impl Program {
         }
     }
 
-    /// The texels of an image of half floats, by a frame that leaves it to be copied from.
+    /// Reads the texels of an image of half floats. `record` records a frame, and returns the image in the layout for
+    /// copies.
     pub fn read(&self, side: u32, record: impl FnOnce(vk::CommandBuffer) -> vk::Image) -> Vec<[u16; 4]> {
         use vk::MemoryPropertyFlags as P;
         let texels = (side * side) as usize;
@@ -230,7 +237,7 @@ impl Program {
         }
     }
 
-    /// Records into the command buffer, and waits until it is done.
+    /// Records commands by a function, submits them, and waits until the device is done.
     pub fn submit<R>(&self, record: impl FnOnce(&ash::Device, vk::CommandBuffer) -> R) -> R {
         unsafe {
             self.device.begin_command_buffer(self.commands, &vk::CommandBufferBeginInfo::default()).unwrap();

@@ -5,11 +5,11 @@ use bevy::render::renderer::{RenderAdapter, RenderAdapterInfo, RenderDevice, Ren
 use bevy::render::settings::RenderCreation;
 pub use embed_wgpu::Result;
 
-/// Marks a device that has on what `ssct` needs, among Bevy's additional features.
+/// Marks, among Bevy's additional features, a device that has on all features that `ssct` needs.
 pub struct SsctFeatures;
 
-/// What Bevy's `RenderPlugin` draws with: the fastest device on Vulkan, with all that it can but what wgpu calls
-/// experimental, and with what `ssct` needs. `WGPU_VALIDATION=1` turns the validation layer on.
+/// Opens the fastest Vulkan device for Bevy's `RenderPlugin`. It has on all features that it supports and that wgpu
+/// does not call experimental, and those that `ssct` needs. `WGPU_VALIDATION=1` turns the validation layer on.
 ///
 /// # Errors
 /// Says what failed: there is no device, or it lacks a feature.
@@ -33,7 +33,8 @@ pub fn render_creation() -> Result<RenderCreation> {
     ))
 }
 
-/// What Bevy turns on by itself, less what wgpu calls experimental.
+/// The features that Bevy turns on by itself, without those that wgpu calls experimental. Bevy, too, leaves
+/// `MAPPABLE_PRIMARY_BUFFERS` off on discrete GPUs.
 fn features(adapter: &wgpu::Adapter) -> wgpu::Features {
     let mut features = adapter.features() - wgpu::Features::all_experimental_mask();
     if adapter.get_info().device_type == wgpu::DeviceType::DiscreteGpu {
@@ -42,7 +43,7 @@ fn features(adapter: &wgpu::Adapter) -> wgpu::Features {
     features
 }
 
-/// The device of [`render_creation`] as `ssct` takes it.
+/// Makes the context of `ssct` on the device that [`render_creation`] opened.
 ///
 /// # Errors
 /// Says what the device lacks.

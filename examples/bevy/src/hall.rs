@@ -1,5 +1,6 @@
-//! A hall whose floor reflects and whose other surfaces are unlit, so that the truth of a mirror is known: the colour of the
-//! place that it shows. Each place of a surface has a colour of its own.
+//! A hall whose floor reflects and whose other surfaces are unlit. If the floor is a mirror, the true colour of each of
+//! its pixels is known: the colour of the point that it mirrors. The points of a surface differ in colour, so that
+//! errors show.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::Exposure;
@@ -13,13 +14,13 @@ use bevy::render::render_resource::{
 use embed_bevy::truth::{Look, Texture, Triangle};
 use std::sync::Arc;
 
-/// The even sky over the hall, which has no ceiling, and what is drawn where the camera sees the sky.
+/// The linear colour of the even sky over the hall, which has no ceiling. The camera clears its picture to this colour.
 pub const SKY: LinearRgba = LinearRgba::rgb(0.25, 0.4, 0.7);
 
-/// Texels along a side of the textures.
+/// Width and height of the textures, in texels.
 const SIDE: u32 = 128;
 
-/// A thing of the hall. `None` stands for the mirror.
+/// An object of the hall. Its texture runs between two linear `colors`; the mirror has `None`.
 struct Thing {
     mesh: Mesh,
     transform: Transform,
@@ -31,21 +32,23 @@ struct Thing {
 pub struct Hall {
     /// Perceptual roughness of the floor; 0 is a mirror.
     pub roughness: f32,
-    /// Whether the other surfaces are lit by a lamp, and are as bright as that makes them.
+    /// If true, a directional light shines on the surfaces other than the floor; else they are unlit.
     pub is_lit: bool,
-    /// Whether it is seen from below, through the floor, so that the picture upside down is what the floor mirrors.
+    /// If true, the floor is left out and the camera is [`mirrored_camera`]. The picture, turned upside down, then
+    /// shows what the mirror shows.
     pub is_mirrored: bool,
 }
 
-/// The ball that the example moves.
+/// Marks the ball, which the option `--moved` moves.
 #[derive(Component)]
 pub struct Moving;
 
+/// The pose of the camera over the floor.
 pub fn camera() -> Transform {
     Transform::from_xyz(0.0, 1.8, 5.2).looking_at(Vec3::new(0.0, 0.75, -2.0), Vec3::Y)
 }
 
-/// The camera on the other side of the floor, whose picture is upside down.
+/// The pose of [`camera`] mirrored at the floor, from where the picture is upside down.
 pub fn mirrored_camera() -> Transform {
     let upside_down = Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0));
     let Transform { translation, rotation, scale } = camera();
@@ -53,11 +56,12 @@ pub fn mirrored_camera() -> Transform {
     Transform { translation: upside_down * translation, rotation: Quat::from_mat3(&turned), scale }
 }
 
-/// Where the ball is.
+/// The centre of the ball, before or after its move.
 pub fn ball(has_moved: bool) -> Vec3 {
     if has_moved { Vec3::new(-0.9, 0.7, 0.4) } else { Vec3::new(1.9, 0.7, 0.2) }
 }
 
+/// Lists the objects of the hall: first the floor, last the ball.
 fn things(has_moved: bool) -> Vec<Thing> {
     let wall = |x: f32, z: f32, turn: f32, width: f32| {
         let transform = Transform::from_xyz(x, 1.75, z).with_rotation(Quat::from_rotation_y(turn));
@@ -82,7 +86,8 @@ fn things(has_moved: bool) -> Vec<Thing> {
         (wall(0.0, 6.0, 2.0 * quarter, 10.0), colors([0.5, 0.5, 0.5], [0.2, 0.1, 0.3])),
         (cuboid(Vec3::new(1.2, 1.6, 1.2), Vec3::new(-1.9, 0.8, -1.6), 0.5), colors([0.9, 0.8, 0.3], [0.5, 0.1, 0.1])),
         (cuboid(Vec3::new(0.5, 2.4, 0.5), Vec3::new(0.6, 1.2, -3.2), 0.2), colors([0.2, 0.8, 0.9], [0.1, 0.2, 0.6])),
-        // Hangs over the view, so that the mirror alone shows it, and so does the underside of the one after it.
+        // This cuboid hangs above the view, so that the mirror alone shows it. The next one shows its underside in the
+        // mirror alone.
         (cuboid(Vec3::new(2.2, 0.3, 1.4), Vec3::new(0.2, 3.0, 0.6), 0.3), colors([1.0, 0.9, 0.6], [0.9, 0.4, 0.1])),
         (cuboid(Vec3::new(1.4, 0.2, 1.4), Vec3::new(2.4, 1.5, -2.6), 0.7), colors([0.9, 0.3, 0.7], [0.3, 0.6, 0.2])),
         (sphere(0.7, ball(has_moved)), colors([0.9, 0.3, 0.1], [0.95, 0.9, 0.85])),
@@ -90,7 +95,8 @@ fn things(has_moved: bool) -> Vec<Thing> {
     list.into_iter().map(|((mesh, transform), colors)| Thing { mesh, transform, colors }).collect()
 }
 
-/// A texture between two colours, darker towards a side, with lighter squares: sRGB bytes.
+/// Makes the RGBA texels, in sRGB bytes, of a texture that runs from the first colour to the second along u. It gets
+/// darker along v, and every second square of a checkerboard is lighter.
 fn texels([a, b]: [LinearRgba; 2]) -> Vec<u8> {
     let texel = |index: u32| {
         let (x, y) = ((index % SIDE) as f32 / SIDE as f32, (index / SIDE) as f32 / SIDE as f32);
@@ -106,6 +112,7 @@ fn texels([a, b]: [LinearRgba; 2]) -> Vec<u8> {
         .collect()
 }
 
+/// Makes the texture of [`texels`] as an image of Bevy that repeats.
 fn image(colors: [LinearRgba; 2]) -> Image {
     let size = Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
     let (format, usage) = (TextureFormat::Rgba8UnormSrgb, RenderAssetUsages::default());
@@ -117,7 +124,7 @@ fn image(colors: [LinearRgba; 2]) -> Image {
     image
 }
 
-/// Puts the hall into a world.
+/// Spawns the objects of the hall, and its lamp if it is lit.
 pub fn spawn(
     mut commands: Commands,
     (mut meshes, mut images): (ResMut<Assets<Mesh>>, ResMut<Assets<Image>>),
@@ -143,11 +150,11 @@ pub fn spawn(
                 base_color: Color::WHITE,
                 base_color_texture: Some(images.add(image(colors))),
                 unlit: !hall.is_lit,
-                // What is lit scatters all its light, and looks alike from everywhere.
+                // Without specular reflection, a lit surface has the same colour from every direction.
                 reflectance: 0.0,
                 double_sided: true,
                 cull_mode: None,
-                // Bevy's own reflections do not ask whether a surface is unlit, but leave out what is rough.
+                // Bevy's own reflections do not check whether a surface is unlit, but they leave out rough surfaces.
                 perceptual_roughness: 1.0,
                 ..default()
             },
@@ -159,10 +166,10 @@ pub fn spawn(
     }
 }
 
-/// The light over the hall.
+/// The light that comes from above the hall.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Sky {
-    /// One colour from everywhere.
+    /// The colour [`SKY`] from every direction.
     Even,
     /// Another colour from each direction.
     Colorful,
@@ -177,7 +184,8 @@ impl Sky {
         }
     }
 
-    /// The sky as an environment map, as bright as it is to be seen.
+    /// The sky as an environment map. Its intensity undoes the camera's exposure, so that the picture shows
+    /// [`Self::color`].
     pub fn map(self, images: &mut Assets<Image>) -> EnvironmentMapLight {
         let map = match self {
             Self::Even => EnvironmentMapLight::solid_color(images, SKY),
@@ -189,7 +197,8 @@ impl Sky {
         map.with_intensity(1.0 / Exposure::default().exposure())
     }
 
-    /// A cube of halves, laid out as cubes are; Bevy's have the world's z the other way round.
+    /// Makes the sky's cube map of 16-bit floats. Its faces lie in the order of Vulkan; Bevy looks a cube map up with z
+    /// negated.
     fn cube(self) -> Image {
         const SIDE: u16 = 64;
         let place = |index: u16| (2.0 * f32::from(index) + 1.0) / f32::from(SIDE) - 1.0;
@@ -215,11 +224,12 @@ impl Sky {
     }
 }
 
-/// The hall for whoever follows rays.
+/// The triangles of the hall in the world, for the ray tracer of `truth.rs`.
 pub fn triangles(has_moved: bool) -> Vec<Triangle> {
     things(has_moved).into_iter().flat_map(of_thing).collect()
 }
 
+/// The triangles of an object in the world. There are none if its mesh lacks positions or texture coordinates.
 fn of_thing(Thing { mesh, transform, colors }: Thing) -> Vec<Triangle> {
     let look = colors.map_or(Look::Mirror, |colors| {
         let bytes = texels(colors);

@@ -1,4 +1,4 @@
-//! Writes what the reflections read and made of a frame as 32-bit floats, for tests and for whoever looks for a fault.
+//! Writes the images that the reflections read and made in a frame as 32-bit floats, for tests and to look for faults.
 
 use crate::device::Result;
 use crate::reflect::Reflecting;
@@ -13,13 +13,15 @@ use wgpu::TextureFormat;
 #[derive(Component, Clone)]
 pub struct KeepImages(pub PathBuf);
 
-/// Images on their way from the device.
+/// Copies of a frame's images in buffers, which can be read once the device is done with the frame.
 pub struct Pending {
     pub folder: PathBuf,
+    /// View to clip, and world to view, by columns.
     pub camera: [[f32; 16]; 2],
     copies: Vec<Copy>,
 }
 
+/// A buffer with the texels of an image; `row` is the bytes from one row of texels to the next.
 struct Copy {
     name: &'static str,
     buffer: wgpu::Buffer,
@@ -29,7 +31,7 @@ struct Copy {
 }
 
 impl Pending {
-    /// Records copying textures, and leaves them in the state `RESOURCE`.
+    /// Records copies of the named textures to buffers, and leaves the textures in the state `RESOURCE`.
     pub fn record(
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
@@ -49,6 +51,7 @@ impl Pending {
         Self { folder: folder.into(), camera, copies }
     }
 
+    /// Waits for the device, and writes `camera.f32` and one file for each image to the folder.
     fn write(&self, device: &wgpu::Device) -> Result<()> {
         std::fs::create_dir_all(&self.folder)?;
         let numbers: Vec<u8> = self.camera.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -66,7 +69,7 @@ impl Pending {
     }
 }
 
-/// Waits for the images that were kept of a frame, and writes them.
+/// Waits for the images that cameras with [`KeepImages`] kept in this frame, and writes them.
 pub fn write(reflecting: Option<Res<Reflecting>>, device: Res<RenderDevice>) {
     for pending in reflecting.iter().flat_map(|reflecting| reflecting.take_pending()) {
         if let Err(why) = pending.write(device.wgpu_device()) {

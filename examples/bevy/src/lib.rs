@@ -45,7 +45,8 @@ pub struct SsctReflections {
     pub method: String,
     /// Parameters of the method by name, as docs/options.md of `ssct` lists them.
     pub parameters: Vec<(String, String)>,
-    /// Perceptual roughness at which reflections begin to fade out into the environment map, and at which they are gone.
+    /// Perceptual roughness at which reflections begin to fade out into the environment map, and at which the map alone
+    /// is left.
     pub max_perceptual_roughness: Range<f32>,
     /// Averages reflections over frames.
     pub history: bool,
@@ -66,8 +67,8 @@ impl Default for SsctReflections {
 }
 
 impl SsctReflections {
-    /// Returns the settings for a world. The screen shows surfaces as they are lit, which its meshes do not know; what is unlit
-    /// has its exact colours as a mesh.
+    /// Returns the settings for the world's meshes. A lit surface has its exact colour on the screen alone, an unlit
+    /// one on its mesh too. If no mesh is lit, hits therefore take the colours of the meshes.
     fn seeing(&self, world: &WorldMeshes) -> Self {
         let mut settings = self.clone();
         let is_chosen = settings.parameters.iter().any(|(name, _)| name.replace('_', "-") == "hit-color");
@@ -78,12 +79,13 @@ impl SsctReflections {
     }
 }
 
-/// Draws the reflections of cameras with [`SsctReflections`]. Bevy's `RenderPlugin` must draw with [`render_creation`]. All opaque
-/// materials are deferred from then on, and every camera gets the prepasses that show them.
+/// Draws the reflections of cameras with [`SsctReflections`]. Bevy's `RenderPlugin` must draw with [`render_creation`].
+/// With the plugin, all opaque materials are drawn deferred, and every camera gets the prepasses that show them.
 #[derive(Default)]
 pub struct SsctPlugin;
 
-/// Lets every camera see what is drawn deferred, since all opaque meshes are, with reflections or without.
+/// Gives every 3D camera the prepasses of deferred shading. The plugin draws all opaque meshes deferred, and a camera
+/// without the prepasses would not show them.
 fn see_deferred(mut commands: Commands, cameras: Query<Entity, (With<Camera3d>, Without<DeferredPrepass>)>) {
     for camera in &cameras {
         commands.entity(camera).insert((DepthPrepass, DeferredPrepass));

@@ -37,6 +37,7 @@ use embed_bevy::truth::{self, Seen};
 use embed_bevy::{KeepImages, Result, SsctPlugin, SsctReflections};
 use std::path::PathBuf;
 
+/// The options of the command line, which the head of this file lists.
 struct Options {
     output: PathBuf,
     with: String,
@@ -45,13 +46,13 @@ struct Options {
     has_moved: bool,
     images: Option<PathBuf>,
     truth: Option<PathBuf>,
-    /// `None` is no environment map.
+    /// `None` means that there is no environment map.
     sky: Option<hall::Sky>,
     hall: hall::Hall,
     mirror: Option<PathBuf>,
 }
 
-/// The picture as it came back, in halves.
+/// The bytes of the last picture that was read back: RGBA, 16-bit floats.
 #[derive(Resource, Default)]
 struct Shown(Vec<u8>);
 
@@ -100,6 +101,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
+/// Reads the options from the arguments of the program.
 fn options() -> Result<Options> {
     let mut options = Options {
         output: "bevy.png".into(),
@@ -135,6 +137,7 @@ fn options() -> Result<Options> {
     Ok(options)
 }
 
+/// Reads the value of `--sky`; `None` means that there is no environment map.
 fn sky(name: &str) -> Result<Option<hall::Sky>> {
     match name {
         "even" => Ok(Some(hall::Sky::Even)),
@@ -144,11 +147,13 @@ fn sky(name: &str) -> Result<Option<hall::Sky>> {
     }
 }
 
+/// Reads a width and a height, such as 640x360.
 fn size(text: &str) -> Result<[u32; 2]> {
     let (width, height) = text.split_once('x').ok_or("--size takes a width and a height, as 640x360")?;
     Ok([width.parse()?, height.parse()?])
 }
 
+/// Makes the app without a window, with the plugin if `--with` needs it.
 fn app(options: &Options) -> Result<App> {
     let mut app = App::new();
     let render = RenderPlugin {
@@ -169,7 +174,7 @@ fn app(options: &Options) -> Result<App> {
     Ok(app)
 }
 
-/// Makes the camera, and what it draws to, which comes back after every frame.
+/// Spawns the camera and the image that it draws to, which is read back after every frame. Returns the camera.
 fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
     let world = app.world_mut();
     let [width, height] = options.size;
@@ -204,7 +209,7 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
         }
         "traced" => entity.insert(SsctReflections { method: "traced".into(), ..ours }),
         "history" => entity.insert(SsctReflections { history: true, ..ours }),
-        // The plugin alone: what a camera without the component shows.
+        // The app has the plugin, but the camera lacks the component.
         "off" => &mut entity,
         "bevy" => entity.insert(own),
         "bevy-steps" => entity.insert(ScreenSpaceReflections { linear_steps: 100, bisection_steps: 8, ..own }),
@@ -219,7 +224,7 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
     Ok(camera)
 }
 
-/// Draws the frames, and returns the median and the least of the milliseconds that reflections took.
+/// Draws the frames, and returns the median and the least time of the reflections on the GPU, in milliseconds.
 fn run(app: &mut App, camera: Entity, options: &Options) -> Result<[f64; 2]> {
     app.finish();
     app.cleanup();
@@ -245,12 +250,14 @@ fn run(app: &mut App, camera: Entity, options: &Options) -> Result<[f64; 2]> {
     Ok([times.len() / 2, 0].map(|index| times.get(index).copied().unwrap_or_default()))
 }
 
+/// The linear colours of RGBA texels of 16-bit floats.
 fn colors(halves: &[u8]) -> Vec<Vec3> {
     let channel =
         |bytes: &[u8], index: usize| half::f16::from_ne_bytes([bytes[2 * index], bytes[2 * index + 1]]).to_f32();
     halves.chunks_exact(8).map(|texel| Vec3::new(channel(texel, 0), channel(texel, 1), channel(texel, 2))).collect()
 }
 
+/// Writes linear colours as an sRGB picture.
 fn write(file: &PathBuf, [width, height]: [u32; 2], colors: &[Vec3]) -> Result<()> {
     let byte = |color: &Vec3| {
         let [r, g, b] = Srgba::from(LinearRgba::rgb(color.x, color.y, color.z)).to_u8_array_no_alpha();
@@ -261,7 +268,7 @@ fn write(file: &PathBuf, [width, height]: [u32; 2], colors: &[Vec3]) -> Result<(
     Ok(picture.save(file)?)
 }
 
-/// The linear colours of a picture.
+/// Reads the linear colours of an sRGB picture.
 fn read(file: &PathBuf) -> Result<Vec<Vec3>> {
     let picture = image::open(file)?.to_rgb8();
     let linear = |pixel: &image::Rgb<u8>| {
@@ -274,14 +281,16 @@ fn read(file: &PathBuf) -> Result<Vec<Vec3>> {
 
 /// How a picture differs from the truth.
 struct Figures {
+    /// Number of pixels that see the mirror.
     mirrors: usize,
-    /// Root of the mean squared error of the mirrors' pixels, linear.
+    /// Root mean squared error of the mirror's pixels, in linear colour.
     rmse: f64,
-    /// Share of them whose colour is the right place's within 0.04 in each channel.
+    /// Share of the mirror's pixels whose colour differs from the truth by less than 0.04 in each channel.
     right: f64,
-    /// The error of those that show the sky.
+    /// Root mean squared error of the mirror's pixels that show the sky.
     sky_rmse: f64,
-    /// The error of all pixels that are no mirror's: of the truth itself.
+    /// Root mean squared error of the pixels that do not see the mirror. It says how well the truth fits Bevy's
+    /// picture.
     others_rmse: f64,
 }
 

@@ -1,9 +1,11 @@
-//! The passes around the reflections, in wgpu, and the textures that they draw to.
+//! The render passes before and after the reflections, in wgpu, and the textures that they draw to.
 
 use embed_wgpu::{HALF, Result, description};
 use wgpu::{TextureFormat, TextureUsages as U};
 
+/// Format of the material image: reflectivity and roughness.
 pub const PAIR: TextureFormat = TextureFormat::Rg16Float;
+/// Format of the copy of depth that [`crate::KeepImages`] writes.
 pub const DEPTH: TextureFormat = TextureFormat::R32Float;
 
 /// A texture with its view.
@@ -12,7 +14,7 @@ pub struct Picture {
     pub view: wgpu::TextureView,
 }
 
-/// `View` of passes.wgsl.
+/// The uniform block `View` of passes.wgsl, where its fields are described.
 pub struct View {
     pub world_from_clip: [f32; 16],
     pub view_from_world: [f32; 16],
@@ -24,8 +26,10 @@ pub struct View {
 }
 
 impl View {
+    /// Size of the block.
     pub const BYTES: u64 = 4 * 44;
 
+    /// The block as passes.wgsl reads it.
     pub fn bytes(&self) -> Vec<u8> {
         let Self { world_from_clip, view_from_world, eye, environment, fade, exposure, levels } = self;
         let last = [*exposure, *levels];
@@ -34,13 +38,14 @@ impl View {
     }
 }
 
+/// The pipelines of passes.wgsl, each named after its fragment shader.
 pub struct Passes {
     pub inputs: wgpu::RenderPipeline,
     pub add: wgpu::RenderPipeline,
     pub face: wgpu::RenderPipeline,
     pub depth: wgpu::RenderPipeline,
     pub sampler: wgpu::Sampler,
-    /// A cube of one black texel, where there is no environment map.
+    /// A cube map of one black texel on each face, which is bound where there is no environment map.
     pub nothing: Picture,
 }
 
@@ -64,6 +69,7 @@ impl Passes {
     }
 }
 
+/// Makes the pipeline that draws a triangle over the whole image with a fragment shader of passes.wgsl.
 fn pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
@@ -95,7 +101,8 @@ fn pipeline(
 }
 
 impl Passes {
-    /// Draws the environment map as a cube in the world's directions, with the bindings of the pass "face".
+    /// Draws the environment map into a cube map that is looked up by directions of the world. `bindings` are those of
+    /// the pass "face".
     pub fn sky(
         &self,
         device: &wgpu::Device,
@@ -117,7 +124,8 @@ impl Passes {
     }
 }
 
-/// Draws a triangle over whole images with some bindings of passes.wgsl; `instance` is the face of a cube.
+/// Draws a triangle over the whole of `targets` with bindings of passes.wgsl. `instance` is the face of a cube for the
+/// pass "face", and 0 for other passes.
 pub fn draw(
     device: &wgpu::Device,
     encoder: &mut wgpu::CommandEncoder,
@@ -145,7 +153,7 @@ pub fn draw(
     pass.draw(0..3, instance..instance + 1);
 }
 
-/// An image that a pass draws, and that is read after it.
+/// Makes an image that a pass draws and that later passes and copies read.
 pub fn picture(device: &wgpu::Device, name: &str, [width, height]: [u32; 2], format: TextureFormat) -> Picture {
     let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING | U::COPY_SRC;
     let texture = device.create_texture(&description(name, [width, height, 1], format, usage));
@@ -153,7 +161,7 @@ pub fn picture(device: &wgpu::Device, name: &str, [width, height]: [u32; 2], for
     Picture { texture, view }
 }
 
-/// A cube of colours with one level.
+/// Makes a cube map of colours with one mip level.
 pub fn cube(device: &wgpu::Device, side: u32, dimension: wgpu::TextureViewDimension) -> Picture {
     let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING;
     let texture = device.create_texture(&description("ssct sky", [side, side, 6], HALF, usage));
@@ -161,7 +169,7 @@ pub fn cube(device: &wgpu::Device, side: u32, dimension: wgpu::TextureViewDimens
     Picture { texture, view }
 }
 
-/// An image of the library's that is in the state `RESOURCE`.
+/// Wraps an image that `ssct` made as a texture of wgpu. The image is in the state `RESOURCE`.
 pub fn adopt(device: &wgpu::Device, image: &ssct::OutputImage) -> Result<Picture> {
     let texture = embed_wgpu::adopt(device, "ssct reflection", image)?;
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());

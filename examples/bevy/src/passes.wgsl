@@ -1,10 +1,10 @@
-// The passes around the reflections: what they read of the deferred G-buffer, the environment map as a cube of their layout,
-// the sum of the lit colour and what is reflected, and depth for whoever keeps images.
+// The passes before and after the reflections. They unpack Bevy's deferred G-buffer, draw the environment map as a cube
+// in the layout of Vulkan, add the reflected light to the lit colour, and copy depth for the component `KeepImages`.
 
 struct View {
     world_from_clip: mat4x4f,
     view_from_world: mat4x4f,
-    eye: vec4f,         // place in the world; w is 1 where it is the direction back to an orthographic camera
+    eye: vec4f,         // the camera's place in the world and 0, or the direction towards an orthographic one and 1
     environment: vec4f, // rotation of the environment map, a quaternion
     fade: vec2f,        // perceptual roughness at which reflections begin to fade out, and at which they are gone
     exposure: f32,      // factor on the environment map; 0 without one
@@ -15,26 +15,27 @@ struct View {
 @group(0) @binding(1) var depth_buffer: texture_depth_2d;
 @group(0) @binding(2) var deferred_buffer: texture_2d<u32>;
 @group(0) @binding(3) var lit_buffer: texture_2d<f32>;
-@group(0) @binding(4) var reflection_buffer: texture_2d<f32>; // rgb, and in a how sure it is
+@group(0) @binding(4) var reflection_buffer: texture_2d<f32>; // the reflected colour in rgb, its confidence in a
 @group(0) @binding(5) var environment_map: texture_cube<f32>;
 @group(0) @binding(6) var linear_sampler: sampler;
 
 struct Corner { @builtin(position) position: vec4f, @location(0) @interpolate(flat) face: u32 }
 
-// A triangle over the whole image. Faces of a cube are counted by instances.
+// Draws a triangle that covers the whole image. The number of the instance is the face of the cube that is drawn.
 @vertex
 fn whole_image(@builtin(vertex_index) vertex: u32, @builtin(instance_index) face: u32) -> Corner {
     return Corner(vec4f(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0), face);
 }
 
 struct Surface {
-    f0: vec3f, // reflectivity seen along the normal; 0 for what does not reflect
+    f0: vec3f, // reflectivity at normal incidence; 0 for a surface that does not reflect
     perceptual_roughness: f32,
     normal: vec3f, // world space
     depth: f32,    // reversed; 0 for the sky
 }
 
-// What Bevy's deferred pass stores of a pixel (`bevy_pbr/deferred/functions.wesl`). Unlit surfaces do not reflect.
+// Unpacks the surface that Bevy's deferred pass stored for a pixel (`bevy_pbr/deferred/functions.wesl`). Unlit surfaces
+// do not reflect.
 fn surface_at(pixel: vec2i) -> Surface {
     let packed = textureLoad(deferred_buffer, pixel, 0);
     let depth = textureLoad(depth_buffer, pixel, 0);
@@ -47,18 +48,20 @@ fn surface_at(pixel: vec2i) -> Surface {
     return Surface(select(vec3f(0.0), f0, reflects), base.a, from_octahedron(2.0 * place - 1.0), depth);
 }
 
+// The unit vector of a place on the unfolded octahedron, whose coordinates are from -1 to 1.
 fn from_octahedron(place: vec2f) -> vec3f {
     let up = 1.0 - abs(place.x) - abs(place.y);
     let folded = place - clamp(-up, 0.0, 1.0) * select(vec2f(-1.0), vec2f(1.0), place >= vec2f(0.0));
     return normalize(vec3f(folded, up));
 }
 
-// The share of a reflection that is shown, by its roughness.
+// The share of the traced reflection that is shown at a roughness: 1 below the range of the fade, 0 above it.
 fn shown(perceptual_roughness: f32) -> f32 {
     return 1.0 - smoothstep(view.fade.x, max(view.fade.y, view.fade.x + 1e-4), perceptual_roughness);
 }
 
-// Roughness of `ssct` for that of a GGX lobe, by the angle within which half of the light leaves (docs/definitions.md, "glTF").
+// Converts the perceptual roughness of a GGX lobe to the roughness of `ssct`. Both lobes then send half of their light
+// into a cone of the same width (docs/definitions.md, "glTF").
 fn lobe_roughness(perceptual_roughness: f32) -> f32 {
     let squared = pow(perceptual_roughness, 4.0);
     let cosine = (1.0 - squared) / (1.0 + squared); // of twice the arc tangent
@@ -71,7 +74,8 @@ struct Inputs {
     @location(1) material: vec4f, // reflectivity, roughness
 }
 
-// What the reflections read of the G-buffer.
+// Draws the two images that the reflections read of the G-buffer. A surface whose reflection is faded out gets
+// reflectivity 0.
 @fragment
 fn inputs(@builtin(position) position: vec4f) -> Inputs {
     let surface = surface_at(vec2i(position.xy));
@@ -82,18 +86,20 @@ fn inputs(@builtin(position) position: vec4f) -> Inputs {
     return Inputs(vec4f(normal, 0.0), vec4f(select(0.0, reflectivity, is_seen), roughness, 0.0, 0.0));
 }
 
+// The direction rotated by a unit quaternion.
 fn turned(direction: vec3f, quaternion: vec4f) -> vec3f {
     let across = 2.0 * cross(quaternion.xyz, direction);
     return direction + quaternion.w * across + cross(quaternion.xyz, across);
 }
 
-// The environment map in a direction of the world. Bevy looks cube maps up with z the other way round.
+// The light of the environment map from a direction of the world, at a mip level. Bevy looks cube maps up with z
+// negated.
 fn environment(direction: vec3f, level: f32) -> vec3f {
     let along = turned(direction, view.environment) * vec3f(1.0, 1.0, -1.0);
     return view.exposure * textureSampleLevel(environment_map, linear_sampler, along, level).rgb;
 }
 
-// A face of the environment map, as Vulkan lays out a cube that is looked up by directions of the world.
+// Draws a face of the environment map, in the layout of a Vulkan cube map that is looked up by directions of the world.
 @fragment
 fn face(corner: Corner) -> @location(0) vec4f {
     let side = f32(textureDimensions(environment_map).x);
@@ -111,7 +117,8 @@ fn face(corner: Corner) -> @location(0) vec4f {
     return vec4f(environment(direction, 0.0), 1.0);
 }
 
-// The lit colour, and what is reflected: what the rays found, and where they found nothing, the environment map.
+// Adds the reflected light to the lit colour. Where the rays found none, or the surface is too rough, the
+// environment map is reflected.
 @fragment
 fn add(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2i(position.xy);
@@ -131,7 +138,8 @@ fn add(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(lit.rgb + light * reflected_share(surface, facing), lit.a);
 }
 
-// The share of light that a lobe reflects, as Bevy has it for environment maps (Karis, "Physically Based Shading on Mobile").
+// The share of light that a lobe reflects, by the fit that Bevy uses for environment maps (Karis, "Physically Based
+// Shading on Mobile").
 fn reflected_share(surface: Surface, facing: f32) -> vec3f {
     let r = surface.perceptual_roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
     let a = min(r.x * r.x, exp2(-9.28 * facing)) * r.x + r.y;
@@ -139,7 +147,7 @@ fn reflected_share(surface: Surface, facing: f32) -> vec3f {
     return surface.f0 * factors.x + factors.y;
 }
 
-// Depth as a colour, for whoever keeps images.
+// Copies depth to a colour image, for the component `KeepImages`.
 @fragment
 fn depth(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(textureLoad(depth_buffer, vec2i(position.xy), 0), 0.0, 0.0, 0.0);

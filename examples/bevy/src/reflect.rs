@@ -1,4 +1,4 @@
-//! Records reflections between Bevy's deferred lighting and what it draws after it.
+//! Records reflections after Bevy's deferred lighting and before its main opaque pass.
 
 use crate::SsctReflections;
 use crate::device::{self, SsctFeatures};
@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use wgpu::hal::api::Vulkan;
 
-/// Frames that the device may have under way.
+/// Number of frames that may be recorded or running at the same time.
 const FRAMES_IN_FLIGHT: usize = 3;
 
 /// A camera with reflections, in the render world.
@@ -36,6 +36,7 @@ pub struct Reflected {
     keep: Option<PathBuf>,
 }
 
+/// The environment map of a camera. `exposure` is the factor on its texels.
 #[derive(Clone, Copy, PartialEq)]
 struct Environment {
     map: AssetId<Image>,
@@ -43,6 +44,7 @@ struct Environment {
     rotation: Quat,
 }
 
+/// The components of a camera that [`extract`] reads.
 type Lit = (
     RenderEntity,
     Option<&'static SsctReflections>,
@@ -51,8 +53,8 @@ type Lit = (
     Option<&'static KeepImages>,
 );
 
-/// Hands cameras with reflections to the render world, with settings of Bevy's own reflections: while they are on, its lighting
-/// leaves out the mirrored part of the environment map, which is added here.
+/// Hands cameras with reflections to the render world, with settings of Bevy's own reflections. While those are on,
+/// Bevy's lighting leaves out the specular part of the environment map, which the pass "add" adds instead.
 pub fn extract(mut commands: Commands, cameras: Extract<Query<Lit, With<Camera>>>, before: Query<(), With<Reflected>>) {
     for (entity, settings, light, exposure, keep) in &cameras {
         let was_reflected = before.contains(entity);
@@ -79,7 +81,7 @@ pub fn extract(mut commands: Commands, cameras: Extract<Query<Lit, With<Camera>>
     }
 }
 
-/// Keeps Bevy's own pass from running on cameras with reflections.
+/// Keeps Bevy's own reflection pass from running on cameras with [`SsctReflections`].
 pub fn leave_out_bevys(
     mut commands: Commands,
     cameras: Query<Entity, (With<Reflected>, With<ScreenSpaceReflectionsPipelineId>)>,
@@ -89,22 +91,23 @@ pub fn leave_out_bevys(
     }
 }
 
-/// What reflections need on the device.
+/// The state that the reflections of all cameras share.
 #[derive(Resource)]
 pub struct Reflecting {
     state: Mutex<State>,
     pending: Mutex<Vec<Pending>>,
-    /// Frames before this one are done.
+    /// The device is done with all frames before this number.
     done: Arc<AtomicU64>,
-    /// Faults that were reported: each is said once, and not in every frame.
+    /// Errors that were reported, so that each one is logged once and not in every frame.
     reported: Mutex<HashSet<String>>,
 }
 
-/// Fields are dropped in their order: what `ssct` made, before the device.
+/// The objects on the device, of `ssct` and of wgpu. Rust drops fields in order: first the objects of `ssct`, last the
+/// device.
 struct State {
     views: HashMap<Entity, Viewed>,
     triangles: Option<Built>,
-    /// What frames up to a number may still use.
+    /// Objects that are no longer needed, each with the number of the last frame that may use it.
     retired: Vec<(u64, Box<dyn Send>)>,
     context: ssct::Context,
     passes: Passes,
@@ -114,19 +117,19 @@ struct State {
 
 impl Drop for State {
     fn drop(&mut self) {
-        // A device that is lost is done with everything.
+        // If the device is lost, the call fails; a lost device runs no commands any more.
         let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
     }
 }
 
-/// The world's meshes on the device.
+/// The tree over the world's triangles on the device. `changes` says from which state of [`WorldMeshes`] it was built.
 struct Built {
     changes: u64,
     triangles: ssct::Triangles,
 }
 
 impl Built {
-    /// Builds the triangles, and records copying them to the device.
+    /// Builds the tree over the triangles, and records its copy to the device into `raw`.
     fn new(world: &WorldMeshes, context: &ssct::Context, raw: &mut wgpu::CommandEncoder) -> Result<Self> {
         let mut triangles = world.triangles(context)?;
         // SAFETY: the command buffer is recording outside rendering, and is submitted before the frames that see them.
@@ -135,23 +138,24 @@ impl Built {
     }
 }
 
-/// What one camera needs.
+/// The reflections of one camera, and the images that they read.
 struct Viewed {
     settings: SsctReflections,
     reflections: ssct::Reflections,
-    /// The images that `reflections` make: the same one in every frame, or two in turn with a history.
+    /// The images that `reflections` write, as textures of wgpu: one, or two in turn with a history.
     made: Vec<(ash::vk::Image, Picture)>,
     normal: Picture,
     material: Picture,
     depth: Option<Picture>,
     view: wgpu::Buffer,
     sky: Option<(Environment, Picture)>,
-    /// The frame that was recorded last with each slot.
+    /// The number of the last frame that used each slot.
     slots: [u64; FRAMES_IN_FLIGHT],
+    /// The slot of the next frame.
     next: usize,
 }
 
-/// Makes what reflections need, if the device has on what they need.
+/// Inserts the resource [`Reflecting`]. Logs an error instead if the device lacks what `ssct` needs.
 pub fn start(
     mut commands: Commands,
     (adapter, device): (Res<RenderAdapter>, Res<RenderDevice>),
@@ -178,8 +182,8 @@ pub fn start(
     }
 }
 
-/// Counts frames, lets the device say when those before are done, and lets go of what cameras needed that have no reflections any
-/// more.
+/// Counts the frames, and asks the device to say when the earlier ones are done. Retires the reflections of cameras
+/// that lost their component, and drops the retired objects that no frame uses any more.
 pub fn begin(reflecting: Option<Res<Reflecting>>, queue: Res<RenderQueue>, cameras: Query<(), With<Reflected>>) {
     let Some(reflecting) = reflecting else { return };
     let mut state = lock(&reflecting.state);
@@ -195,9 +199,10 @@ pub fn begin(reflecting: Option<Res<Reflecting>>, queue: Res<RenderQueue>, camer
     state.retired.retain(|(frame, _)| *frame >= finished);
 }
 
+/// The components of a camera that [`reflect`] reads.
 type Drawn = (&'static Reflected, &'static ExtractedView, &'static ViewTarget, &'static ViewPrepassTextures);
 
-/// Adds what is reflected to the lit colour of a camera.
+/// Adds the reflected light to the lit colour of a camera's picture.
 pub fn reflect(
     view: ViewQuery<Drawn>,
     reflecting: Option<Res<Reflecting>>,
@@ -218,7 +223,7 @@ pub fn reflect(
     }
 }
 
-/// What a camera's frame is made of.
+/// One frame of one camera: the components and resources that it is recorded from.
 struct Frame<'a> {
     entity: Entity,
     reflected: &'a Reflected,
@@ -230,6 +235,7 @@ struct Frame<'a> {
 }
 
 impl Frame<'_> {
+    /// Records the frame: the images that the reflections read, the reflections, and their sum with the lit colour.
     fn record(&self, reflecting: &Reflecting, world: &WorldMeshes, ctx: &mut RenderContext) -> Result<()> {
         let mut state = lock(&reflecting.state);
         let State { views, triangles, retired, context, passes, frame, device } = &mut *state;
@@ -248,7 +254,7 @@ impl Frame<'_> {
 
         let extent = [self.prepass.size.width, self.prepass.size.height];
         if views.get(&self.entity).is_none_or(|v| v.settings != *settings || v.reflections.extent() != extent) {
-            // What the old ones recorded is done, and nothing shows them any more.
+            // The device is idle after this, so that the old reflections of this camera can be dropped.
             device.poll(wgpu::PollType::wait_indefinitely())?;
             views.insert(self.entity, Viewed::new(context, device, settings, extent, triangles)?);
         }
@@ -280,7 +286,7 @@ impl Frame<'_> {
             (_, None) => None,
         };
 
-        // From here on, the lit colour is the source of a pass that writes the other texture.
+        // The pass "add" reads the lit colour from one texture of the target, and writes the sum to the other.
         let written = self.target.post_process_write();
         let (lit, lit_view) = (&**written.source_texture, &**written.source);
         let read = [&*depth.texture.texture, &viewed.normal.texture, &viewed.material.texture, lit];
@@ -293,8 +299,8 @@ impl Frame<'_> {
         let frame_input = self.input(viewed, sampled, (lit, lit_view), &matrices)?;
         let frame_input = ssct::FrameInput { slot, triangles, ..frame_input };
         let reflections = &mut viewed.reflections;
-        // SAFETY: the command buffer is recording outside rendering, and is submitted after what it reads, in the order of
-        // frames; the frame with the same slot is done.
+        // SAFETY: the command buffer is recording outside rendering. It is submitted after the commands that write its
+        // inputs, in the order of frames, and the last frame with this slot is done.
         let recorded = unsafe { in_raw(&mut raw, |commands| reflections.record(commands, &frame_input)) }??;
         let made = recorded.reflection.ok_or("the reflection was asked for")?;
         let known = viewed.made.iter().position(|(image, _)| *image == made.image);
@@ -329,7 +335,7 @@ impl Frame<'_> {
         Ok(())
     }
 
-    /// What the reflections read: textures that are in the state `RESOURCE`.
+    /// Describes the inputs of the reflections, all of which are textures in the state `RESOURCE`.
     fn input<'t>(
         &self,
         viewed: &Viewed,
@@ -363,18 +369,19 @@ impl Frame<'_> {
         })
     }
 
-    /// The environment map, once it is loaded.
+    /// The environment map with its image, or `None` without one or before Bevy has loaded it.
     fn environment(&self) -> Option<(Environment, &GpuImage)> {
         let environment = self.reflected.environment?;
         Some((environment, self.images.get(environment.map)?))
     }
 
-    /// From view to clip space, and from the world to view space.
+    /// The camera's matrices by columns: view to clip space, and world to view space.
     fn matrices(&self) -> [[f32; 16]; 2] {
         let world_to_view = self.extracted.world_from_view.to_matrix().inverse();
         [self.extracted.clip_from_view.to_cols_array(), world_to_view.to_cols_array()]
     }
 
+    /// The uniform block of this camera's passes.
     fn block(
         &self,
         [view_to_clip, world_to_view]: &[[f32; 16]; 2],
@@ -436,7 +443,7 @@ impl Viewed {
         })
     }
 
-    /// A slot for a frame, once the device is done with the frame that had it before.
+    /// Returns the slot for a frame, after it has waited until the device is done with the last frame in that slot.
     fn slot(&mut self, frame: u64, done: &AtomicU64, device: &wgpu::Device) -> Result<usize> {
         let slot = self.next;
         self.next = (slot + 1) % FRAMES_IN_FLIGHT;
@@ -449,26 +456,27 @@ impl Viewed {
 }
 
 impl Reflecting {
-    /// Images that frames keep, and that are not written yet.
+    /// Takes the copies of images that are not written to files yet.
     pub fn take_pending(&self) -> Vec<Pending> {
         std::mem::take(&mut lock(&self.pending))
     }
 }
 
-/// Records into the command buffer of an encoder that has no commands of wgpu's. wgpu knows no texture of theirs, so that what
-/// they read is brought into a known state before.
+/// Calls `record` with the Vulkan command buffer of `encoder`, into which wgpu itself has recorded nothing. The caller
+/// must bring the textures that `record` reads into the right state before, since wgpu does not see that they are read.
 ///
 /// # Safety
-/// The contract is that of the library's function.
+/// The caller must keep the contract of the function of `ssct` that `record` calls.
 unsafe fn in_raw<T>(
     encoder: &mut wgpu::CommandEncoder,
     record: impl FnOnce(ash::vk::CommandBuffer) -> ssct::Result<T>,
 ) -> Result<ssct::Result<T>> {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps the contract.
     unsafe { encoder.as_hal_mut::<Vulkan, _, _>(|encoder| Ok(record(encoder.ok_or(NO_VULKAN)?.raw_handle()))) }
 }
 
-/// Records writing the block of a view, so that each frame has its own.
+/// Records a copy of the block into the uniform buffer `to`. Each frame copies from a new buffer, so that frames that
+/// are still running keep theirs.
 fn write_block(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, to: &wgpu::Buffer, block: &View) {
     use wgpu::util::DeviceExt;
     let usage = wgpu::BufferUsages::COPY_SRC;
@@ -478,6 +486,7 @@ fn write_block(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, to: &w
     encoder.copy_buffer_to_buffer(&from, 0, to, 0, View::BYTES);
 }
 
+/// Locks a mutex, also after a thread that held it panicked.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,26 +1,27 @@
-//! What a camera sees of a scene whose surfaces are unlit or mirrors, by following rays through every triangle, one by one:
-//! the truth that reflections are held to. It knows nothing of `ssct` or Bevy's renderer.
+//! Draws a scene of unlit surfaces and mirrors by testing each ray against every triangle. Reflections are compared
+//! with this picture as the truth. The code uses nothing of `ssct` or of Bevy's renderer.
 
 use bevy::math::{Mat4, Vec2, Vec3};
 
-/// What a triangle looks like from everywhere.
+/// The look of a triangle, which is the same from every direction.
 #[derive(Clone)]
 pub enum Look {
-    /// A colour, linear.
+    /// One linear colour.
     Color(Vec3),
-    /// A texture at each corner's place.
+    /// A texture, at the texture coordinates `places` of the triangle.
     Texture(std::sync::Arc<Texture>),
     /// A perfect mirror.
     Mirror,
 }
 
-/// Linear colours, looked up between four texels; it repeats.
+/// A texture of linear colours, which repeats and is interpolated between four texels.
 pub struct Texture {
     pub width: usize,
     pub height: usize,
     pub texels: Vec<Vec3>,
 }
 
+/// A triangle in the world. Each corner has its texture coordinates in `places`.
 #[derive(Clone)]
 pub struct Triangle {
     pub corners: [Vec3; 3],
@@ -28,17 +29,17 @@ pub struct Triangle {
     pub look: Look,
 }
 
-/// Where a ray ends.
+/// The hit of a ray on a triangle: its distance, and its barycentric weights for the three corners.
 struct Met<'a> {
     distance: f32,
     weights: Vec3,
     triangle: &'a Triangle,
 }
 
-/// How a pixel sees what gives it its colour.
+/// Says what gives a pixel its colour.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
-    /// A surface that is no mirror, or the sky.
+    /// A surface other than a mirror, or the sky, seen without a mirror.
     Directly,
     /// A surface in a mirror.
     Mirrored,
@@ -46,7 +47,8 @@ pub enum Seen {
     MirroredSky,
 }
 
-/// What each pixel shows, and how it sees it. `sky` is the light from a direction of the world.
+/// Draws the picture: the linear colour of each pixel, and what gives it that colour. `sky` returns the light that
+/// comes from a direction of the world.
 pub fn picture(
     triangles: &[Triangle],
     sky: impl Fn(Vec3) -> Vec3 + Sync,
@@ -84,7 +86,7 @@ pub fn picture(
     })
 }
 
-/// The nearest triangle that a ray meets, by Möller and Trumbore (1997).
+/// The nearest hit of a ray, by the method of Möller and Trumbore (1997); `None` if it misses every triangle.
 fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<Met<'_>> {
     let mut best: Option<Met> = None;
     for triangle in triangles {
@@ -106,6 +108,7 @@ fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<Met<
 }
 
 impl Triangle {
+    /// The unit normal, on the side from which the corners run counter-clockwise.
     fn normal(&self) -> Vec3 {
         let [a, b, c] = self.corners;
         (b - a).cross(c - a).normalize()
@@ -113,7 +116,8 @@ impl Triangle {
 }
 
 impl Met<'_> {
-    /// A mirror that another one shows is black, since it sends out no light of its own.
+    /// The linear colour of the surface at the hit. A mirror that is seen in a mirror is black, since rays are
+    /// reflected once.
     fn color(&self) -> Vec3 {
         match &self.triangle.look {
             Look::Color(color) => *color,
@@ -127,6 +131,7 @@ impl Met<'_> {
 }
 
 impl Texture {
+    /// The colour at texture coordinates.
     fn color_at(&self, place: Vec2) -> Vec3 {
         let size = Vec2::new(self.width as f32, self.height as f32);
         let position = (place - place.floor()) * size - 0.5;

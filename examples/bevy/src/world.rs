@@ -1,5 +1,5 @@
-//! The world's meshes as triangles, with the light that comes from each: gathered anew where something changed, and built into
-//! a tree in the render world.
+//! Gathers the world's meshes as triangles, each with the light that comes from it. They are gathered anew when
+//! something changed, and the render world builds a tree over them.
 
 use crate::device::Result;
 use bevy::asset::AssetEvent;
@@ -11,35 +11,36 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use wgpu::TextureFormat;
 
-/// A mesh where it stands.
+/// A mesh with its place in the world.
 pub struct WorldMesh {
     positions: Vec<[f32; 3]>,
     indices: Vec<u32>,
     mesh_to_world: [f32; 16],
+    /// The linear light that leaves the surface; a factor on the texture if there is one.
     color: [f32; 3],
-    /// Which of the images, and where each vertex is on it.
+    /// The number of an image in [`WorldMeshes::images`], and the texture coordinates of each vertex.
     texture: Option<(usize, Vec<[f32; 2]>)>,
 }
 
-/// An image of base colours.
+/// An image of base colours, four bytes a texel.
 pub struct WorldImage {
     extent: [u32; 2],
     is_srgb: bool,
     rgba: Vec<u8>,
 }
 
-/// The meshes of the main world, and how often they changed.
+/// The meshes of the main world; `changes` counts how often they were gathered.
 #[derive(Resource, Clone, Default)]
 pub struct WorldMeshes {
     pub changes: u64,
     pub meshes: Arc<Vec<WorldMesh>>,
     pub images: Arc<Vec<WorldImage>>,
-    /// Whether lights shine on any of them, so that its colour here is a guess.
+    /// True if lights shine on any of the meshes, whose colour here is a guess then.
     pub is_lit: bool,
 }
 
-/// How bright surfaces that lights shine on are in reflections, as a factor on their base colour: no light is computed for what
-/// rays meet. Unlit and emissive colours need no such guess.
+/// The brightness of lit surfaces in reflections, as a factor on their base colour. It is a guess, since no lighting is
+/// computed where a ray hits a mesh. Unlit and emissive colours are exact without it.
 #[derive(Resource, Clone, Copy)]
 pub struct LightOnMeshes(pub LinearRgba);
 
@@ -49,16 +50,18 @@ impl Default for LightOnMeshes {
     }
 }
 
-/// Leaves an entity's mesh out of reflections beyond the screen.
+/// Leaves an entity's mesh out of the triangles that rays are traced among.
 #[derive(Component, Clone, Copy, Default)]
 pub struct NotReflected;
 
+/// The components of a mesh that [`gather`] reads.
 type Drawn = (
     &'static Mesh3d,
     &'static MeshMaterial3d<StandardMaterial>,
     &'static GlobalTransform,
     Option<&'static InheritedVisibility>,
 );
+/// Matches an entity of which one of the components that [`gather`] reads changed.
 type Changed3d = Or<(
     Changed<Mesh3d>,
     Changed<MeshMaterial3d<StandardMaterial>>,
@@ -73,7 +76,7 @@ type AssetEvents<'w, 's> = (
     MessageReader<'w, 's, AssetEvent<Image>>,
 );
 
-/// Gathers the meshes where any of them, or what they are made of, changed.
+/// Gathers all meshes anew if a mesh, a material, an image, [`LightOnMeshes`], or an entity with a mesh changed.
 #[expect(clippy::too_many_arguments, reason = "each is a table of Bevy's")]
 pub fn gather(
     mut world: ResMut<WorldMeshes>,
@@ -108,18 +111,19 @@ pub fn extract(main: Extract<Res<WorldMeshes>>, mut world: ResMut<WorldMeshes>) 
     }
 }
 
+/// The meshes and images that [`gather`] has found so far.
 #[derive(Default)]
 struct Taken {
     light: LinearRgba,
     meshes: Vec<WorldMesh>,
     images: Vec<WorldImage>,
     is_lit: bool,
-    /// Which of `images` an asset is; `None` for one in a format that no ray can look up.
+    /// The index of each asset in `images`; `None` for an image in a format that `ssct` cannot look up.
     places: HashMap<AssetId<Image>, Option<usize>>,
 }
 
 impl Taken {
-    /// Adds a mesh of triangles, unless its vertices are in the render world alone.
+    /// Adds a mesh. Leaves it out if it is no triangle list, or if its vertices are in the render world alone.
     fn add(&mut self, mesh: &Mesh, material: &StandardMaterial, transform: &GlobalTransform, images: &Assets<Image>) {
         let Ok(VertexAttributeValues::Float32x3(positions)) = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) else {
             return;
@@ -132,7 +136,7 @@ impl Taken {
             Ok(Indices::U32(indices)) => indices.clone(),
             Err(_) => (0..positions.len() as u32).collect(),
         };
-        // Metals send out no light of their own.
+        // A metal scatters no light: all its light is reflected.
         let base = material.base_color.to_linear() * if material.unlit { 1.0 } else { 1.0 - material.metallic };
         let light = if material.unlit { LinearRgba::WHITE } else { self.light };
         let emitted = if material.unlit { LinearRgba::BLACK } else { material.emissive };
@@ -153,6 +157,7 @@ impl Taken {
         });
     }
 
+    /// The index of an image in `images`, which it is added to first. `None` if it is not loaded or in another format.
     fn image(&mut self, id: AssetId<Image>, images: &Assets<Image>) -> Option<usize> {
         let image = images.get(id)?;
         let next = self.images.len();
@@ -170,7 +175,7 @@ impl Taken {
     }
 }
 
-/// Where the vertices are on the image of base colours.
+/// The texture coordinates of the vertices on the image of base colours; `None` if the mesh has none.
 fn places_on(mesh: &Mesh, material: &StandardMaterial) -> Option<Vec<[f32; 2]>> {
     match mesh.try_attribute(Mesh::ATTRIBUTE_UV_0) {
         Ok(VertexAttributeValues::Float32x2(places)) => {
@@ -181,10 +186,10 @@ fn places_on(mesh: &Mesh, material: &StandardMaterial) -> Option<Vec<[f32; 2]>> 
 }
 
 impl WorldMeshes {
-    /// The tree over the triangles, which is built here, on the CPU.
+    /// Builds the tree over the triangles on the CPU.
     ///
     /// # Errors
-    /// Returns what `ssct` says.
+    /// Returns the error of `ssct`.
     pub fn triangles(&self, context: &ssct::Context) -> Result<ssct::Triangles> {
         let textures: Vec<_> = self.images.iter().map(WorldImage::texture).collect();
         let meshes: Vec<_> = self.meshes.iter().map(WorldMesh::triangles).collect();

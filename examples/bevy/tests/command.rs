@@ -1,5 +1,5 @@
-//! The example as a user starts it, with the validation layer on, beside the command on the images that Bevy drew, and beside
-//! Bevy's own reflections. Nothing of this package's own is asked: the files are what any renderer would write.
+//! Starts the example as a user does, with the validation layer on. Compares its pictures with the command `ssct`,
+//! which reads the images that Bevy drew, and with Bevy's own reflections. The tests call no function of this package.
 
 #[path = "../../wgpu/tests/support/mod.rs"]
 mod support;
@@ -10,14 +10,16 @@ use support::{assert_equal, channels, run, ssct, write_gbuffer};
 
 const SIZE: (usize, usize) = (320, 180);
 
+/// Makes a folder for the files of a test.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// Runs the example, and returns its line of figures. wgpu turns the layer on, its checks of synchronization among it, and does
-/// without where it is not installed; with the loader's variable, that fails.
+/// Runs the example, and returns its line of figures. wgpu turns the validation layer on, with its checks of
+/// synchronization. The loader's variable names the layer too, so that the example fails where the layer is not
+/// installed.
 fn example(folder: &Path, arguments: &[&str]) -> String {
     let mut example = Command::new(env!("CARGO_BIN_EXE_embed-bevy"));
     example.args(["--size", "320x180", "--frames", "8"]).args(arguments).current_dir(folder);
@@ -28,7 +30,7 @@ fn example(folder: &Path, arguments: &[&str]) -> String {
     line.unwrap_or_else(|| panic!("no figures: {said}")).to_string()
 }
 
-/// A number, or a text, of a line of figures.
+/// The value after a name in a line of figures, as text without quotes.
 fn figure<'a>(line: &'a str, name: &str) -> &'a str {
     let (_, rest) = line.split_once(&format!("\"{name}\": ")).unwrap_or_else(|| panic!("no {name}: {line}"));
     match rest.strip_prefix('"') {
@@ -37,6 +39,7 @@ fn figure<'a>(line: &'a str, name: &str) -> &'a str {
     }
 }
 
+/// The number after a name in a line of figures.
 fn number(line: &str, name: &str) -> f64 {
     figure(line, name).parse().unwrap()
 }
@@ -81,7 +84,8 @@ fn mirrors_show_the_world_and_what_moved_in_it() {
 #[test]
 fn mirrors_show_the_environment_map_the_way_round_that_bevy_does() {
     let folder = folder("sky");
-    // Bevy's lighting shows the map alone, so that it says which way round the truth's sky is.
+    // With `nothing`, Bevy's lighting adds the map by itself: this checks that the sky of the truth is the right way
+    // round.
     for with in ["nothing", "ssct", "traced"] {
         let line = example(&folder, &["out.png", "--with", with, "--sky", "colorful"]);
         assert!(number(&line, "sky_rmse") < 0.01, "{with}: {line}");

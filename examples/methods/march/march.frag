@@ -1,5 +1,5 @@
 #version 330 core
-// A plain march in view space, as an OpenGL renderer has it: uniforms that stand alone, view space along -z, no bindings.
+// A march in view space, written for OpenGL: uniforms outside of blocks, no bindings, a camera that looks along -z.
 in vec2 uv;
 out vec4 reflection;
 
@@ -12,7 +12,7 @@ uniform int steps;
 uniform float stride;         // metres
 uniform float thickness;      // metres
 
-vec3 Place(vec2 position_uv) {
+vec3 Place(vec2 position_uv) { // the view-space position of the surface at a pixel, in metres
     vec2 ndc = position_uv * 2.0 - 1.0;
     return vec3(ndc.x * tangents.x, -ndc.y * tangents.y, -1.0) * texture(depth, position_uv).r;
 }

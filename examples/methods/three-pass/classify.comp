@@ -1,5 +1,6 @@
 #version 460
-// Lists the tiles of 8 x 8 pixels in which something reflects, and says how many workgroups the next pass is.
+// Lists the tiles of 8 x 8 pixels with a reflecting pixel. `count` becomes the number of workgroups of the next pass,
+// one for each listed tile.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 0) uniform sampler2D material;
@@ -11,7 +12,7 @@ shared uint reflects;
 void main() {
     if (gl_LocalInvocationIndex == 0u) {
         reflects = 0u;
-        // All that is needed of these two, whoever writes them.
+        // Every workgroup writes the same two numbers, so that their order does not matter.
         count.y = 1u;
         count.z = 1u;
     }

@@ -1,10 +1,10 @@
 #version 460
-// One ray a pixel of the listed tiles, within the lobe, over a chain of least depths (near 1, far 0: the least is the
-// farthest); each frame draws another ray.
+// Traces one ray for each pixel of the listed tiles, through a chain of the greatest reversed depths (near 1, far 0).
+// The ray is drawn at random within the lobe, in each frame anew.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 0) uniform sampler2D colour;
-layout(binding = 1) uniform sampler2D depth;      // chain of greatest reversed depths: the nearest
+layout(binding = 1) uniform sampler2D depth;      // chain of greatest reversed depths, which are the nearest
 layout(binding = 2) uniform sampler2D normals;    // view space
 layout(binding = 3) uniform sampler2D material;
 layout(binding = 4) uniform sampler2D noise;
@@ -18,14 +18,16 @@ layout(std140, binding = 8) uniform Frame {
     vec2 size;
     int frame;
     int steps;
-    float thickness;      // of reversed depth, as a part of it
+    float thickness;      // of a surface, as a part of its reversed depth
 } f;
 
+// The view-space position at texture coordinates and a reversed depth.
 vec3 View(vec2 uv, float z) {
     vec4 h = f.clip_to_view * vec4(uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0), z, 1.0);
     return h.xyz / h.w;
 }
 
+// Texture coordinates and reversed depth of a position in clip space.
 vec3 Screen(vec4 clip) {
     vec3 ndc = clip.xyz / clip.w;
     return vec3(ndc.xy * vec2(0.5, -0.5) + 0.5, ndc.z);
@@ -46,15 +48,16 @@ void main() {
     vec2 uv = (vec2(pixel) + 0.5) / f.size;
     vec3 place = View(uv, texelFetch(depth, pixel, 0).r);
     vec3 along = reflect(normalize(place), normalize(normal));
-    // Within the cone of the roughness, by blue noise that golden-ratio steps move from frame to frame.
+    // A random direction in the cone of the roughness. Steps of the golden ratio shift the blue noise from frame to
+    // frame.
     vec2 u = fract(texture(noise, (vec2(pixel) + 0.5) / 64.0).rg + float(f.frame) * vec2(0.618034, 0.754878));
     float c = mix(1.0, cos(0.5 * surface.g), u.x), s = sqrt(max(0.0, 1.0 - c * c));
     vec3 t = normalize(abs(along.y) < 0.9 ? cross(along, vec3(0, 1, 0)) : cross(along, vec3(1, 0, 0)));
     along = along * c + (t * cos(6.2831853 * u.y) + cross(along, t) * sin(6.2831853 * u.y)) * s;
-    // Off the surface by a part of its distance, so that the ray does not meet the pixels that it comes from.
+    // The start lies off the surface by 0.003 of its depth, so that the ray does not hit the pixel that it starts from.
     place += normalize(normal) * place.z * 0.003;
 
-    // A straight line in texture coordinates and depth, one pixel of its longer side for each unit.
+    // The ray is a straight line in texture coordinates and depth. Its unit is one pixel along the longer side.
     vec3 from = Screen(f.view_to_clip * vec4(place, 1.0));
     float reach = along.z < 0.0 ? min(1.0, 0.9 * place.z / -along.z) : 1.0;
     vec3 line = Screen(f.view_to_clip * vec4(place + along * reach, 1.0)) - from;
@@ -66,7 +69,7 @@ void main() {
         vec3 p = from + line * distance_px;
         if (any(lessThan(p.xy, vec2(0.0))) || any(greaterThanEqual(p.xy, vec2(1.0))) || p.z <= 0.0)
             return;
-        // Goes on to the side of the cell that the ray leaves by.
+        // `way` is the distance to the side of the cell by which the ray leaves.
         vec2 q = p.xy * f.size;
         ivec2 cell = ivec2(q) >> level;
         vec2 side = (vec2(cell) + step(vec2(0.0), pixels)) * float(1 << level);
@@ -75,7 +78,7 @@ void main() {
         float nearest = texelFetch(depth, min(cell, textureSize(depth, level) - 1), level).r;
         float farthest_of_ray = min(p.z, p.z + line.z * way);
         if (farthest_of_ray >= nearest) {
-            // In front of all that is there.
+            // The ray passes in front of all surfaces of the cell.
             distance_px += way;
             level = min(level + 1, most);
         } else if (level > 0) {

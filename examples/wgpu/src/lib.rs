@@ -1,25 +1,28 @@
-//! Hands what wgpu draws with to `ssct`: the device, textures, and the images that come back. Any renderer on wgpu's Vulkan
-//! backend may do with it as it is; the example in Bevy does.
+//! Hands wgpu's device and textures to `ssct`, and the images that `ssct` makes back to wgpu. Any renderer on wgpu's
+//! Vulkan backend can use this file unchanged; the example in Bevy does.
 
 use ash::vk;
 use std::error::Error;
 use wgpu::TextureFormat;
 use wgpu::hal::api::Vulkan;
 
+/// The format of colour images: four 16-bit floats. The images that `ssct` makes have it too.
 pub const HALF: TextureFormat = TextureFormat::Rgba16Float;
+/// The error message if wgpu runs on another backend.
 pub const NO_VULKAN: &str = "wgpu runs on something else than Vulkan";
 
 pub type Result<T> = std::result::Result<T, Box<dyn Error + Send + Sync>>;
 
-/// The instance, and its fastest device on Vulkan. `WGPU_VALIDATION=1` turns the validation layer on.
+/// Returns a Vulkan instance, and its adapter for the highest performance. `WGPU_VALIDATION=1` turns the validation
+/// layer on.
 ///
 /// # Errors
-/// Says that there is none.
+/// Says that there is no Vulkan adapter.
 pub async fn fastest() -> Result<(wgpu::Instance, wgpu::Adapter)> {
     let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
     description.backends = wgpu::Backends::VULKAN;
-    // wgpu's usual flags for debugging also name WGSL in the shaders as their source, which the layer of Vulkan 1.3.239 takes
-    // for an error.
+    // wgpu's usual flags for debugging also write WGSL into the shaders as their source language, which the validation
+    // layer of Vulkan 1.3.239 reports as an error.
     description.flags = wgpu::InstanceFlags::empty().with_env();
     let instance = wgpu::Instance::new(description);
     let power_preference = wgpu::PowerPreference::HighPerformance;
@@ -30,8 +33,8 @@ pub async fn fastest() -> Result<(wgpu::Instance, wgpu::Adapter)> {
 
 /// Opens a device with some of wgpu's own features and with those that `ssct` needs.
 ///
-/// wgpu's `open_with_callback` would do for what is chained, but neither for the features of Vulkan 1.0, which it sets itself
-/// and hides, nor for `maintenance4`, which it chains as off. So the device is made here, just as wgpu makes it.
+/// wgpu's `open_with_callback` can chain structures, but it sets the features of Vulkan 1.0 itself, and it chains
+/// `maintenance4` as off. This function therefore makes the device itself, with the same calls as wgpu.
 ///
 /// # Errors
 /// Says what failed.
@@ -40,13 +43,15 @@ pub fn open(
     features: wgpu::Features,
     limits: &wgpu::Limits,
 ) -> Result<wgpu::hal::OpenDevice<Vulkan>> {
-    // SAFETY: the structures live through the call that reads them, each in the chain once, and wgpu owns what is made.
+    // SAFETY: the structures live through the call that reads them, each is in the chain once, and wgpu owns the new
+    // device.
     unsafe {
         let adapter = adapter.as_hal::<Vulkan>().ok_or(NO_VULKAN)?;
         let extensions = adapter.required_device_extensions(features);
         let mut of_wgpu = adapter.physical_device_features(&extensions, features);
         let enabled = enabled_features(of_wgpu.get_core());
-        // wgpu chains features one by one, which excludes the structures of whole versions.
+        // wgpu chains one structure for each feature, and Vulkan does not allow the structure of a whole version beside
+        // them.
         let mut host_query_reset = vk::PhysicalDeviceHostQueryResetFeatures::default().host_query_reset(true);
         let mut dynamic_rendering = vk::PhysicalDeviceDynamicRenderingFeatures::default().dynamic_rendering(true);
         let mut synchronization2 = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
@@ -73,7 +78,8 @@ pub fn open(
     }
 }
 
-/// The features that [`open`] turns on, given wgpu's of Vulkan 1.0, and no more: `Context::new` compares them with what it needs.
+/// The features that [`open`] turns on, of which `of_wgpu` are those of Vulkan 1.0 that wgpu turns on. The list has no
+/// feature that is off, since `Context::new` checks it for the features that it needs.
 fn enabled_features(of_wgpu: vk::PhysicalDeviceFeatures) -> ssct::EnabledFeatures {
     let mut wanted = ssct::EnabledFeatures { core: of_wgpu, ..Default::default() };
     ssct::enable_features(&mut wanted.core, &mut wanted.vulkan12, &mut wanted.vulkan13);
@@ -87,7 +93,7 @@ fn enabled_features(of_wgpu: vk::PhysicalDeviceFeatures) -> ssct::EnabledFeature
     }
 }
 
-/// What `ssct` is told of a device that [`open`] made with the same features of wgpu's.
+/// The handles from which `ssct` makes its context on a device. [`open`] must have made it with the same `features`.
 ///
 /// # Errors
 /// Says that wgpu does not run on Vulkan.
@@ -116,7 +122,7 @@ pub fn handles(
     })
 }
 
-/// How a texture of a format is in wgpu's state `RESOURCE`, in which wgpu samples it.
+/// Layout, stages and access of a texture in wgpu's state `RESOURCE`, in which wgpu samples it.
 pub fn resource(format: TextureFormat) -> ssct::ImageUse {
     use vk::{ImageLayout as L, PipelineStageFlags2 as S};
     let is_depth = format.is_depth_stencil_format();
@@ -127,13 +133,13 @@ pub fn resource(format: TextureFormat) -> ssct::ImageUse {
     }
 }
 
-/// A texture of wgpu's, of one layer or a cube, that is in the state `RESOURCE`, and is to stay so.
+/// Describes a texture of wgpu, of one layer or a cube, as an input. It is in the state `RESOURCE` before and after.
 ///
 /// # Errors
 /// Says that wgpu does not run on Vulkan.
 pub fn input(adapter: &wgpu::Adapter, texture: &wgpu::Texture, view: &wgpu::TextureView) -> Result<ssct::ImageInput> {
     let (format, extent) = (texture.format(), [texture.width(), texture.height()]);
-    // wgpu panics where a statement holds two of its guards.
+    // Each guard of `as_hal` is taken in its own statement, since wgpu panics if two are held at once.
     // SAFETY: nothing is destroyed.
     let image = unsafe { texture.as_hal::<Vulkan>().ok_or(NO_VULKAN)?.raw_handle() };
     // SAFETY: as above.
@@ -148,7 +154,8 @@ pub fn input(adapter: &wgpu::Adapter, texture: &wgpu::Texture, view: &wgpu::Text
     Ok(constructor(image, view, raw_format, extent).used(resource(format), resource(format)))
 }
 
-/// An image of the library's that is in the state `RESOURCE`, as a texture of wgpu's. wgpu does not destroy it.
+/// Wraps an image that `ssct` made, and that is in the state `RESOURCE`, as a texture of wgpu. wgpu does not destroy
+/// the image.
 ///
 /// # Errors
 /// Says that wgpu does not run on Vulkan.
@@ -168,7 +175,8 @@ pub fn adopt(device: &wgpu::Device, name: &str, image: &ssct::OutputImage) -> Re
         view_formats: Vec::new(),
     };
     let (stays, memory) = (Box::new(|| ()), wgpu::hal::vulkan::TextureMemory::External);
-    // SAFETY: the image is the device's, as described, and in that state when wgpu uses it first.
+    // SAFETY: the image belongs to the device, matches the description, and is in the state `RESOURCE` when wgpu first
+    // uses it.
     unsafe {
         let hal = device.as_hal::<Vulkan>().ok_or(NO_VULKAN)?;
         let texture = hal.texture_from_raw(image.image, &raw, Some(stays), memory);
@@ -177,7 +185,7 @@ pub fn adopt(device: &wgpu::Device, name: &str, image: &ssct::OutputImage) -> Re
     }
 }
 
-/// A texture with one level, and with layers or one.
+/// Describes a texture with one mip level. The third number of the size is the number of layers.
 pub fn description(
     name: &str,
     [width, height, depth_or_array_layers]: [u32; 3],
@@ -196,7 +204,8 @@ pub fn description(
     }
 }
 
-/// Records copying a texture into a buffer that can be mapped, and says how many bytes a row there has.
+/// Records the copy of a texture to a buffer that can be mapped. Returns the buffer, and the bytes from one row to the
+/// next.
 pub fn copy_out(
     device: &wgpu::Device,
     encoder: &mut wgpu::CommandEncoder,
@@ -215,12 +224,12 @@ pub fn copy_out(
     (buffer, row)
 }
 
-/// Bytes of a texel of a format that is not compressed and has one aspect.
+/// Bytes of a texel; the format must not be compressed, and must not have both depth and stencil.
 pub fn bytes_of(format: TextureFormat) -> u32 {
     format.block_copy_size(None).unwrap_or_default()
 }
 
-/// Texels of halves or of one float each as 32-bit floats.
+/// Converts texels to 32-bit floats. Their channels are 16-bit floats, or one 32-bit float if `format` says so.
 pub fn floats(bytes: &[u8], format: TextureFormat) -> Vec<u8> {
     if [TextureFormat::R32Float, TextureFormat::Depth32Float].contains(&format) {
         return bytes.to_vec();

@@ -1,7 +1,7 @@
-//! A renderer on wgpu that takes reflections from `ssct`. It draws the scene of `examples/embed` in a render pass of WGSL,
-//! records `unified` into a command buffer of wgpu's, and shows what came out in a pass of its own, three frames on end. The
-//! lines that are there for the reflections stand between "reflections" marks, here and in `renderer.rs`, and in `lib.rs`, which
-//! another renderer on wgpu may use as it is.
+//! A renderer on wgpu that takes reflections from `ssct`. It draws the scene of `examples/embed` in a render pass of
+//! WGSL, records `unified` into a command buffer of wgpu, and draws the composite to a screen image in another pass,
+//! for three frames. The lines that reflections need stand between "reflections" marks here and in `renderer.rs`. All
+//! of `lib.rs` is for reflections too; another renderer on wgpu can use that file unchanged.
 //!
 //! ```sh
 //! cargo run -- out.png [FOLDER]    # with a folder, every image is also written there as 32-bit floats
@@ -17,8 +17,9 @@ const SIZE: [u32; 2] = [640, 360];
 const FRAMES: usize = 3;
 const FRAMES_IN_FLIGHT: usize = 2;
 
-/// View space of this renderer: right-handed, y up, the eye looks along −z. Depth is reversed (1 at the near plane). Clip space
-/// has y up, as wgpu wants it.
+/// Returns the matrices `view_to_clip` and `world_to_view`, column by column. View space is right-handed, with y up,
+/// and the camera looks along −z. Depth is reversed (1 at the near plane). Clip space has y up, which is the convention
+/// of wgpu.
 fn camera() -> ([f32; 16], [f32; 16]) {
     let (near, far, aspect) = (0.1_f32, 200.0_f32, SIZE[0] as f32 / SIZE[1] as f32);
     let f = 1.0 / (0.5 * 55_f32.to_radians()).tan();
@@ -84,18 +85,19 @@ fn main() -> Result<()> {
             timed: false,
             outputs: embed_wgpu::resource(HALF),
         };
-        // wgpu records its own commands no sooner than `finish` and refuses to mix them with raw ones, so that the raw ones
-        // have an encoder to themselves. It knows no texture of theirs; `draw` has brought all of them into a known state.
+        // wgpu refuses an encoder that has both its own commands and raw ones, so that the raw ones get another
+        // encoder. wgpu does not see which textures the raw commands read; `draw` has brought all into the state
+        // `RESOURCE`.
         let mut encoder = renderer.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        // SAFETY: the command buffer is recording outside rendering, and is submitted below, after what it reads and before
-        // the next frame's; the frame with the same slot has been waited for.
+        // SAFETY: the command buffer is recording outside rendering. It is submitted below, after the commands that
+        // draw its inputs and before those of the next frame. The last frame with this slot has been waited for.
         let recorded = unsafe {
             encoder.as_hal_mut::<Vulkan, _, _>(|encoder| -> Result<_> {
                 Ok(reflections.record(encoder.ok_or(NO_VULKAN)?.raw_handle(), &input)?)
             })
         }?;
         let reflected = encoder.finish();
-        // The image is the same in every frame, and was left as wgpu will take it to be.
+        // The image is the same in every frame, and `record` leaves it in the state in which wgpu takes it over.
         if composite.is_none() {
             let made = recorded.composite.ok_or("the composite is on by default")?;
             composite = Some(renderer.adopt(&made)?);
@@ -127,7 +129,7 @@ fn main() -> Result<()> {
     println!("{output}: {}", passes.join(", "));
 
     // ---- reflections ----
-    drop(composite); // before the image that it stands for
+    drop(composite); // before `reflections`, which own the image
     renderer.wait(None)?;
     drop((reflections, context)); // before the device
     // ---------------------

@@ -5,6 +5,8 @@ use wgpu::TextureFormat;
 
 pub const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
+/// The device, and the two pipelines: `scene` draws the scene through `camera`, `show` draws an image to the screen
+/// image.
 pub struct Renderer {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
@@ -29,12 +31,12 @@ impl Picture {
 
 // ---- reflections ----
 impl Renderer {
-    /// A texture of wgpu's that is in the state `RESOURCE`, and is to stay so.
+    /// Describes a texture as an input of the reflections. It is in the state `RESOURCE` before and after them.
     pub fn input(&self, picture: &Picture) -> Result<ssct::ImageInput> {
         embed_wgpu::input(&self.adapter, &picture.texture, &picture.view)
     }
 
-    /// An image of the library's that is in the state `RESOURCE`.
+    /// Wraps an image that `ssct` made, and that is in the state `RESOURCE`, as a texture of wgpu.
     pub fn adopt(&self, image: &ssct::OutputImage) -> Result<Picture> {
         Ok(Picture::from_texture(embed_wgpu::adopt(&self.device, "composite", image)?))
     }
@@ -42,6 +44,7 @@ impl Renderer {
 // ---------------------
 
 impl Renderer {
+    /// Opens the fastest device, and makes the pipelines for a camera with these matrices.
     pub fn new(view_to_clip: &[f32; 16], world_to_view: &[f32; 16]) -> Result<Self> {
         let (_, adapter) = pollster::block_on(embed_wgpu::fastest())?;
         let open = embed_wgpu::open(&adapter, wgpu::Features::empty(), &wgpu::Limits::default())?;
@@ -64,13 +67,14 @@ impl Renderer {
         Ok(Self { device, queue, adapter, scene, camera, show })
     }
 
+    /// Makes an image that a pass draws, and that is then sampled and copied.
     pub fn picture(&self, name: &str, [width, height]: [u32; 2], format: TextureFormat) -> Picture {
         use wgpu::TextureUsages as U;
         let usage = U::RENDER_ATTACHMENT | U::TEXTURE_BINDING | U::COPY_SRC;
         Picture::from_texture(self.device.create_texture(&description(name, [width, height, 1], format, usage)))
     }
 
-    /// Draws the scene, and leaves all images in the state `RESOURCE`.
+    /// Records drawing the scene to three colours and a depth, all of which are left in the state `RESOURCE`.
     pub fn draw(&self, colors: [&Picture; 3], depth: &Picture) -> wgpu::CommandBuffer {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         render(&mut encoder, &self.scene, &self.camera, &colors, Some(depth));
@@ -83,7 +87,8 @@ impl Renderer {
         encoder.finish()
     }
 
-    /// Shows a linear image. It is sampled, and so stays in the state `RESOURCE`.
+    /// Records drawing a linear image to the image `screen`. The linear image is sampled, and so stays in the state
+    /// `RESOURCE`.
     pub fn show(&self, linear: &Picture, screen: &Picture) -> wgpu::CommandBuffer {
         let entries = [wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&linear.view) }];
         let layout = &self.show.get_bind_group_layout(0);
@@ -94,25 +99,27 @@ impl Renderer {
         encoder.finish()
     }
 
-    /// Waits for a submission, or for all.
+    /// Waits until the device is done with a submission, or with all of them for `None`.
     pub fn wait(&self, submission: Option<&wgpu::SubmissionIndex>) -> Result<()> {
         self.device.poll(wgpu::PollType::Wait { submission_index: submission.cloned(), timeout: None })?;
         Ok(())
     }
 
-    /// The bytes of images whose rows are multiples of 256 bytes.
+    /// Copies images to the host and returns their bytes. A row's bytes must be a multiple of 256, or padding is
+    /// returned too.
     pub fn read<'a>(&self, pictures: impl Iterator<Item = &'a Picture>) -> Result<Vec<Vec<u8>>> {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let buffers: Vec<_> =
             pictures.map(|picture| copy_out(&self.device, &mut encoder, &picture.texture).0).collect();
         self.queue.submit([encoder.finish()]);
-        // A failure shows where the range is asked for.
+        // If mapping fails, `get_mapped_range` returns an error.
         buffers.iter().for_each(|buffer| buffer.map_async(wgpu::MapMode::Read, .., |_| ()));
         self.wait(None)?;
         buffers.iter().map(|buffer| Ok(buffer.get_mapped_range(..)?.to_vec())).collect()
     }
 }
 
+/// Makes the pipeline that draws a triangle over the whole image with a fragment shader of scene.wgsl.
 fn pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
@@ -150,7 +157,7 @@ fn pipeline(
     })
 }
 
-/// A pass of one triangle into cleared images.
+/// Records a render pass that clears its images and draws one triangle over them.
 fn render(
     encoder: &mut wgpu::CommandEncoder,
     pipeline: &wgpu::RenderPipeline,

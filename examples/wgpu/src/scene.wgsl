@@ -1,11 +1,11 @@
-// A floor, a wall and two spheres, met by a ray through each pixel: `examples/embed/scene.frag` in WGSL, whose clip space has
-// y up. Below it stands what shows a linear image.
+// `scene` is `examples/embed/scene.frag` in WGSL, whose clip space has y up. It traces a ray through each pixel against
+// a floor, a wall and two spheres. `show` draws a linear image to the screen image.
 
 struct Camera { view_to_clip: mat4x4f, world_to_view: mat4x4f }
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var linear: texture_2d<f32>;
 
-// A triangle over the whole image.
+// Draws a triangle that covers the whole image.
 @vertex
 fn whole_image(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
     return vec4f(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
@@ -18,6 +18,7 @@ struct Drawn {
     @location(2) color: vec4f,    // lit, linear
 }
 
+// Traces the ray of a pixel, and returns the surface that it hits.
 @fragment
 fn scene(@builtin(position) pixel: vec4f) -> Drawn {
     let ndc = vec2f(pixel.x / 320.0 - 1.0, 1.0 - pixel.y / 180.0);
@@ -70,6 +71,7 @@ fn scene(@builtin(position) pixel: vec4f) -> Drawn {
     return Drawn(depth, vec4f(turn * normal, 0.0), vec4f(material, 0.0, 0.0), vec4f(color, 1.0));
 }
 
+// Copies a linear image; the format of the target encodes it as sRGB.
 @fragment
 fn show(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     return vec4f(textureLoad(linear, vec2i(pixel.xy), 0).rgb, 1.0);

@@ -1,5 +1,5 @@
-//! The example as a user starts it, with the validation layer on, and the command on the images that it drew. Nothing of this
-//! package's own is asked: the files are what any renderer would write.
+//! Starts the example as a user does, with the validation layer on, and the command `ssct` on the images that it drew.
+//! Both must make the same image. The test calls no function of this package.
 
 mod support;
 
@@ -15,8 +15,8 @@ fn the_example_shows_what_the_command_makes_of_its_images() {
     std::fs::create_dir_all(&folder).unwrap();
     let mut example = Command::new(env!("CARGO_BIN_EXE_embed-wgpu"));
     let example = example.args(["out.png", "images"]).current_dir(&folder);
-    // wgpu turns the layer on, its checks of synchronization among it, and does without where it is not installed; with the
-    // loader's variable, that fails.
+    // wgpu turns the validation layer on, with its checks of synchronization. The loader's variable names the layer
+    // too, so that the example fails where the layer is not installed.
     let output = run(example.env("WGPU_VALIDATION", "1").env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation"));
     let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     assert!(!said.contains("Validation"), "{said}");

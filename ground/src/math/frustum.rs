@@ -47,7 +47,7 @@ pub fn projected_area(to_clip: &Mat4, triangle: &[Vec3; 3]) -> f32 {
     }
     let points: Vec<_> = polygon.iter().filter(|p| p.w > 0.0).map(|p| p.truncate().truncate() / p.w).collect();
     let twice: f32 = (2..points.len()).map(|i| (points[i - 1] - points[0]).perp_dot(points[i] - points[0])).sum();
-    // The screen's own area is 4.
+    // The polygon's area is half of the sum, and the screen's own area in these coordinates is 4: ½ · ¼ = 0.125.
     0.125 * twice.abs()
 }
 
@@ -70,8 +70,8 @@ mod tests {
         );
         assert_eq!(area(point(2.0, 0.0), point(3.0, 0.0), point(3.0, 1.0)), 0.0, "beside it");
         assert_eq!(area(-point(-1.0, -1.0), -point(1.0, -1.0), -point(1.0, 1.0)), 0.0, "behind");
-        // A floor that begins behind the camera covers the lower half of the screen, except for the part that
-        // the near plane cuts off.
+        // A floor that begins behind the camera covers the lower half of the screen, except for the part that the near
+        // plane cuts off.
         let floor = area(Vec3::new(-1e4, -1.0, -1e3), Vec3::new(1e4, -1.0, -1e3), Vec3::new(0.0, -1.0, 1e6));
         assert!((0.49..0.5).contains(&floor), "{floor}");
     }

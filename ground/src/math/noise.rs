@@ -41,8 +41,8 @@ pub fn value(point: Vec2, period: IVec2, seed: u32) -> f32 {
     lower + (upper - lower) * fy
 }
 
-/// The lattice point below a coordinate, and the weight of the next point. The code avoids `f32::floor`, since that is a call on
-/// processors that may lack SSE 4.1, and a pattern needs millions of these numbers.
+/// The lattice point below a coordinate, and the weight of the next point (Perlin 2002). The code avoids `f32::floor`,
+/// which is a slow call on processors that may lack SSE 4.1.
 fn split(x: f32) -> (i32, f32) {
     let towards_zero = x as i32;
     let cell = towards_zero - i32::from(towards_zero as f32 > x);
@@ -50,13 +50,13 @@ fn split(x: f32) -> (i32, f32) {
     (cell, f * f * f * (f * (f * 6.0 - 15.0) + 10.0))
 }
 
-/// A lattice coordinate within the period. Most coordinates lie there already, and are not divided, since a division takes longer
-/// than all else here.
+/// A lattice coordinate, moved by whole periods to 0…`period` − 1. Most coordinates lie there already, and are not
+/// divided, since a division takes longer than the comparison.
 fn wrapped(cell: i32, period: i32) -> i32 {
     if (0..period).contains(&cell) { cell } else { cell.rem_euclid(period) }
 }
 
-/// A lattice coordinate within the period, and the next one. The first coordinate follows the last.
+/// A lattice coordinate within the period, and the coordinate after it; the first coordinate comes after the last.
 fn neighbours(cell: i32, period: i32) -> (i32, i32) {
     let near = wrapped(cell, period);
     (near, if near + 1 == period { 0 } else { near + 1 })
@@ -102,7 +102,7 @@ pub fn fractal_image(
             };
             across.iter().map(between).collect()
         };
-        let mut kept = (-1, Vec::new(), Vec::new());
+        let mut kept = (-1, Vec::new(), Vec::new()); // a lattice row, and the noise along it and along the next row
         for (sums, row) in sums.chunks_exact_mut(columns.len()).zip(rows.clone()) {
             let ((lower, upper), share) = place(row, period.y);
             if kept.0 != lower {
@@ -128,7 +128,7 @@ pub struct VoronoiCell {
 }
 
 /// Finds the Voronoi cell of a point, with one jittered site per lattice cell. Odd rows are shifted by half a cell, as in masonry.
-/// `size` is that of a lattice cell, `jitter` is 0…1, and `period.y` must be even.
+/// `size` is the width and height of a lattice cell, `jitter` is 0…1, and `period.y` must be even.
 pub fn cell(position: Vec2, size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
     cell_among(position, size, period, |id| offset(id, jitter, seed))
 }
@@ -138,7 +138,7 @@ fn offset(id: IVec2, jitter: f32, seed: u32) -> Vec2 {
     (Vec2::new(unit(id, seed), unit(id, seed ^ 0x55)) - 0.5) * jitter
 }
 
-/// The cells of [`cell`] with all their sites, which are then drawn once and not at every texel of an image.
+/// Voronoi cells as [`cell`] finds them, with sites that are computed once and not at every texel of an image.
 #[derive(Debug, Clone)]
 pub struct VoronoiCells {
     size: Vec2,
@@ -148,23 +148,25 @@ pub struct VoronoiCells {
 }
 
 impl VoronoiCells {
-    /// Draws the sites; the parameters are those of [`cell`].
+    /// Computes the sites of all lattice cells; the parameters are those of [`cell`].
     pub fn new(size: Vec2, period: IVec2, jitter: f32, seed: u32) -> Self {
         let ids = (0..period.y).flat_map(|y| (0..period.x).map(move |x| IVec2::new(x, y)));
         Self { size, period, offsets: ids.map(|id| offset(id, jitter, seed)).collect() }
     }
 
-    /// Finds the cell of a point: the bits of [`cell`].
+    /// Finds the Voronoi cell of a point, with the same bits as the function [`cell`].
     pub fn cell(&self, position: Vec2) -> VoronoiCell {
         cell_among(position, self.size, self.period, |id| self.offsets[(id.y * self.period.x + id.x) as usize])
     }
 }
 
+/// Finds the Voronoi cell of a point. `offset` gives how far a site lies from the middle of its lattice cell.
 fn cell_among(position: Vec2, size: Vec2, period: IVec2, offset: impl Fn(IVec2) -> Vec2) -> VoronoiCell {
     let row = (position.y / size.y).floor() as i32;
     let column = (position.x / size.x).floor() as i32;
-    // The sites around the point: two rows above and below, and three columns to the left but two to the right, since odd rows are
-    // shifted to the right. Their coordinates stand apart, so that a processor computes several at a time.
+    // The sites around the point: two rows above and below, and three columns to the left but two to the right, since
+    // odd rows are shifted to the right. The coordinates of sites stand in arrays of their own, so that a processor
+    // computes several at a time.
     let mut ids = [[IVec2::ZERO; 6]; 5];
     let (mut xs, mut ys) = ([[0.0; 6]; 5], [[0.0; 6]; 5]);
     for (k, iy) in (0..5).zip(row - 2..) {
@@ -185,7 +187,7 @@ fn cell_among(position: Vec2, size: Vec2, period: IVec2, offset: impl Fn(IVec2) 
             nearest = (ids[k][l], site, distance);
         }
     }
-    let mut borders = [f32::INFINITY; 30];
+    let mut borders = [f32::INFINITY; 30]; // distances to the lines midway between the nearest site and each other site
     for ((border, &x), &y) in borders.iter_mut().zip(xs.as_flattened()).zip(ys.as_flattened()) {
         let apart = [x - nearest.1.x, y - nearest.1.y];
         let squared = apart[0] * apart[0] + apart[1] * apart[1];

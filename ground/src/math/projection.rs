@@ -1,6 +1,5 @@
-//! Conversions between view space, clip space, texture coordinates and depth (thesis Alg. 2, Eq. 2.3). Clip
-//! space has x to the right, y up and depth 0…1; texture coordinates have (0, 0) at the top left (docs/definitions.md,
-//! "Spaces").
+//! Conversions between view space, clip space, texture coordinates and depth (thesis Alg. 2, Eq. 2.3). Clip space has x
+//! to the right, y up and depth 0…1; texture coordinates have (0, 0) at the top left (docs/definitions.md, "Spaces").
 
 use glam::{DMat4, DVec3};
 

@@ -9,6 +9,7 @@ fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
+/// The step between the inputs of [`mix`]: 2⁶⁴ divided by the golden ratio, rounded to an odd number.
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The random numbers for one purpose, given by a seed and an index such as that of a pixel.

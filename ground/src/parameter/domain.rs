@@ -79,7 +79,7 @@ impl Domain {
         }
     }
 
-    /// Every value, if there are few enough for a list of choices.
+    /// Every value of the domain, if a list can name them all; `None` for a range of numbers.
     pub fn few(&self) -> Option<Vec<Value>> {
         match self {
             Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),
@@ -114,6 +114,7 @@ impl fmt::Display for Domain {
     }
 }
 
+/// The choice with a name, as a value; `None` if no choice has the name.
 fn named(all: &[Choice], text: &str) -> Option<Value> {
     all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name))
 }

@@ -110,21 +110,18 @@ pub fn is_rotation(matrix: &DMat3) -> bool {
     off.to_cols_array().iter().all(|v| v.abs() <= ROTATION_TOLERANCE)
 }
 
-/// Points closer to a mirror than this, in metres, do not appear in it, so that the mirror does not reflect
-/// itself.
+/// Points closer to a mirror than this, in metres, do not appear in it, so that the mirror does not reflect itself.
 const MIRROR_CLEARANCE_M: f64 = 2e-3;
 
 impl Camera {
-    /// A camera at `eye` that looks at `look_at`. If it looks straight up or down, the image's up direction is
-    /// world +z or −z.
+    /// A camera at `eye` that looks at `look_at`. If it looks straight up or down, the image's up is world +z or −z.
     pub fn new(eye: Vec3, look_at: Vec3, lens: Lens, aspect: f32) -> Self {
         let forward = (look_at - eye).normalize_or(Vec3::Z);
         let up = if forward.y.abs() > 0.999_999 { Vec3::Z * -forward.y.signum() } else { Vec3::Y };
         Self { world_to_view: look_to_mat4(eye, forward, up), lens, aspect, near_plane: None, projection: None }
     }
 
-    /// Whether the camera can be used: the lens is within its ranges, and the matrices are finite and
-    /// invertible.
+    /// Whether the camera can be used: the lens is within its ranges, and the matrices are finite and invertible.
     pub fn is_sound(&self) -> bool {
         let Lens { opening, near_m: near, far_m: far } = self.lens;
         let opens = match opening {
@@ -195,8 +192,8 @@ impl Camera {
         self.projection.map_or(self.lens.kind(), |projection| projection.kind)
     }
 
-    /// The reach at a view-space z, in metres; tolerances of depth are shares of the reach. It is z in a perspective, where the
-    /// width of a pixel grows with z, and the height of what the image shows in an orthographic projection.
+    /// The reach at a view-space z, in metres; tolerances of depth are shares of the reach. The reach is z in a
+    /// perspective, where a pixel's width grows with z, and the picture's height in an orthographic projection.
     pub fn reach_m(&self, z: f64) -> f64 {
         match self.kind() {
             ProjectionKind::Perspective => z,
@@ -256,7 +253,7 @@ impl Camera {
         rows.transpose()
     }
 
-    /// Transforms a world-space plane (unit normal and offset) to this camera's view space.
+    /// Transforms a world-space plane (unit normal and offset) to this camera's view space, by the inverse transpose.
     pub fn plane_in_view(&self, plane: Vec4) -> Vec4 {
         (self.world_to_view.as_dmat4().inverse().transpose() * plane.as_dvec4()).as_vec4()
     }
@@ -266,7 +263,7 @@ impl Camera {
     /// mirror is cut away. The matrix has the determinant −1, so it reverses the winding of triangles.
     pub fn mirrored(&self, plane: Vec4) -> Self {
         let (normal, offset) = (plane.truncate().as_dvec3(), f64::from(plane.w));
-        // x − 2 (n · x + w) n
+        // The reflection of a point x at the plane is x − 2 (n · x + w) n.
         let mirror = DMat4::from_cols(
             (DVec3::X - 2.0 * normal.x * normal).extend(0.0),
             (DVec3::Y - 2.0 * normal.y * normal).extend(0.0),
@@ -307,8 +304,7 @@ mod tests {
             let [seen, shown] = [usual.project_point3(image), mirrored.project_point3(point)];
             assert!(seen.truncate().distance(shown.truncate()) < 1e-4, "{seen} is not {shown}");
             assert!(shown.z > 0.0 && shown.z < 1.0, "{shown}");
-            // On the plane, depth is 1 except for the clearance; behind it, depth is greater and the point is
-            // cut away.
+            // On the plane, depth is 1 except for the clearance. Behind it, depth is greater and the point is cut away.
             let foot = point - distance * normal;
             assert!((mirrored.project_point3(foot).z - 1.0).abs() < 0.02 && mirrored.project_point3(foot).z > 1.0);
             assert!(mirrored.project_point3(image).z > 1.0);

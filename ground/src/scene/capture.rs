@@ -1,6 +1,6 @@
-//! Captures: cubes of six images of the scene, each made at a fixed place by the scene passes. They show what the screen does not
-//! (docs/definitions.md, "Captures"). This file has only their places, which the laboratory's placement finds, or a scene file
-//! names (`[[capture]]`).
+//! Captures: cubes of six images of the scene, each made at a fixed place by the scene passes. Captures show what the
+//! screen does not (docs/definitions.md, "Captures"). This file has only the places of captures, which the laboratory's
+//! placement finds, or a scene file names (`[[capture]]`).
 
 use super::{Camera, Lens, sky};
 use crate::math::constants;
@@ -13,8 +13,8 @@ pub const MAX_CAPTURES: usize = constants::CAPTURE_SLOTS as usize;
 /// The greatest side of a face, in texels.
 pub const MAX_RESOLUTION: u32 = 4096;
 
-/// The bounds of a scene are grown on every side by this share of their diagonal, and a ray that is lost outside of them ends in
-/// the sky. A capture may lose a ray a little behind an outer wall, for want of resolution, which the margin allows for.
+/// The bounds of a scene are grown on every side by this share of their diagonal. A ray that is lost outside of the
+/// bounds ends in the sky, but a capture of low resolution may lose a ray a little behind an outer wall.
 pub const BOUNDS_MARGIN: f32 = 0.02;
 
 /// How far the faces of a cube of images see, in metres. Reversed depth in floats is precise enough for this range.
@@ -69,8 +69,8 @@ impl Capture {
 pub enum WantedCaptures {
     /// All captures of the scene file; if there are none, as many as the laboratory's placement finds worth their cost.
     Auto,
-    /// This many: first the captures of the scene file, in its order, then places that show most of what the others do not. There
-    /// are fewer if no further place shows anything new, and never more than [`MAX_CAPTURES`].
+    /// The number of captures: first those of the scene file, in its order, then places that show most of what the
+    /// others do not. There are fewer if no further place shows anything new, and never more than [`MAX_CAPTURES`].
     Count(usize),
 }
 

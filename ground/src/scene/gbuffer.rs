@@ -15,8 +15,7 @@ pub struct GBufferData {
     pub camera: Camera,
     /// Reversed depth (near 1, far 0; 0 is sky).
     pub depth: Vec<f32>,
-    /// View-space normal; zero where there is no surface. Because it was stored in 16-bit floats, its length is
-    /// not exactly 1.
+    /// View-space normal; zero where there is no surface. The length is not exactly 1, since 16-bit floats stored it.
     pub normal: Vec<Vec3>,
     /// Reflectivity, 0…1.
     pub reflectivity: Vec<f32>,
@@ -58,8 +57,7 @@ impl GBufferData {
         clamped
     }
 
-    /// View to clip space with reversed depth: the f32 matrix that the G-buffer was rendered with, converted to
-    /// f64.
+    /// View to clip space with reversed depth: the f32 matrix that the G-buffer was rendered with, converted to f64.
     pub fn view_to_clip(&self) -> DMat4 {
         self.camera.view_to_clip_reversed().as_dmat4()
     }

@@ -49,9 +49,9 @@ pub struct Changes {
 /// Where a node stands in its parent's space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rest {
-    /// Stands by a matrix, which nothing changes.
+    /// A matrix, which no key frame changes.
     Matrix(DMat4),
-    /// Stands by an offset, a turn and a size.
+    /// An offset, a turn, and a size along each axis.
     Parts(DVec3, DQuat, DVec3),
 }
 
@@ -95,6 +95,7 @@ impl<const N: usize> Keys<N> {
         Ok(Self { times_s, values, between })
     }
 
+    /// The times of the first and of the last key frame, in seconds.
     fn ends(&self) -> [f32; 2] {
         [self.times_s[0], self.times_s[self.times_s.len() - 1]]
     }
@@ -113,7 +114,7 @@ impl<const N: usize> Keys<N> {
         let s = (f64::from(time_s) - begin) / (end - begin);
         let (from, to) = (value(first, 1), value(first + 1, 1));
         if cubic {
-            let (out, into) = (value(first, 2), value(first + 1, 0));
+            let (out, into) = (value(first, 2), value(first + 1, 0)); // the slopes of glTF's cubic Hermite spline
             let (s2, s3, step) = (s * s, s * s * s, end - begin);
             let mixed = |i: usize| {
                 (2.0 * s3 - 3.0 * s2 + 1.0) * from[i]
@@ -134,6 +135,7 @@ impl<const N: usize> Keys<N> {
     }
 }
 
+/// A quaternion scaled to length 1; the identity for a quaternion of zeros.
 fn unit(turn: DQuat) -> DQuat {
     if turn.length_squared() > 0.0 { turn.normalize() } else { DQuat::IDENTITY }
 }
@@ -144,7 +146,7 @@ impl MovingNode {
         Self { rest, changes: Changes::default() }
     }
 
-    /// The times of the first and of the last key frame of everything that changes.
+    /// The times of the first and of the last key frame of each part that changes, in seconds.
     fn ends(&self) -> impl Iterator<Item = f32> {
         let Changes { offset, turn, size } = &self.changes;
         let [offset, size] = [offset, size].map(|keys| keys.as_ref().map(|k| k.ends()));
@@ -152,6 +154,7 @@ impl MovingNode {
         [offset, size, turn].into_iter().flatten().flatten()
     }
 
+    /// The matrix from the node's space to its parent's at a time.
     fn matrix_at(&self, time_s: f32) -> DMat4 {
         match self.rest {
             Rest::Matrix(matrix) => matrix,
@@ -177,7 +180,7 @@ impl Rest {
 }
 
 impl Mover {
-    /// Whether the meshes have a placement throughout, as sampled at some times between the first and the last key frame.
+    /// Whether the meshes have a placement at each of 17 evenly spaced times from the first key frame to the last.
     pub fn is_placed(&self) -> bool {
         let ends = self.nodes.iter().flat_map(MovingNode::ends);
         let (first, last) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
@@ -193,7 +196,7 @@ impl Mover {
     }
 }
 
-/// Returns the placement that a matrix describes; `None` if there is none.
+/// Returns the placement of a matrix; `None` if its axes differ in length, are not at right angles, or mirror space.
 fn placement(matrix: &DMat4) -> Option<Placement> {
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.truncate());
     let size = columns[0].length();
@@ -218,7 +221,7 @@ impl Motion {
         })
     }
 
-    /// Applies a matrix of the world to everything.
+    /// Moves the whole motion by a matrix in world space.
     pub(super) fn transform(&mut self, matrix: &DMat4) {
         for Mover { meshes: _, root, nodes: _, rest } in &mut self.movers {
             *root = *matrix * *root;
@@ -266,7 +269,7 @@ mod tests {
         for x in [0.0, 0.3, 1.0, 1.7] {
             assert!((cubic.value_at(x)[0] - f64::from(x * x)).abs() < 1e-6, "{x}");
         }
-        // Half of the shorter way round, whatever the sign of the quaternion.
+        // The turn is half of the shorter way round, whatever the sign of the quaternion.
         let half =
             keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, -1.0, 0.0, 0.0]], Interpolation::Linear).value_at(0.5);
         let turned = DQuat::from_array(half) * DVec3::X;
@@ -286,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_thing_goes_along_with_the_nodes_that_it_hangs_from() {
-        // An arm turns about its foot, and what it holds slides along it.
+        // An arm turns about its foot, and an object that the arm holds slides along the arm.
         let turn =
             keys(&[0.0, 1.0], &[[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.5f32.sqrt(), 0.5f32.sqrt()]], Interpolation::Linear);
         let slide = keys(&[0.0, 1.0], &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], Interpolation::Linear);

@@ -29,8 +29,7 @@ pub struct CameraPath {
     /// The name that records use.
     pub name: String,
     keys: Vec<KeyFrame>,
-    /// For each key frame, the time in seconds or, if the key frames have no times, the distance travelled in
-    /// metres.
+    /// The time of each key frame in seconds or, if key frames have no times, the distance travelled so far in metres.
     times: Vec<f32>,
 }
 
@@ -147,8 +146,7 @@ impl CameraPath {
         (spline(points.map(|p| p.0), knots, t), spline(points.map(|p| p.1), knots, t))
     }
 
-    /// The key frames at both ends of a segment and the two beyond them; beyond the path's ends, these are
-    /// mirrored.
+    /// The key frames at both ends of segment n, and one on each side; beyond an end of the path, a mirrored one.
     fn around(&self, n: usize) -> [(Vec3, Vec3); 4] {
         let key = |n: usize| (self.keys[n].eye, self.keys[n].look_at);
         let mirrored = |centre: (Vec3, Vec3), point: (Vec3, Vec3)| (2.0 * centre.0 - point.0, 2.0 * centre.1 - point.1);
@@ -171,7 +169,7 @@ fn share_of(t: f32, from: f32, to: f32) -> f32 {
     if to > from { (t - from) / (to - from) } else { 0.0 }
 }
 
-/// Knots of the centripetal spline: each step is the square root of a distance.
+/// Knots of the centripetal spline: each step is the square root of the [`distance`] between two points.
 fn knots(points: &[(Vec3, Vec3); 4]) -> [f32; 4] {
     let mut knots = [0.0; 4];
     for n in 1..4 {

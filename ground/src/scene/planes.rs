@@ -1,5 +1,4 @@
-//! Finds the planes in which many of a scene's triangles lie, where a mirrored camera can render a reflection
-//! (thesis §3.1.2).
+//! Finds the planes of many of a scene's triangles, where a mirrored camera can render a reflection (thesis §3.1.2).
 
 use super::{Scene, Surface};
 use glam::{DVec3, Vec3, Vec4};
@@ -71,6 +70,7 @@ pub fn merged<'a>(groups: impl Iterator<Item = &'a CoplanarGroup>, count: usize)
     joined
 }
 
+/// A plane's normal and offset in whole steps of the tolerances, so that nearly equal planes have equal numbers.
 fn rounded(normal: DVec3, offset: f64) -> [i64; 4] {
     let cell = |v: f64, size: f64| (v / size).round() as i64;
     let n = normal.to_array().map(|v| cell(v, NORMAL_TOLERANCE));
@@ -132,8 +132,7 @@ mod tests {
 
     #[test]
     fn triangles_of_a_tilted_plane_are_joined_despite_rounding() {
-        // Many small triangles of a plane that is parallel to no axis; each corner is rounded to f32
-        // separately.
+        // Many small triangles of a plane that is parallel to no axis; each corner is rounded to f32 separately.
         let (u, v) = (Vec3::new(0.8, 0.1, 0.3).normalize(), Vec3::new(-0.2, 0.9, 0.4).normalize());
         let corner = |i: u32, j: u32| Vec3::new(7.0, -3.0, 11.0) + u * i as f32 * 0.1 + v * j as f32 * 0.1;
         let meshes = (0..1600).map(|k| quad(corner(k % 40, k / 40), u * 0.1, v * 0.1, 0)).collect();

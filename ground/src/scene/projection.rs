@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 
-/// The kind of a camera's projection. It decides how depth, rays of sight and footprints are computed.
+/// The kind of a camera's projection. The kind decides how depth, rays of sight and footprints are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ProjectionKind {
     /// All rays of sight leave from the eye: w is the view-space z, and depth is linear in 1 / z.
@@ -18,8 +18,8 @@ impl ProjectionKind {
         self == Self::Orthographic
     }
 
-    /// The two numbers of reversed depth between a near and a far plane: the first plus the second over z in a perspective, or
-    /// times z in an orthographic projection. Only a perspective may have its far plane at infinity.
+    /// The numbers a and b of reversed depth between a near and a far plane: depth is a + b / z in a perspective and
+    /// a + b · z in an orthographic projection. Only a perspective may have its far plane at infinity.
     pub fn reversed_depth(self, near: f64, far: f64) -> [f64; 2] {
         match self {
             Self::Perspective if far.is_infinite() => [0.0, near],
@@ -64,8 +64,7 @@ pub struct Projection {
     /// How far the image is shifted against the axis of the view, in units of ndc: M_02 and M_12 of a perspective, M_03 and
     /// M_13 of an orthographic projection.
     pub shift: [f32; 2],
-    /// The numbers of [`ProjectionKind::reversed_depth`]: M_22 and M_23 of a perspective, M_23 and M_22 of an orthographic
-    /// projection.
+    /// The numbers of [`ProjectionKind::reversed_depth`]: M_22 and M_23 of a perspective; otherwise M_23 and M_22.
     pub depth: [f32; 2],
 }
 
@@ -81,7 +80,7 @@ impl Projection {
         Mat4::from_cols_array_2d(&[[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], z, w])
     }
 
-    /// The distances of the near and the far plane; infinity for a perspective without a far plane.
+    /// The distances at which reversed depth is 1 (near plane) and 0 (far plane, infinity if a perspective has none).
     pub fn planes(&self) -> [f32; 2] {
         let [a, b] = self.depth;
         match self.kind {

@@ -16,8 +16,7 @@ pub struct Probe {
     pub bounds: Aabb,
 }
 
-/// A rectangle with an image that replaces a bright or important object in reflections (Schmidt 2013, section
-/// 5.3, listing 2).
+/// A rectangle with an image that replaces a bright or important object in reflections (Schmidt 2013, §5.3, listing 2).
 ///
 /// The image shows the object already lit, because an impostor is not lit again. The vectors half_u and half_v
 /// point in the directions of increasing u and v, so half_u × half_v points to the side from which the image is
@@ -30,8 +29,7 @@ pub struct Impostor {
     pub centre: Vec3,
     /// From the centre to the middle of the image's right edge, world, metres.
     pub half_u: Vec3,
-    /// From the centre to the middle of the image's bottom edge, world, metres; orthogonal to
-    /// [`Impostor::half_u`].
+    /// From the centre to the middle of the image's bottom edge, world, metres; orthogonal to [`Impostor::half_u`].
     pub half_v: Vec3,
     /// Index into [`super::Scene::textures`] of an sRGB image; alpha is 0 where the object is absent.
     pub texture: usize,

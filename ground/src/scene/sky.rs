@@ -23,7 +23,7 @@ pub fn radiance(direction: Vec3) -> Vec3 {
     let azimuth = atan2(d.z, d.x) / std::f32::consts::TAU + 0.5;
     let ridge = 0.004 + 0.035 * fractal(Vec2::new(azimuth * 9.0, 0.5), IVec2::new(9, 1), 4, 211);
     let land = smoothstep(ridge + 0.004, ridge - 0.004, d.y);
-    // Few directions see both.
+    // Few directions see both air and ground, and both are computed for these directions alone.
     let color = match land {
         0.0 => air(d),
         1.0 => ground(d, ridge),
@@ -32,7 +32,7 @@ pub fn radiance(direction: Vec3) -> Vec3 {
     color.clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// Blue above, pale at the horizon, soft clouds and the sun.
+/// The sky's colour in the unit direction d: blue above, pale at the horizon, with soft clouds and the sun.
 fn air(d: Vec3) -> Vec3 {
     let height = d.y.max(0.0);
     let zenith = Vec3::new(0.10, 0.26, 0.62);
@@ -48,7 +48,7 @@ fn air(d: Vec3) -> Vec3 {
     (blue + glow).lerp(lit, 0.85 * cloud).lerp(Vec3::new(1.0, 0.98, 0.92), disc)
 }
 
-/// Meadows below, hills in haze up to the ridge.
+/// The land's colour in the unit direction d: meadows below, and hills in haze up to the height `ridge`.
 fn ground(d: Vec3, ridge: f32) -> Vec3 {
     let below = (-d.y).max(0.0);
     let plane = d.xz() / (below + 0.06) + 512.0;
@@ -60,9 +60,8 @@ fn ground(d: Vec3, ridge: f32) -> Vec3 {
 
 /// The direction of a point on a face of a cube map. It is not normalised: its greatest component is ±1.
 ///
-/// `face` is 0 to 5 in Vulkan's order +x −x +y −y +z −z; u and v run 0…1 from the face's top left. This is the
-/// inverse of the Vulkan specification's table "Cube map face and coordinate selection": u = ½ + ½ s_c/|r|, v =
-/// ½ + ½ t_c/|r|.
+/// `face` is 0 to 5 in Vulkan's order +x −x +y −y +z −z; u and v run 0…1 from the face's top left. This is the inverse
+/// of the Vulkan specification's table "Cube map face and coordinate selection": u = ½ + ½ s_c/|r|, v = ½ + ½ t_c/|r|.
 pub fn face_direction(face: usize, u: f32, v: f32) -> Vec3 {
     let (s, t) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     match face {
@@ -96,8 +95,7 @@ pub fn cube_map(size: u32) -> [Vec<[f32; 4]>; 6] {
 mod tests {
     use super::*;
 
-    /// The table of the Vulkan specification, in its own direction: the face that a direction selects, and s
-    /// and t on it.
+    /// The table of the Vulkan specification, not inverted: the face that a direction selects, and s and t on it.
     fn selected(r: Vec3) -> (usize, f32, f32) {
         let a = r.abs();
         let (face, sc, tc, ma) = if a.z >= a.x && a.z >= a.y {

@@ -24,7 +24,7 @@ pub type Words = [u32; 4];
 /// Number of vectors of four words in a node.
 pub const NODE_WORDS: usize = 5;
 
-/// The most triangles of a scene. Their numbers leave the highest bit free, and the greatest number stands for no triangle.
+/// The most triangles of a scene: triangle numbers leave the highest bit free, and the greatest stands for no triangle.
 pub const MAX_TRIANGLES: usize = (ASKS_MATERIAL - 1) as usize;
 
 /// The hierarchy of boxes.
@@ -43,7 +43,7 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// Whether a walk with room for [`most_levels`] of the tree's triangles can walk over the tree.
+    /// Whether the tree has at most [`most_levels`] levels, for which walks have room.
     pub fn is_walkable(&self) -> bool {
         self.levels <= most_levels(self.slots.len())
     }
@@ -102,7 +102,7 @@ impl TriangleRecords {
 /// and through the tree of standing meshes, and both measure coordinates from the same place.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MovingTriangles {
-    /// The tree. Its slots hold numbers among all triangles of the scene.
+    /// The tree. The tree's slots hold numbers among all triangles of the scene.
     pub tree: Tree,
     /// Corners with numbers among all triangles of the scene; attributes in the order of `numbers`.
     pub records: TriangleRecords,
@@ -168,12 +168,12 @@ impl TriangleRecords {
         }
     }
 
-    /// Whether a material of some triangle decides at each hit whether its surface is there.
+    /// Whether some triangle's material has an alpha mask or is single-sided, so that a hit on it may not count.
     pub fn asks(&self) -> bool {
         self.corners.iter().step_by(3).any(|[.., number]| number & ASKS_MATERIAL != 0)
     }
 
-    /// The greatest coordinate of a corner, in metres.
+    /// The greatest coordinate of a corner from the tree's origin, in metres, without its sign.
     pub fn extent_m(&self) -> f32 {
         let coordinates = self.corners.iter().flat_map(|[x, y, z, _]| [x, y, z]);
         coordinates.map(|bits| f32::from_bits(*bits).abs()).fold(0.0, f32::max)
@@ -185,7 +185,7 @@ pub fn triangles(scene: &Scene) -> impl Iterator<Item = (&Mesh, [u32; 3])> {
     scene.meshes.iter().flat_map(|mesh| mesh.indices.as_chunks::<3>().0.iter().map(move |t| (mesh, *t)))
 }
 
-/// Whether a material decides at each hit whether its surface is there.
+/// Whether a hit on a material may not count: where its alpha mask has a hole, or from behind a single-sided surface.
 fn asks_material(material: &Material) -> bool {
     material.alpha_mask.is_some() || material.single_sided
 }
@@ -195,6 +195,7 @@ fn from_origin(vertex: &Vertex, origin: DVec3) -> Vec3 {
     (Vec3::from(vertex.position).as_dvec3() - origin).as_vec3()
 }
 
+/// The bits of a vector's coordinates in three words, and a last word.
 fn words(v: Vec3, last: u32) -> Words {
     [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), last]
 }
@@ -202,9 +203,10 @@ fn words(v: Vec3, last: u32) -> Words {
 /// The word that a record has in place of a slot if its triangle has no area, and thus no slot.
 const NO_SLOT: u32 = NO_TRIANGLE;
 
+/// A triangle's normals, material, texture coordinates, repeats and tangents, for [`TriangleRecords::attributes`].
 fn attributes_of(mesh: &Mesh, vertices: [&Vertex; 3]) -> [Words; 4] {
     let uv = vertices.map(|v| Vec2::from(v.uv));
-    // Repeats of a map for each metre along the surface: the root of the ratio of the areas.
+    // How often a map repeats in a metre along the surface: the square root of area in the map over area in metres.
     let area = (uv[1] - uv[0]).perp_dot(uv[2] - uv[0]).abs();
     let corners = vertices.map(|v| Vec3::from(v.position).as_dvec3());
     let repeats = (f64::from(area) / doubled_area(corners).max(f64::MIN_POSITIVE)).sqrt() as f32;

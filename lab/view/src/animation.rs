@@ -31,7 +31,8 @@ impl Animation {
     /// Adds a frame.
     ///
     /// # Errors
-    /// [`Usage`](ssct::Error::Usage) if its size differs from that of the first frame.
+    /// [`Usage`](ssct::Error::Usage) if the frame's size differs from that of the first frame, or is above 65535 pixels
+    /// a side.
     pub fn add(&mut self, screen: &Pixels) -> Result<()> {
         let rgb = display(screen);
         let is_first = self.frames.is_empty();
@@ -102,7 +103,7 @@ mod tests {
         let frames = image::codecs::gif::GifDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
         assert_eq!(frames.len(), 3);
         for (n, frame) in frames.iter().enumerate() {
-            // What did not change must still be blue, not the background.
+            // A pixel that did not change must still be blue, and not show the background.
             for (i, pixel) in frame.buffer().pixels().enumerate() {
                 let [red, _, blue, alpha] = pixel.0;
                 assert!((red > 200) == (i == n) && blue > 100 && alpha == 255, "frame {n}, pixel {i}: {pixel:?}");

@@ -30,7 +30,8 @@ impl CaptureEditor {
         Self { list: None, selected: 0, file, message: String::new(), scale }
     }
 
-    /// Adds a capture at a place and selects it. `shown` are the captures that are shown.
+    /// Adds a capture at a place and selects it. If nothing was changed before, the list begins with the captures
+    /// `shown`.
     pub fn add(&mut self, shown: &[Capture], place: Vec3) {
         let list = self.list.get_or_insert_with(|| shown.to_vec());
         if list.len() == MAX_CAPTURES {
@@ -85,6 +86,7 @@ impl CaptureEditor {
         };
     }
 
+    /// Writes captures to the file, in the units that the scene had before it was enlarged.
     fn written(&self, captures: &[Capture]) -> Result<()> {
         let path = Path::new(&self.file);
         let before = match std::fs::read_to_string(path) {

@@ -1,4 +1,4 @@
-//! Captures laid open as crosses, so that the window can show them as images, and rays can be drawn over them.
+//! Captures unfolded into crosses of six faces, so that the window can show them as images and draw rays over them.
 
 use glam::{Vec2, Vec3};
 use ssct::gpu::FrameContext;
@@ -33,7 +33,7 @@ pub struct CubeImage {
 }
 
 impl CubeImage {
-    /// Lists the images of so many captures.
+    /// Lists the images of `count` captures.
     pub fn all(count: usize) -> impl Iterator<Item = Self> {
         (0..count).flat_map(|capture| PARTS.map(|(part, _)| Self { capture, part }))
     }
@@ -45,7 +45,7 @@ impl CubeImage {
         Some(Self { capture: number.parse::<usize>().ok()?.checked_sub(1)?, part })
     }
 
-    /// The name of the image, as in `capture-1-color`.
+    /// The name of the image, as in `capture-1-color`; names count captures from 1.
     pub fn name(self) -> String {
         let part = PARTS.iter().find(|(part, _)| *part == self.part).map_or("", |(_, name)| name);
         format!("capture-{}-{part}", self.capture + 1)
@@ -65,7 +65,8 @@ impl CubeImage {
         if self.part == CubePart::Color { captures.color.levels() } else { 1 }
     }
 
-    /// Reads the image's texels for a picture of a size in pixels, rows from the top; black where no face lies.
+    /// Reads the image as the RGBA texels of a picture of a size in pixels, rows from the top; black where no face
+    /// lies.
     pub fn read(
         self,
         context: &mut FrameContext,
@@ -111,7 +112,9 @@ impl CubeImage {
 /// The place of a cube's faces in a picture: in its middle, and as large as the picture allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cross {
+    /// The side of a face, in pixels.
     side: f32,
+    /// The upper left corner of the cross, in pixels.
     corner: Vec2,
 }
 

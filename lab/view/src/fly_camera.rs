@@ -51,7 +51,7 @@ impl FlyCamera {
         (self.eye, self.look_at)
     }
 
-    /// Moves the camera to a position and keeps its speed.
+    /// Moves the camera to an eye and a point that it looks at, and keeps its speed.
     pub fn put(&mut self, (eye, look_at): (Vec3, Vec3)) {
         *self = Self { eye, look_at, ..*self };
     }
@@ -98,6 +98,7 @@ impl FlyCamera {
         self.speed_m_per_s = (self.speed_m_per_s * SPEED_STEP.powf(notches)).clamp(1e-3, 1e5);
     }
 
+    /// The unit direction in which the camera looks.
     fn forward(&self) -> Vec3 {
         (self.look_at - self.eye).normalize_or(Vec3::Z)
     }

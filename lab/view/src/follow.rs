@@ -71,7 +71,7 @@ impl Viewer {
         wants && (self.analysis.is_none() || looks_for_reference)
     }
 
-    /// Traces the ray of the picked pixel; returns whether it changed.
+    /// Traces the ray of the picked pixel; returns whether the ray changed.
     fn pick(&mut self) -> bool {
         let wanted = self.state.picked.filter(|_| self.state.tab == Tab::Ray);
         let inspection = self.analysis.as_ref().and_then(|a| a.inspection.as_ref());
@@ -95,6 +95,7 @@ impl Viewer {
         pixel::explain(inspection, MethodImages { reflection, composite }, &world, method, pixel)
     }
 
+    /// Starts to compare the frame at rest with the world reference, on another thread.
     fn compare_with_reference(&mut self, wanted: &FrameRequest, analysis: &FrameAnalysis) {
         let request = ComparisonRequest {
             scene: Arc::clone(&self.scene),
@@ -125,6 +126,7 @@ impl Viewer {
         Ok(())
     }
 
+    /// Loads the scene that the state names, and shows its first view.
     fn load_scene(&mut self) -> Result<()> {
         let place = if self.state.scene == scene_name(&self.given) {
             self.given.clone()

@@ -34,7 +34,7 @@ pub enum Action {
     RemoveCapture,
 }
 
-/// The action of a key when it is pressed.
+/// The action of a key when it is pressed, with or without a shift key.
 pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
     use KeyCode as K;
     const DIGITS: [KeyCode; 9] =

@@ -130,7 +130,7 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes the files and the record of a scripted run.
+/// Writes the files and the record of a scripted run, in which `rendered` frames and `drawn` drawings were made.
 fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2], gpu: &Gpu) -> anyhow::Result<()> {
     if let (Some(path), Some(pixels)) = (&options.screenshot, &script.pixels) {
         images::write_image(path, pixels)?;
@@ -174,6 +174,7 @@ fn method_options(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> 
     command.try_get_matches_from(arguments).map(|matches| given_options(&matches)).unwrap_or_default()
 }
 
+/// The state with which the window opens.
 fn state(options: &ViewOptions, scene: &Scene, view: View, globals: stage::Globals, sides: [Side; 2]) -> State {
     State {
         tab: options.panel,
@@ -211,6 +212,7 @@ fn shaders(options: &ViewOptions) -> Result<Option<PathBuf>> {
     }
 }
 
+/// Whether a file has an extension, in any case of letters.
 fn ends_with(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }

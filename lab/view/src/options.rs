@@ -117,6 +117,7 @@ fn pixel(text: &str) -> std::result::Result<[u32; 2], String> {
     Ok([x.trim().parse().map_err(|_| wrong())?, y.trim().parse().map_err(|_| wrong())?])
 }
 
+/// Parses a time in seconds, as in `2.5`.
 fn seconds(text: &str) -> std::result::Result<Duration, String> {
     let value: f64 = text.parse().map_err(|_| format!("{text:?} is not a number"))?;
     Duration::try_from_secs_f64(value).map_err(|_| format!("{text} seconds cannot be waited for"))

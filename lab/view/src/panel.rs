@@ -26,7 +26,8 @@ pub const WIDTH: f32 = 340.0;
 /// The least width of the picture beside the panel, in points; a narrower window shows no panel.
 const NARROWEST_PICTURE: f32 = 80.0;
 
-/// Draws the panel and the picture of one frame.
+/// Draws the panel, and what lies over the picture. Returns the user's actions that are more than a change of the
+/// state.
 pub fn show(
     ui: &mut Ui,
     state: &mut State,
@@ -62,7 +63,8 @@ pub fn show(
     actions
 }
 
-/// Handles the mouse on the picture: it turns the camera, moves the split, picks a ray or changes the speed.
+/// Handles the mouse on the picture, which turns the camera, moves the split, picks a ray or changes the speed. Draws
+/// the picked ray and the names of the methods over the picture.
 fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
     let response = ui.allocate_rect(area, Sense::click_and_drag());
     let split_x = area.left() + state.split * area.width();
@@ -137,6 +139,7 @@ fn names(ui: &Ui, area: Rect, split_x: f32, state: &State) {
     }
 }
 
+/// The notches by which an event turns the mouse wheel; 50 points of a smooth wheel are one notch.
 fn notches(event: &egui::Event) -> Option<f32> {
     match event {
         egui::Event::MouseWheel { unit: egui::MouseWheelUnit::Line, delta, .. } => Some(delta.y),

@@ -17,6 +17,7 @@ pub struct PathEditor {
     pub message: String,
     /// The duration of the playback in seconds.
     pub seconds: f32,
+    /// The path that is played, and the share of it that was played; `None` if nothing is played.
     playing: Option<(CameraPath, f32)>,
 }
 
@@ -75,12 +76,13 @@ impl PathEditor {
         }
     }
 
-    /// The share of the path that was played, during playback.
+    /// The share of the path that was played, 0 to 1; `None` if nothing is played.
     pub fn playing(&self) -> Option<f32> {
         self.playing.as_ref().map(|(_, share)| *share)
     }
 
-    /// The camera's position `seconds` later, during playback; the playback stops at the end of the path.
+    /// The camera's eye and the point that it looks at, `seconds` later; `None` if nothing is played. The playback
+    /// stops at the end of the path.
     pub fn advance(&mut self, seconds: f32) -> Option<(Vec3, Vec3)> {
         let (path, share) = self.playing.as_mut()?;
         *share += seconds / self.seconds.max(0.1);

@@ -233,7 +233,7 @@ impl Pictures {
         Ok(analysis)
     }
 
-    /// The ends of the first method's rays.
+    /// The ends of the first method's rays; `None` if the method does not tell them.
     fn hits(&mut self, wanted: &FrameRequest) -> Result<Option<Pixels>> {
         let side = &wanted.sides[0];
         let fits = |(made, shot): &(Side, Shot)| made == side && shot.gbuffer.gbuffer().depth.extent() == wanted.extent;
@@ -257,6 +257,7 @@ impl Pictures {
         Ok(self.stage.context.once(|frame| shown.kept.record(frame, image.all()))?)
     }
 
+    /// Makes the pipelines of a method for a request.
     fn shot(&mut self, side: &Side, wants: Wants, wanted: &FrameRequest) -> Result<Shot> {
         let setup = side.setup.with_extent(wanted.extent);
         Ok(Shot::new(&mut self.stage, side.method, &setup, wants, wanted.camera, wanted.materials.clone())?)
@@ -264,6 +265,7 @@ impl Pictures {
 }
 
 impl ShownMethod {
+    /// Renders a frame of the method, and keeps the picture that the request asks for.
     fn render(&mut self, stage: &mut Stage, wanted: &FrameRequest) -> Result<()> {
         self.shot.camera = wanted.camera;
         let (report, _, output) = stage.output_in(Mode::Timed, &self.shot)?;
@@ -328,6 +330,7 @@ impl ShownMethod {
     }
 }
 
+/// The label and the counted work of each pass.
 fn works(report: &FrameReport) -> Vec<(String, PassWork)> {
     report.recorded.iter().cloned().zip(report.work.iter().copied()).collect()
 }

@@ -100,6 +100,7 @@ impl ReferenceComparison {
     }
 }
 
+/// Compares the methods' reflections with the reference, if a cache folder has it.
 fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
     let states = cache.as_ref().and_then(|folder| std::fs::read_dir(folder).ok());
     let is_state = |e: std::io::Result<std::fs::DirEntry>| {

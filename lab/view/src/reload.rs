@@ -45,7 +45,7 @@ impl ShaderWatch {
         Ok(Self { root: root.to_path_buf(), seen: stamps(root), sources, last, compiled_from })
     }
 
-    /// Compiles the shaders that changed since the last scan.
+    /// Compiles the shaders that changed since the last scan, and returns those whose result is new.
     pub fn look(&mut self) -> Vec<ShaderChange> {
         let now = stamps(&self.root);
         let changed: Vec<&PathBuf> = now.iter().filter(|(p, s)| self.seen.get(*p) != Some(s)).map(|(p, _)| p).collect();
@@ -73,6 +73,7 @@ impl ShaderWatch {
         changes
     }
 
+    /// Compiles a shader, and remembers the files that it was made of.
     fn compile(&mut self, shader: &'static Shader) -> std::result::Result<Arc<[u8]>, String> {
         match self.compiled_from.compile(shader) {
             Ok(compiled) => {

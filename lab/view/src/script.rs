@@ -33,7 +33,9 @@ pub struct Script {
     pub pixels: Option<Pixels>,
     /// The numbers of submissions when the frames were finished and when the window closed.
     pub submissions: [u64; 2],
+    /// The number of frames shown so far.
     shown: u32,
+    /// The time at which the window closes by itself.
     until: Option<Instant>,
     is_done: bool,
 }

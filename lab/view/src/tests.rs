@@ -24,6 +24,7 @@ use std::time::Duration;
 const EXTENT: [u32; 2] = [540, 200];
 const FORMAT: ash::vk::Format = ash::vk::Format::R8G8B8A8_SRGB;
 
+/// A viewer without a window, which a test drives round by round.
 struct Bench {
     gpu: Gpu,
     viewer: Viewer,
@@ -73,6 +74,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
+/// The options of a scene without any flag.
 fn place() -> SceneOptions {
     let command = CommonOptions::augment_args(clap::Command::new("ssct"));
     CommonOptions::from_arg_matches(&command.get_matches_from(["ssct"])).unwrap().place

@@ -55,7 +55,9 @@ pub struct Viewer {
     pub(super) views: Vec<View>,
     /// The options that selected the scene.
     pub(super) place: SceneOptions,
+    /// The options of the command line.
     pub(super) given: SceneOptions,
+    /// The names of all scenes that the user can choose.
     scenes: Vec<String>,
     pub(super) pictures: Pictures,
     egui: Context,
@@ -79,7 +81,7 @@ pub struct Viewer {
     looking: bool,
 }
 
-/// What a frame requires of the window.
+/// The requests of a frame to the window.
 pub struct ViewerOutput {
     /// Cursor and clipboard, for egui-winit.
     pub platform: egui::PlatformOutput,
@@ -294,6 +296,7 @@ impl Viewer {
         self.shaders.as_ref().map(|s| s.statuses.clone()).unwrap_or_default()
     }
 
+    /// Moves the camera by the pressed keys, and along the key frames that are played.
     fn move_camera(&mut self, input: &ViewerInput) {
         if input.motion.is_moving() {
             self.state.steer(|camera| camera.fly(input.motion, input.seconds));
@@ -328,6 +331,7 @@ impl Viewer {
         }
     }
 
+    /// Draws the panel; returns egui's output and the user's actions.
     fn run_panel(&mut self, input: RawInput) -> (FullOutput, PanelActions) {
         let is_idle = !self.pictures.is_other(&self.wanted(self.area())) && !self.needs_analysis();
         let Self { state, path, captures, pictures, egui, .. } = self;
@@ -364,6 +368,7 @@ impl Viewer {
         if shown.is_empty() { self.scene.captures.clone() } else { shown }
     }
 
+    /// Width and height of the pictures in pixels; 1 before the first frame.
     fn area(&self) -> [u32; 2] {
         self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]])
     }
@@ -383,6 +388,7 @@ pub(super) fn views(scene: &Scene, place: &SceneOptions) -> Result<Vec<View>> {
     scene.views.iter().map(|v| resolve::with_lens(scene, v.clone(), place)).collect()
 }
 
+/// Makes the image into which the window's content is drawn.
 pub(super) fn screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
     Ok(Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })?)

@@ -126,6 +126,7 @@ impl ApplicationHandler<()> for App {
 }
 
 impl App {
+    /// Opens the window, and builds the viewer in it.
     fn open_window(&mut self, events: &ActiveEventLoop) -> Result<()> {
         let Some(setup) = self.setup.take() else { return Ok(()) };
         let scale = events.primary_monitor().map_or(1.0, |m| m.scale_factor());
@@ -196,6 +197,7 @@ impl App {
         Ok(())
     }
 
+    /// Handles a key that is pressed or released.
     fn key(&mut self, events: &ActiveEventLoop, event: &KeyEvent) {
         let PhysicalKey::Code(code) = event.physical_key else { return };
         if event.state == ElementState::Released {

@@ -1,4 +1,4 @@
-// Babylon.js, its SSRRenderingPipeline.
+// The peer "Babylon.js SSR": Babylon.js with its SSRRenderingPipeline. three-pass.mjs explains what a peer exports.
 
 import { Engine } from '@babylonjs/core/Engines/engine.js';
 import { Scene } from '@babylonjs/core/scene.js';

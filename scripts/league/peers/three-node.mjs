@@ -1,4 +1,5 @@
-// three.js, SSRNode of its newer renderer, on the WebGL that this falls back to.
+// The peer "three.js SSRNode": three.js with the SSRNode of its WebGPURenderer, which runs on WebGL here.
+// three-pass.mjs explains what a peer exports.
 
 import * as THREE from 'three/webgpu';
 import { add, colorToDirection, directionToColor, metalness, mrt, normalView, output, pass, roughness, sample, vec2 } from 'three/tsl';
@@ -20,7 +21,7 @@ export const settings = {
     mirrorBias: [0, 1],
     stepExponent: [2, 1],
 };
-// These are given when the node is made.
+// These settings are arguments of `ssr`; the others are set on the node that `ssr` returns.
 const AT_BIRTH = ['stochastic', 'binaryRefine'];
 const NUMBERS = ['blurQuality', 'stepExponent'];
 

@@ -1,4 +1,6 @@
-// three.js, SSRPass of its WebGL renderer. A peer is one file: what it is, what may be set, and how it renders a scene.
+// The peer "three.js SSRPass": three.js with the SSRPass of its WebGLRenderer. A peer is a file that exports its title,
+// its npm package, its settings, and `render`, which draws a scene with chosen settings, or without reflections for
+// null.
 
 import * as THREE from 'three';
 import { EffectComposer } from 'three/addons/postprocessing/EffectComposer.js';
@@ -9,7 +11,7 @@ import { cameraOf, meshesOf } from './three-scene.mjs';
 export const title = 'three.js SSRPass';
 export const npm = 'three';
 
-// What the search tries for each setting; the first is the default.
+// The values that the search tries for each setting; the first value is the default.
 export const settings = {
     opacity: [0.5, 1],
     distanceAttenuation: [true, false],
@@ -45,7 +47,7 @@ export async function render(canvas, scene, chosen) {
         pass[name] = value;
     composer.addPass(pass);
     composer.addPass(new OutputPass());
-    // What bounces takes the frame before.
+    // With `bouncing`, a frame reads the frame before it, so that several frames are drawn.
     for (let frame = 0; frame < 3; ++frame)
         composer.render();
 }

@@ -1,5 +1,7 @@
-// A scene as the meshes and the camera of three.js, for both of its renderers.
+// Makes the camera and the meshes of a scene for three.js, for both of its renderers. THREE is the module of the
+// renderer.
 
+// The camera of a scene; `fovY` is in radians.
 export function cameraOf(THREE, scene) {
     const camera = new THREE.PerspectiveCamera(scene.fovY * 180 / Math.PI, scene.width / scene.height, scene.near, scene.far);
     camera.position.set(...scene.eye);
@@ -8,7 +10,7 @@ export function cameraOf(THREE, scene) {
     return camera;
 }
 
-// By material.
+// The meshes, one for each material, in a map from the name of the material. The floor alone is lit, and is a metal.
 export function meshesOf(THREE, scene, Unlit, Lit) {
     const meshes = new Map();
     for (const name of new Set(scene.quads.map((q) => q.material))) {

@@ -25,6 +25,7 @@ pub fn instance(instance: &ash::Instance) -> ash::Instance {
     ash::Instance::from_parts_1_3(instance.handle(), v1_0, instance.fp_v1_1().clone(), instance.fp_v1_3().clone())
 }
 
+/// Finds the function of this file that replaces the driver's function `name`, or else the driver's function.
 unsafe extern "system" fn get_device_proc_addr(device: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
     // SAFETY: the caller gives a name that ends with zero.
     let replaced = replacement(unsafe { CStr::from_ptr(name) });
@@ -75,22 +76,21 @@ macro_rules! replacements {
                             *const vk::AllocationCallbacks<'_>,
                             *mut $Handle,
                         ) -> vk::Result;
-                        // SAFETY: a function that was looked up by name has no type until the caller casts it to the
-                        // specification's.
+                        // SAFETY: a function that was looked up by name has no type until the caller casts it.
                         unsafe { std::mem::transmute::<Create, Void>($create) }
                     }
                     $destroy_name => {
                         type Destroy =
                             unsafe extern "system" fn(vk::Device, $Handle, *const vk::AllocationCallbacks<'_>);
-                        // SAFETY: as above.
+                        // SAFETY: the caller casts the function back to its type.
                         unsafe { std::mem::transmute::<Destroy, Void>($destroy) }
                     }
                 )*
-                // SAFETY: as above, for each.
+                // SAFETY: the caller casts each function back to its type.
                 $( $call_name => unsafe { std::mem::transmute::<$Call, Void>($call) }, )*
-                // SAFETY: as above, for each.
+                // SAFETY: the caller casts each function back to its type.
                 $( $command_name => unsafe { std::mem::transmute::<$Command, Void>($command) }, )*
-                // SAFETY: as above, for each.
+                // SAFETY: the caller casts each function back to its type.
                 $( $own_name => unsafe { std::mem::transmute::<$Own, Void>($own) }, )*
                 _ => return None,
             };
@@ -224,6 +224,7 @@ unsafe extern "system" fn create_buffer(
     vk::Result::SUCCESS
 }
 
+/// Frees the size to which the handle of a buffer points.
 unsafe extern "system" fn destroy_buffer(_: vk::Device, buffer: vk::Buffer, _: *const vk::AllocationCallbacks<'_>) {
     if !buffer.is_null() {
         // SAFETY: the handle is that of `create_buffer`, and is destroyed once.
@@ -231,10 +232,12 @@ unsafe extern "system" fn destroy_buffer(_: vk::Device, buffer: vk::Buffer, _: *
     }
 }
 
+/// The requirements of an object of a size in bytes, which the memory of [`HostMemory`] meets.
 fn requirements(size: vk::DeviceSize) -> vk::MemoryRequirements {
     vk::MemoryRequirements { size, alignment: 16, memory_type_bits: 1 }
 }
 
+/// Reads the size of a buffer from its handle.
 unsafe extern "system" fn get_buffer_memory_requirements(
     _: vk::Device,
     buffer: vk::Buffer,
@@ -254,6 +257,7 @@ unsafe extern "system" fn get_image_memory_requirements(
     unsafe { made.write(requirements(16)) };
 }
 
+/// Makes up a handle for each command buffer.
 unsafe extern "system" fn allocate_command_buffers(
     _: vk::Device,
     info: *const vk::CommandBufferAllocateInfo<'_>,
@@ -264,12 +268,13 @@ unsafe extern "system" fn allocate_command_buffers(
     vk::Result::SUCCESS
 }
 
+/// Makes up a handle for each descriptor set.
 unsafe extern "system" fn allocate_descriptor_sets(
     _: vk::Device,
     info: *const vk::DescriptorSetAllocateInfo<'_>,
     made: *mut vk::DescriptorSet,
 ) -> vk::Result {
-    // SAFETY: as above.
+    // SAFETY: the caller gives room for as many handles as its info counts.
     unsafe { (0..(*info).descriptor_set_count as usize).for_each(|n| made.add(n).write(handle())) };
     vk::Result::SUCCESS
 }
@@ -284,12 +289,12 @@ unsafe extern "system" fn get_query_pool_results(
     _: vk::DeviceSize,
     _: vk::QueryResultFlags,
 ) -> vk::Result {
-    // SAFETY: the caller gives room for so many bytes.
-    unsafe { data.cast::<u8>().write_bytes(0, size) };
+    // SAFETY: the caller gives room for `size` bytes.
+    unsafe { data.cast::<u8>().write_bytes(0, size) }; // Every result of a query is 0.
     vk::Result::SUCCESS
 }
 
-/// An address that is a multiple of every alignment.
+/// The address of every buffer and acceleration structure: a multiple of every alignment, which is never read.
 const ADDRESS: vk::DeviceAddress = 1 << 32;
 
 unsafe extern "system" fn get_buffer_device_address(
@@ -316,14 +321,14 @@ unsafe extern "system" fn get_acceleration_structure_build_sizes(
     // SAFETY: the caller gives a structure for the answer.
     unsafe {
         (*sizes).acceleration_structure_size = 256;
-        (*sizes).build_scratch_size = 256;
+        (*sizes).build_scratch_size = 256; // Any sizes serve, since nothing is built.
     }
 }
 
 /// Allocates host memory for buffers that the host writes or reads, and no memory for anything else.
 #[derive(Default)]
 pub struct HostMemory {
-    /// Blocks by key. They have words of 16 bytes, so that a block is aligned for any value.
+    /// Blocks by key. Blocks have words of 16 bytes, so that a block is aligned for any value.
     blocks: HashMap<u64, Box<[u128]>>,
     made: u64,
 }

@@ -2,8 +2,7 @@
 
 use ash::vk;
 
-/// The features that every device needs: the name of each, and a flag that says whether the feature is supported, or
-/// on.
+/// The features that every device needs: the name of each, and a flag that says whether it is supported, or is on.
 fn needed<'a>(
     v10: &'a mut vk::PhysicalDeviceFeatures,
     v12: &'a mut vk::PhysicalDeviceVulkan12Features<'_>,
@@ -20,9 +19,8 @@ fn needed<'a>(
     ]
 }
 
-/// Turns on the features that a device must have, and leaves the others as they are. All are core Vulkan 1.3, so that
-/// no extension is needed. A device may lack `largePoints`, which is among them: then turn this feature off again, and
-/// only `unified` cannot be made.
+/// Turns on the features that this crate needs, and leaves other features as they are. All of them are core Vulkan 1.3,
+/// so that no extension is needed. If a device lacks `largePoints`, turn it off again; only `unified` needs it.
 pub fn enable_features(
     core: &mut vk::PhysicalDeviceFeatures,
     vulkan12: &mut vk::PhysicalDeviceVulkan12Features<'_>,

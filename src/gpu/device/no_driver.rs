@@ -12,8 +12,7 @@ const VARIABLES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 /// Advice that helps on every machine.
 const HINT: &str = "Mesa's lavapipe is a driver that runs on the CPU";
 
-/// Returns a function that turns the result of the failed call `what` into an error: no driver offers a device, or else
-/// the call's name.
+/// Returns a function that makes the error of the failed call `what`: no driver offers a device, or the call's name.
 pub(super) fn failed(what: &'static str) -> impl Fn(vk::Result) -> Error {
     move |result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => no_device(result),
@@ -28,6 +27,7 @@ pub(super) fn no_device(result: vk::Result) -> Error {
     Error::NoDevice(sentence(named.as_ref().map(|(name, value)| (*name, value.as_str())), result))
 }
 
+/// The reason why the loader offers no device. `named` is the variable that names the drivers, with its value.
 fn sentence(named: Option<(&str, &str)>, result: vk::Result) -> String {
     let Some((name, value)) = named else {
         return match result {

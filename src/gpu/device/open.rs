@@ -166,7 +166,7 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
     let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v12).push_next(&mut v13);
-    // SAFETY: as above.
+    // SAFETY: the physical device belongs to the instance.
     unsafe { instance.get_physical_device_features2(physical, &mut features) };
     if let Some(name) = features::missing(features.features, v12, v13) {
         return Some(format!("it lacks the feature {name}"));
@@ -178,6 +178,7 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
     }
 }
 
+/// Whether the queues of a family take both graphics and compute commands.
 fn is_universal(family: &vk::QueueFamilyProperties) -> bool {
     family.queue_flags.contains(vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE)
 }
@@ -218,8 +219,8 @@ fn choose(
     }
 }
 
-/// Opens the device that the query asks for, with the state that its handles share. On an error, the caller must destroy the
-/// instance.
+/// Opens the device that the query asks for, with the state that its handles share. On an error, the caller must
+/// destroy the instance.
 pub(super) fn open_device(
     entry: ash::Entry,
     instance: ash::Instance,

@@ -24,14 +24,13 @@ impl<'a> ProgramInputs<'a> {
             found.ok_or_else(|| Error::Usage(format!("{}: nothing is given for {}", shader.name, binding.name)))
         };
         let push = if shader.push_constant_size > 0 { program.push() } else { &[] };
-        // What a compute shader stores to is given as targets (`pixels.rs`).
+        // Images that a compute shader stores to are given as targets (`pixels.rs`), and not as fields.
         let is_stored = |bound: &&Binding| shader.stored.iter().any(|(binding, _)| *binding == bound.binding);
         let read = shader.bindings.iter().filter(|bound| !is_stored(bound));
         Ok(Self { resources: read.map(resource).collect::<Result<_>>()?, push })
     }
 
-    /// Adds the fields of the vertex program. Bindings and push constants that both programs have are taken from the
-    /// first.
+    /// Adds the fields of the vertex program. Bindings and push constants that both programs have stay as they are.
     pub fn and<P: Program>(mut self, vertex: &'a P) -> Result<Self> {
         let other = ProgramInputs::to(P::SHADER, vertex)?;
         for (binding, resource) in other.resources {
@@ -106,8 +105,8 @@ impl Frame<'_> {
             })
             .collect();
         let commands = self.context.commands;
-        // SAFETY: the layout is the bound pipeline's; what the writes point to outlives the frame's
-        // submission; a set is this frame's alone until its slot is used again.
+        // SAFETY: the layout is the bound pipeline's; the resources of the writes outlive the frame's submission; a set
+        // belongs to this frame alone until its slot is used again.
         unsafe {
             if let Some(set) = set {
                 self.device().update_descriptor_sets(&writes, &[]);
@@ -120,6 +119,7 @@ impl Frame<'_> {
         Ok(())
     }
 
+    /// The descriptors of a resource: one for an image and one for a buffer, of which at least one is empty.
     fn descriptor(&mut self, resource: Resource) -> Result<(vk::DescriptorImageInfo, vk::DescriptorBufferInfo)> {
         let (mut image, mut buffer) = (vk::DescriptorImageInfo::default(), vk::DescriptorBufferInfo::default());
         match resource {
@@ -129,8 +129,7 @@ impl Frame<'_> {
                     .image_view(slice.view())
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
             }
-            // The caller writes these: each image of an array by itself, the view of texels, and the handle of a ray
-            // structure.
+            // `push` adds these itself: each image of an array, the view of texels, the handle of a ray structure.
             Resource::SampledArray(..) | Resource::Texels(..) | Resource::Rays(..) => {}
             Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);

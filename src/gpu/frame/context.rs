@@ -9,13 +9,13 @@ use crate::gpu::device::{Gpu, vulkan};
 use crate::gpu::timing::{PassTime, Statistics, Timestamps};
 use ash::vk;
 
-/// Resources that frames reuse: uniform memory, descriptor sets, queries, and, for frames that are submitted here, a
+/// Resources that frames reuse: uniform memory, descriptor sets, queries, and, for frames that this crate submits, a
 /// command buffer and a fence. A context records one frame at a time.
 pub struct FrameContext {
     pub(super) gpu: Gpu,
     /// The command buffer that is recorded into.
     pub(super) commands: vk::CommandBuffer,
-    /// `None` where the caller submits.
+    /// The crate's own command buffer; `None` if a caller records frames into command buffers of its own.
     pub(super) own: Option<OwnCommands>,
     pub(super) slots: Vec<Slot>,
     /// The slot of the frame that is recorded.
@@ -24,7 +24,7 @@ pub struct FrameContext {
     pub(super) settling: Option<settle::Settling>,
 }
 
-/// The command buffer of frames that are submitted here, and their fence.
+/// The command buffer of frames that this crate submits, and their fence.
 pub(super) struct OwnCommands {
     gpu: Gpu,
     pool: vk::CommandPool,
@@ -38,8 +38,7 @@ pub(super) struct Slot {
     pub(super) uniforms: Uniforms,
     pub(super) sets: DescriptorSets,
     pub(super) timestamps: Timestamps,
-    /// Label of each pass of the slot's last frame that has two timestamps, in order, and whether the pass's time
-    /// counts.
+    /// Labels of the timed passes of the slot's last frame, in order, and whether the time of each counts.
     pub(super) timed: Vec<(String, bool)>,
 }
 
@@ -79,7 +78,7 @@ impl OwnCommands {
         let (commands, fence) = (vk::CommandBuffer::null(), vk::Fence::null());
         let mut own = Self { gpu: gpu.clone(), pool, commands, fence };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-        // SAFETY: as above; the pool frees its command buffers.
+        // SAFETY: the create infos are complete; `drop` destroys the fence, and the pool with its command buffers.
         unsafe {
             own.commands = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?[0];
             own.fence = device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(vulkan("vkCreateFence"))?;
@@ -101,7 +100,7 @@ impl Drop for OwnCommands {
 }
 
 impl FrameContext {
-    /// Makes a context for frames that are submitted here and waited for, one at a time.
+    /// Makes a context for frames that this crate submits and waits for, one at a time.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let mut context = Self::in_others(gpu, 1)?;
         context.statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
@@ -109,8 +108,7 @@ impl FrameContext {
         Ok(context)
     }
 
-    /// Makes a context for frames that are recorded into a caller's command buffers; `slots` of them may be under way
-    /// at once.
+    /// Makes a context for frames in a caller's command buffers, `slots` of which may be under way at once.
     ///
     /// # Errors
     /// [`Error::Usage`] for 0 slots.
@@ -134,7 +132,7 @@ impl FrameContext {
         &self.gpu
     }
 
-    /// Begins a frame that is submitted here. A mode whose queries the device lacks records none.
+    /// Begins a frame that this crate submits. A mode whose queries the device lacks records none.
     ///
     /// # Errors
     /// [`Error::Usage`] for a context of a caller's command buffers.
@@ -144,8 +142,7 @@ impl FrameContext {
             return Err(Error::Usage("these frames are recorded into the caller's command buffers".into()));
         };
         self.commands = own.commands;
-        // SAFETY: no submission is under way: `Frame::finish` waits, and an abandoned frame was
-        // never submitted.
+        // SAFETY: no submission is under way: `Frame::finish` waits, and an abandoned frame was never submitted.
         unsafe {
             device
                 .reset_command_pool(own.pool, vk::CommandPoolResetFlags::empty())
@@ -168,7 +165,7 @@ impl FrameContext {
     pub unsafe fn begin_in(&mut self, commands: vk::CommandBuffer, slot: usize, mode: Mode) -> Result<Frame<'_>> {
         self.slot(slot)?;
         self.commands = commands;
-        // SAFETY: by the contract.
+        // SAFETY: `begin_slot` asks for a part of this function's contract.
         unsafe { self.begin_slot(slot, mode) }
     }
 
@@ -177,7 +174,7 @@ impl FrameContext {
     unsafe fn begin_slot(&mut self, slot: usize, mode: Mode) -> Result<Frame<'_>> {
         self.slot = slot;
         let kept = &mut self.slots[slot];
-        // SAFETY: by the contract.
+        // SAFETY: by the contract, no submission that reads a set of the slot is under way.
         unsafe { kept.sets.reset() }?;
         kept.uniforms.reset();
         kept.timed.clear();
@@ -193,8 +190,7 @@ impl FrameContext {
         Frame::begun(self, mode)
     }
 
-    /// The times of the last frame of a slot, after the device is done with it; empty unless it was recorded with
-    /// [`Mode::Timed`].
+    /// The times of the last frame of a slot, once the device is done; empty unless the mode was [`Mode::Timed`].
     ///
     /// # Errors
     /// [`Error::Usage`] for a slot that does not exist.

@@ -34,8 +34,7 @@ impl Frame<'_> {
         self.shade(name, &pipeline.graphics, targets, &inputs, Vertices::Triangle)
     }
 
-    /// Clears the stencil of a depth target and marks every pixel that a fragment program doesn't discard; the target's
-    /// depth is lost.
+    /// Clears the stencil of a depth target and marks pixels that a fragment program doesn't discard. Depth is lost.
     pub fn mark<F: Fragment>(
         &mut self,
         name: &str,
@@ -81,7 +80,7 @@ impl Frame<'_> {
             if let Vertices::Indirect(arguments, _) = vertices {
                 frame.use_buffer(arguments, Access::Indirect);
             }
-            let settles = frame.must_settle(&pipeline.settled);
+            let settles = frame.must_settle(&pipeline.settled); // a workaround for a bug of lavapipe
             if settles {
                 frame.take_in(pipeline, inputs)?;
             }
@@ -152,6 +151,7 @@ impl Frame<'_> {
         self.dispatch(name, &pipeline.compute, &inputs, Workgroups::Indirect(arguments, offset))
     }
 
+    /// A pass of one dispatch of a compute pipeline.
     pub(super) fn dispatch(
         &mut self,
         name: &str,
@@ -171,7 +171,7 @@ impl Frame<'_> {
             frame.flush();
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
             frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, inputs)?;
-            frame.settle_compute(pipeline);
+            frame.settle_compute(pipeline); // a workaround for a bug of lavapipe
             let (device, commands) = (frame.device(), frame.context.commands);
             // SAFETY: a pipeline and everything it reads are bound; the indirect arguments lie in their buffer, as was checked.
             unsafe {
@@ -269,9 +269,8 @@ pub struct Raster<'f, 'c, F, V> {
 }
 
 impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
-    /// Binds what the programs read in the draws that follow. Images must have been made ready
-    /// ([`Frame::make_ready`]): no barrier can stand inside rendering. What both stages read is taken from the
-    /// fragment program.
+    /// Binds the resources of the draws that follow. Images must have been made ready ([`Frame::make_ready`]), since no
+    /// barrier can stand inside rendering. Resources that both stages read are taken from the fragment program.
     pub fn bind(
         &mut self,
         fragment: &impl Fragment<Kind = F::Kind>,

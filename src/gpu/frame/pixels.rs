@@ -42,7 +42,7 @@ impl Frame<'_> {
         self.dispatch(name, &pipeline.pipeline, &stored(name, pipeline, targets, program)?, groups)
     }
 
-    /// Dispatches as many workgroups as a buffer says, in three words from byte `offset`; else as [`Self::store`].
+    /// Does the same as [`Self::store`], with as many workgroups as three words of a buffer say, from byte `offset` on.
     pub fn store_indirect<F: InEitherStage>(
         &mut self,
         name: &str,
@@ -56,7 +56,7 @@ impl Frame<'_> {
     }
 }
 
-/// What a program reads, and the images that it stores to.
+/// The inputs of a program: the resources that it reads, and the images of its targets, to which it stores.
 fn stored<'a, F: InEitherStage>(
     name: &str,
     pipeline: &'a StoringPipeline<F>,

@@ -34,7 +34,7 @@ impl DescriptorSets {
     /// No submission that reads a set is under way.
     pub unsafe fn reset(&mut self) -> Result<()> {
         for pool in &self.pools {
-            // SAFETY: by the contract.
+            // SAFETY: by the contract, no submission reads a set of the pool.
             unsafe { self.gpu.raw().reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty()) }
                 .map_err(vulkan("vkResetDescriptorPool"))?;
         }
@@ -57,6 +57,7 @@ impl DescriptorSets {
         Ok(sets[0])
     }
 
+    /// Makes a pool with room for [`SETS`] sets.
     fn pool(&self) -> Result<vk::DescriptorPool> {
         use BindingKind as K;
         let pool_size = |kind: K| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: DESCRIPTORS };

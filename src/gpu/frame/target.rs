@@ -38,8 +38,7 @@ impl<'a> Target<'a> {
         Self { slice: None, load: Load::Lost }
     }
 
-    /// A target that is cleared first. For depth, the first component of `value` counts, and a stencil beside the depth
-    /// is kept.
+    /// A target that is cleared first. For depth, the first component of `value` counts, and a stencil is kept.
     pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
         Self { slice: Some(slice), load: Load::Cleared(value) }
     }
@@ -63,6 +62,7 @@ impl<'a> Target<'a> {
 }
 
 impl Load {
+    /// What Vulkan does with the attachment when rendering begins.
     fn op(self) -> vk::AttachmentLoadOp {
         match self {
             Self::Lost | Self::Unmarked => vk::AttachmentLoadOp::DONT_CARE,
@@ -90,6 +90,7 @@ pub(super) enum View {
 }
 
 impl View {
+    /// The viewport for a target of a size in pixels.
     fn viewport(self, width: f32, height: f32) -> vk::Viewport {
         let (y, width, height) = match self {
             Self::Down => (0.0, width, height),
@@ -161,15 +162,14 @@ impl Frame<'_> {
         }
         let viewport = view.viewport(width as f32, height as f32);
         let commands = self.context.commands;
-        // SAFETY: the attachments are in the layouts named, by the barriers above; rendering is
-        // ended below whatever `draw` returns.
+        // SAFETY: the barriers above set the layouts, and rendering ends below whatever `draw` returns.
         unsafe {
             self.device().cmd_begin_rendering(commands, &info);
             self.device().cmd_set_viewport(commands, 0, &[viewport]);
             self.device().cmd_set_scissor(commands, 0, &[area]);
         }
         let drawn = draw(self);
-        // SAFETY: as above.
+        // SAFETY: rendering was begun above.
         unsafe { self.device().cmd_end_rendering(commands) };
         drawn
     }

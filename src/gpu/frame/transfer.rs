@@ -13,8 +13,7 @@ impl Frame<'_> {
         self.blit_between(name, from, to, [layers(&from), layers(&to)], vk::Filter::LINEAR)
     }
 
-    /// Copies each texel of a level into an image of the same size, and converts it to that image's format, like the
-    /// output of a program.
+    /// Copies each texel of a level into an image of the same size, and converts the texel to the format of that image.
     pub fn convert(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
         self.blit_between(name, from, to, [layers(&from), layers(&to)], vk::Filter::NEAREST)
     }
@@ -41,6 +40,7 @@ impl Frame<'_> {
         })
     }
 
+    /// Scales layers of one level into layers of another by a blit with a filter.
     fn blit_between(
         &mut self,
         name: &str,
@@ -72,14 +72,14 @@ impl Frame<'_> {
         })
     }
 
-    /// Copies the bits of one level to another of the same size, whose format may differ in what
-    /// the bits mean.
+    /// Copies the bits of one level to another of the same size, whose format may give the bits another meaning.
     pub fn copy(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
         assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
         assert_eq!(from.slices().1, to.slices().1, "{name}: a copy has as many slices as its source");
         self.copy_between(name, from, to, layers(&to))
     }
 
+    /// Copies the bits of a level into layers of another level.
     fn copy_between(
         &mut self,
         name: &str,
@@ -105,8 +105,7 @@ impl Frame<'_> {
         })
     }
 
-    /// Copies the bits of one level into one layer of another of the same size: a cube map's face, in
-    /// Vulkan's order.
+    /// Copies the bits of one level into one layer of another of the same size: a cube map's face, in Vulkan's order.
     pub fn copy_to_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
         assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
         self.copy_between(name, from, to, one_layer(name, &from, &to, layer))
@@ -176,6 +175,7 @@ impl Frame<'_> {
         self.copy_texels(name, from, (to, first), Access::ComputeStorageRead)
     }
 
+    /// Copies a level into a buffer from byte `first` on, tightly packed, and makes the buffer ready for an access.
     fn copy_texels(&mut self, name: &str, from: ImageSlice, (to, first): (&Buffer, u64), access: Access) -> Result<()> {
         self.pass(name, |frame| {
             frame.use_image(from, Access::TransferRead);
@@ -252,6 +252,7 @@ fn layer_of(name: &str, slice: &ImageSlice, layer: u32) -> vk::ImageSubresourceL
     layers(slice).base_array_layer(layer).layer_count(1)
 }
 
+/// All layers of a slice's first level.
 fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
     vk::ImageSubresourceLayers {
         aspect_mask: slice.image().shown_aspect(),
@@ -271,6 +272,7 @@ fn extent(slice: &ImageSlice) -> vk::Extent3D {
     vk::Extent3D { width, height, depth: slice.slices().1 }
 }
 
+/// The region of a copy between a whole slice and tightly packed texels in a buffer.
 fn whole_slice_copy(slice: &ImageSlice) -> vk::BufferImageCopy {
     vk::BufferImageCopy::default()
         .image_subresource(layers(slice))

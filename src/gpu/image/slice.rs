@@ -41,7 +41,7 @@ impl<'a> ImageSlice<'a> {
         self.slice.map_or((0, self.image.depth), |s| (s, 1))
     }
 
-    /// The view that shaders see it through.
+    /// The view through which shaders see this part of the image.
     pub fn view(&self) -> vk::ImageView {
         if self.by_face {
             self.image.faces_view
@@ -57,7 +57,7 @@ impl<'a> ImageSlice<'a> {
         }
     }
 
-    /// The view that a depth target with stencil is attached by.
+    /// The view by which a depth target with stencil is attached; `None` for a format without stencil.
     pub(crate) fn stencil_view(&self) -> Option<vk::ImageView> {
         has_stencil(self.image.format).then_some(self.image.stencil_view)
     }

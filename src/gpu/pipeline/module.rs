@@ -12,6 +12,7 @@ pub(super) struct Module {
 }
 
 impl Module {
+    /// Makes the module of a shader from its compiled-in code, or from new code if the shader changed meanwhile.
     pub(super) fn new(gpu: &Gpu, shader: &Shader) -> Result<Self> {
         #[cfg(feature = "reload")]
         let replaced = match gpu.shared().replaced_shaders.get(shader.name) {

@@ -25,7 +25,7 @@ pub enum Fault {
     Submission(u64),
 }
 
-/// `allocation:7` or `submission:7`.
+/// Reads `allocation:7` or `submission:7`.
 impl FromStr for Fault {
     type Err = Error;
 

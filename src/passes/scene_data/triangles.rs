@@ -9,9 +9,9 @@ use ssct_ground::scene::tree::BuildTrees;
 use std::time::Instant;
 
 impl SceneData {
-    /// Sets what builds the trees over the scene's triangles. The tree of standing meshes is built when an effect first follows
-    /// rays among triangles, and when a mesh moves for the first time; that of moving meshes after each move. Without a builder no
-    /// effect can follow such rays.
+    /// Sets the builder of the trees over the scene's triangles. The tree of standing meshes is built when an effect
+    /// first follows rays among triangles, and when a mesh moves for the first time; the tree of moving meshes, after
+    /// each move. Without a builder no effect can follow such rays.
     pub fn build_trees_by(&mut self, trees: impl BuildTrees + 'static) {
         self.trees = Some(Box::new(trees));
         self.triangle_geometry.take();
@@ -24,8 +24,8 @@ impl SceneData {
     }
 
     /// Makes the scene's triangles ready where its meshes stand now, and returns how shaders read them; `None` without a builder of
-    /// trees. With `queries`, the structure for ray queries is made ready, too. Call this before each frame that follows rays among
-    /// triangles; the call costs nothing unless a mesh has moved.
+    /// trees. With `queries`, the structure for ray queries is made ready, too. Call this function before each frame
+    /// that follows rays among triangles; the call costs nothing unless a mesh has moved.
     ///
     /// # Errors
     /// Errors of building the tree, [`Usage`](crate::error::Error::Usage) for ray queries on a device that has none, and
@@ -95,14 +95,12 @@ impl SceneData {
         geometry.bring(frame)
     }
 
-    /// The triangles that [`Self::prepare_triangles`] has made ready; `None` before that call, and after a mesh has moved for the
-    /// first time.
+    /// The triangles that [`Self::prepare_triangles`] made ready; `None` before that, and after a mesh's first move.
     pub fn triangles(&self) -> Option<(&TriangleGeometry, &TriangleImages)> {
         self.triangle_geometry.get().zip(self.triangle_images.get())
     }
 
-    /// The structure for ray queries that [`Self::prepare_triangles`] has built; `None` before that call, and after a mesh has
-    /// moved.
+    /// The structure for ray queries of [`Self::prepare_triangles`]; `None` before that, and after a mesh has moved.
     pub fn ray_structure(&self) -> Option<&RayStructure> {
         self.ray_structure.get()
     }

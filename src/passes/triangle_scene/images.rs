@@ -30,13 +30,14 @@ pub(in crate::passes) struct Map {
 }
 
 impl Map {
+    /// Describes an image; `place` is the first of the words that say where its levels begin.
     fn new(place: u32, [width, height]: [u32; 2], levels: u32, encoding: Encoding) -> Self {
         let srgb = if encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
         Self { place, size: width | height << 16, described: levels | srgb }
     }
 }
 
-/// The image that stands for a map that a material does not have: one white texel. Its place is the first word.
+/// The image that stands for a map that a material does not have: one white texel, whose place is the first word.
 const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
 
 /// The words of [`WHITE`]: the place of its one texel, where its one level begins, and then the texel.
@@ -103,8 +104,7 @@ impl TriangleImages {
         Ok(Self { maps, buffer: TexelBuffer::new(buffer, TEXELS.0, TEXELS.1)? })
     }
 
-    /// Returns the words of textures with all their levels, laid out as by [`Self::new`], and where each texture is among them. The
-    /// levels of a texture begin with the finest.
+    /// Returns the words of textures, laid out as by [`Self::new`] from the finest level on, and each texture's place.
     pub(in crate::passes) fn words<'a>(
         textures: impl Iterator<Item = (&'a Texture, Vec<Vec<u32>>)>,
     ) -> (Vec<u32>, Vec<Map>) {
@@ -131,7 +131,7 @@ impl TriangleImages {
         Ok(TriangleTable(uploaded(context, "materials", &self.rows(materials))?))
     }
 
-    /// The vectors of a table of materials.
+    /// The rows of the table of materials: three vectors of words for each material.
     pub(in crate::passes) fn rows(&self, materials: &[Material]) -> Vec<Words> {
         let map = |image: Option<usize>| image.map_or(WHITE, |i| self.maps[i]);
         let of_material = |m: &Material| {

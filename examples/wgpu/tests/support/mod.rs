@@ -1,5 +1,4 @@
-//! Runs the command on the images that an example drew. The command needs nothing that is special to the example: the files are such as
-//! any renderer could write.
+//! Runs the command `ssct` on the images that an example drew. The files are of a kind that any renderer could write.
 
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,
@@ -8,7 +7,8 @@ use exr::prelude::{
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The command; the variable's path may be relative to the repository.
+/// The path of the command `ssct`: the variable `SSCT_COMMAND`, which may be relative to the repository, or the debug
+/// build.
 pub fn ssct() -> PathBuf {
     let path = std::env::var_os("SSCT_COMMAND").unwrap_or_else(|| "target/debug/ssct".into());
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
@@ -16,13 +16,14 @@ pub fn ssct() -> PathBuf {
     path
 }
 
+/// Runs a command, which must succeed, and returns its output.
 pub fn run(command: &mut Command) -> Output {
     let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
     assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
     output
 }
 
-/// Channels of an image of so many pixels that the example wrote.
+/// Reads the first N channels of an image of width x height pixels that the example wrote.
 pub fn channels<const N: usize>(folder: &Path, name: &str, (width, height): (usize, usize)) -> [Vec<f32>; N] {
     let bytes = std::fs::read(folder.join(format!("{name}.f32"))).unwrap();
     let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
@@ -30,7 +31,8 @@ pub fn channels<const N: usize>(folder: &Path, name: &str, (width, height): (usi
     std::array::from_fn(|channel| numbers.iter().copied().skip(channel).step_by(stride.max(1)).collect())
 }
 
-/// The images as a G-buffer file. Its view space is left-handed, where that of the example is right-handed.
+/// Writes the example's images as a G-buffer file. The example's view space is right-handed and the file's is
+/// left-handed, so that z is negated.
 pub fn write_gbuffer(folder: &Path, size: (usize, usize), file: &Path) {
     let bytes = std::fs::read(folder.join("camera.f32")).unwrap();
     let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
@@ -53,7 +55,8 @@ pub fn write_gbuffer(folder: &Path, size: (usize, usize), file: &Path) {
     Image::from_layer(layer).write().to_file(file).unwrap();
 }
 
-/// Holds the first channels of an example's image against red, green and blue of the command's file, to the bit.
+/// Fails unless the first three channels of an example's image equal red, green and blue of the command's file to the
+/// bit.
 pub fn assert_equal(file: &Path, embedded: &[Vec<f32>]) {
     let layer = read_first_flat_layer_from_file(file).unwrap().layer_data;
     for (name, embedded) in ["R", "G", "B"].into_iter().zip(embedded) {

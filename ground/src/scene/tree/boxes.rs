@@ -44,8 +44,7 @@ impl PaddedTriangles {
         Self::around(middle, (high - middle).max_element(), count, corners)
     }
 
-    /// Makes the boxes of triangles that are part of a larger scene, with the scene's middle, and its greatest coordinate from
-    /// there.
+    /// Makes the boxes of triangles of a larger scene, with the scene's middle, and its greatest coordinate from there.
     pub fn around(middle: DVec3, extent: f64, count: usize, corners: impl Fn(usize) -> [DVec3; 3]) -> Self {
         let padding = Vec3A::splat(PADDING * extent as f32);
         let has_area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a) != DVec3::ZERO;
@@ -61,7 +60,7 @@ impl PaddedTriangles {
     }
 }
 
-/// Builds a binary hierarchy of good quality and of any number of levels.
+/// Builds a binary hierarchy of any number of levels by PLOC, which merges near boxes, and reinsertion.
 pub fn by_neighbours(padded: &[PaddedBox]) -> Bvh2 {
     let params = BvhBuildParams::medium_build();
     let indices = (0..padded.len() as u32).collect();
@@ -72,7 +71,7 @@ pub fn by_neighbours(padded: &[PaddedBox]) -> Bvh2 {
         params.sort_precision,
         params.search_depth_threshold,
     );
-    // The optimizer's stack has as many places as the default depth: a deeper hierarchy stays as it is.
+    // A deeper hierarchy is not optimized, since the optimizer's stack has only as many places as the default depth.
     if binary.depth(0) < binary.max_depth {
         ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
     }

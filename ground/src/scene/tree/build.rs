@@ -70,7 +70,7 @@ impl Trees {
         Self { middle, extent: (high - middle).max_element(), scene }
     }
 
-    /// Builds the tree over the triangles of a list. Its slots are indices into the list.
+    /// Builds the tree over the triangles of a list. The tree's slots are indices into the list.
     fn over(&self, list: &[[DVec3; 3]]) -> Tree {
         let far = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
         Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]))
@@ -112,10 +112,12 @@ impl BuildTrees for Trees {
     }
 }
 
+/// The corners of a triangle of a mesh in the world, in metres.
 fn corners_of(mesh: &Mesh, triangle: [u32; 3]) -> [DVec3; 3] {
     triangle.map(|i| Vec3::from(mesh.vertices[i as usize].position).as_dvec3())
 }
 
+/// Refuses a scene with more triangles than [`MAX_TRIANGLES`].
 fn check_count(scene: &Scene) -> Result<()> {
     let count = scene.triangle_count();
     if count > MAX_TRIANGLES {
@@ -165,7 +167,7 @@ fn by_halves(padded: &[PaddedBox]) -> CwBvh {
     let mut decided = Bvh2Converter::new(&counted, false, false);
     decided.calculate_cost(LEAF);
     let mut converter = Bvh2Converter::new(&binary, true, false);
-    converter.decisions = decided.decisions;
+    converter.decisions = decided.decisions; // which boxes share a node, decided by the counts
     converter.convert_to_cwbvh();
     let Bvh2Converter { nodes, primitive_indices, .. } = converter;
     CwBvh { nodes, primitive_indices, total_aabb: *binary.nodes[0].aabb(), ..CwBvh::default() }

@@ -4,6 +4,7 @@ use super::shared::{PanelActions, PanelData, heading};
 use crate::state::{InnerImage, STEPS, State};
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 
+/// Draws this part of the panel: the list of images, and the level, channel and range of the shown one.
 pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
     heading(ui, "Image");
     ui.selectable_value(&mut state.inside, None, "the finished image");

@@ -11,6 +11,7 @@ use ssct_lab::study::inspect::Inspection;
 /// Height of the bars, in points.
 const HEIGHT: f32 = 110.0;
 
+/// Draws this part of the panel: the times, the counted work and the error of the shown methods.
 pub fn show(ui: &mut Ui, state: &State, data: &PanelData) {
     for (n, (history, side)) in data.histories.iter().zip(state.rendered()).enumerate() {
         heading(ui, format!("Time of {}", side.method.name));
@@ -36,6 +37,7 @@ fn color(index: usize, counted: bool) -> Color32 {
     if counted { HUES[index % HUES.len()] } else { Color32::from_gray(90 + 30 * (index % 3) as u8) }
 }
 
+/// Draws the bars of a method, and the table of its stages.
 fn times(ui: &mut Ui, history: &History) {
     let total = history.total();
     bars(ui, history);
@@ -95,6 +97,7 @@ fn bars(ui: &mut Ui, history: &History) {
     );
 }
 
+/// Draws the passes of each method, and the work that was counted in the first method's frame at rest.
 fn work(ui: &mut Ui, state: &State, data: &PanelData) {
     for (n, (history, side)) in data.histories.iter().zip(state.rendered()).enumerate() {
         heading(ui, format!("Passes of {}", side.method.name));
@@ -182,6 +185,7 @@ fn passes(ui: &mut Ui, history: &History) {
     }
 }
 
+/// Draws the errors of the shown methods, or the command that makes the missing reference.
 fn error(ui: &mut Ui, state: &State, data: &PanelData) {
     heading(ui, "Error against the world reference");
     match &data.reference_error.outcome {

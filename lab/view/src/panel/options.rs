@@ -9,7 +9,7 @@ use ssct_ground::parameter::{Choices, Domain, Parameter, Preset, Value};
 /// The colour that marks a published value.
 pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
 
-/// The text about a method: its summary, its source, and its needs of a scene.
+/// The text about a method: its summary, its source, and its needs of a scene, with `between` between them.
 fn describe(info: &MethodInfo, between: &str) -> String {
     let needs: Vec<&str> = info.needs.iter().map(|need| need.words()).collect();
     let needs = if needs.is_empty() { String::new() } else { format!("{between}needs {}", needs.join(", ")) };

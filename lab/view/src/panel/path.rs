@@ -6,6 +6,7 @@ use crate::state::State;
 use egui::{Grid, RichText, Slider, Ui};
 use std::path::Path;
 
+/// Draws this part of the panel: the list of key frames with its buttons, and the file that they are saved in.
 pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor) {
     heading(ui, "Key frames");
     ui.horizontal(|ui| {

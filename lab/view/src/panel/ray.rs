@@ -13,10 +13,13 @@ use ssct_lab::study::pixel::PixelReport;
 use ssct_scenes::Capture;
 use ssct_truth::reference::Outcome;
 
+/// The colour of the method's hit.
 const METHOD: Color32 = Color32::from_rgb(255, 140, 0);
+/// The colour of the walk that is computed on the CPU.
 const WALK: Color32 = Color32::from_rgb(255, 230, 60);
-/// The part of the ray that the screen does not see.
+/// The colour of the part of the ray that the screen does not see.
 const BEYOND: Color32 = Color32::from_rgb(255, 90, 200);
+/// The colour of the oracle's hit.
 const ORACLE: Color32 = Color32::from_rgb(60, 230, 255);
 
 /// The colour of a level: from green for fine levels to red for coarse ones.
@@ -25,6 +28,7 @@ fn level_color(level: u32) -> Color32 {
     Color32::from_rgb((90.0 + 165.0 * share) as u8, (220.0 - 150.0 * share) as u8, 120)
 }
 
+/// Draws this part of the panel: the picked pixel, its explanation, and the ends and steps of its ray.
 pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
     ui.label("Click into the picture to pick a pixel's mirror ray.");
     // Before the first frame, the image's size is unknown.
@@ -202,6 +206,7 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     }
 }
 
+/// Draws a small cross at a point.
 fn cross_mark(painter: &Painter, centre: Pos2, color: Color32) {
     for (dx, dy) in [(6.0, 6.0), (6.0, -6.0)] {
         painter.line_segment(

@@ -3,6 +3,7 @@
 use super::shared::{PanelData, heading};
 use egui::{Color32, RichText, Ui};
 
+/// Draws this part of the panel: the watched folder, and the status of each shader that has changed.
 pub fn show(ui: &mut Ui, data: &PanelData) {
     let Some((folder, changes)) = data.shaders else {
         ui.label("No shaders are watched: start in the repository, or name their folder with --shaders.");

@@ -6,6 +6,7 @@ use crate::state::State;
 use egui::{ComboBox, Grid, RichText, Slider, Ui};
 use ssct::passes::look::Compare;
 
+/// Draws this part of the panel: the rows for scene, view, methods and materials.
 pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
     place(ui, state, data);
     heading(ui, "Compare");
@@ -34,6 +35,7 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
     });
 }
 
+/// Draws the rows for scene, view and speed.
 fn place(ui: &mut Ui, state: &mut State, data: &PanelData) {
     Grid::new("place").num_columns(2).show(ui, |ui| {
         ui.label("scene");
@@ -71,6 +73,7 @@ fn place(ui: &mut Ui, state: &mut State, data: &PanelData) {
     });
 }
 
+/// Draws the sliders that replace the materials' roughness and normal deviation, or scale their reflectivity.
 fn materials(ui: &mut Ui, state: &mut State) {
     heading(ui, "Materials");
     let globals = &mut state.globals;

@@ -12,7 +12,7 @@ use ssct::gpu::frame::Frame;
 use ssct::gpu::image::{Image, ImageDesc, ImageSlice};
 use ssct::gpu::memory::{Buffer, MemoryPlace};
 
-/// Draws what egui tessellated.
+/// Draws the triangles into which egui has divided the panel.
 pub struct Overlay {
     renderer: Renderer<Memory>,
     /// The pool of the commands that upload textures.
@@ -155,6 +155,7 @@ impl Allocator for Memory {
     }
 }
 
+/// Turns an error of ours into one of the renderer.
 fn refused(error: Error) -> RendererError {
     match error {
         Error::Vulkan { result, .. } => RendererError::Vulkan(result),
@@ -162,6 +163,7 @@ fn refused(error: Error) -> RendererError {
     }
 }
 
+/// Turns an error of the renderer into ours; `what` says what the renderer did.
 fn failed(what: &'static str) -> impl Fn(RendererError) -> Error {
     move |e| match e {
         RendererError::Vulkan(result) => Error::Vulkan { what: format!("the panel: {what}"), result },

@@ -31,6 +31,7 @@ choices! {
 }
 
 impl PresentMode {
+    /// The mode in Vulkan's terms.
     fn vulkan(self) -> vk::PresentModeKHR {
         match self {
             Self::Fifo => vk::PresentModeKHR::FIFO,
@@ -258,6 +259,7 @@ impl Swapchain {
         Ok(())
     }
 
+    /// Makes a swapchain of a size, which takes the place of the `old` one.
     fn create_chain(
         &self,
         capabilities: &vk::SurfaceCapabilitiesKHR,
@@ -287,6 +289,7 @@ impl Swapchain {
         Ok(unsafe { self.swapchains.create_swapchain(&info, None) }.map_err(vulkan("vkCreateSwapchainKHR"))?)
     }
 
+    /// Destroys a swapchain and its semaphores, after the device has finished.
     fn destroy_chain(&self, chain: Option<Chain>) {
         let Some(mut chain) = chain else { return };
         let device = self.gpu.raw();

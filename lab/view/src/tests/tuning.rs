@@ -129,10 +129,10 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         // depend on its neighbours in the list.
         assert!(if info.takes_captures { apart < 1e-4 } else { apart == 0.0 }, "{}: {apart}", info.name);
         for option in read {
-            // In this scene, no quad is behind another one or behind anything else, and no ray of a mirror meets one.
-            // Nothing reads the maximum of the Hi-Z. Both
-            // stages of a shader make the same image, and so do both tracers; tests/suite/own_rays.rs tries rays of a pixel's
-            // own, which are for lobes among triangles. Who is asked first matters where rays go beyond the screen.
+            // The methods of quads are left out: in this scene, no quad is behind another one or behind anything else,
+            // and no ray of a mirror meets a quad. Nothing reads the maximum of the Hi-Z. Both stages of a shader make
+            // the same image, and so do both tracers. Own rays are for lobes among triangles, and
+            // tests/suite/own_rays.rs tries them. The option `first` matters only where rays go beyond the screen.
             let shows_nothing = [
                 "hi-z-maximum",
                 "first",
@@ -146,11 +146,11 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             if ["billboard", "ibr"].contains(&info.name) || shows_nothing.contains(&option.0) {
                 continue;
             }
-            // At rest, frames differ where they are drawn by chance.
+            // At rest, frames differ only for `stochastic`, whose rays are drawn by chance.
             if ["history-frames", "history-deviations"].contains(&option.0) && info.name != "stochastic" {
                 continue;
             }
-            // Where distances are blurred, the chain is made.
+            // `ssr-fast` makes the colour chain only if distances are blurred.
             let (blurred, captured, history) = (("distance-blur", "on"), ("captures", "1"), ("history", "on"));
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
@@ -177,12 +177,12 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                     let layers = ("layers", "2");
                     (vec![layers, option], frame(&mut bench, info, &[layers]))
                 }
-                // On the screen alone reflections fade at its border, and the oracle says what they hit.
+                // Reflections fade at the screen's border, and follow the oracle, only if rays end on the screen.
                 ("unified", "fade" | "fade-start" | "fade-end" | "oracle") => {
                     let alone = ("beyond", "none");
                     (vec![alone, option], frame(&mut bench, info, &[alone]))
                 }
-                // Where there are captures, they have a side, and passes that renew them.
+                // Only captures have a side, and passes that renew them.
                 ("unified", "capture-side" | "captures-per-frame") => {
                     (vec![captured, option], frame(&mut bench, info, &[captured]))
                 }
@@ -194,7 +194,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     bench.is_valid("options");
 }
 
-/// How far the pictures of some bits are apart.
+/// The root mean square difference of two pictures, which are given as the bits of their floats; infinite if their
+/// sizes differ.
 fn rmse(a: &[u32], b: &[u32]) -> f64 {
     let squared = |(a, b): (&u32, &u32)| f64::from(f32::from_bits(*a) - f32::from_bits(*b)).powi(2);
     if a.len() == b.len() { (a.iter().zip(b).map(squared).sum::<f64>() / a.len() as f64).sqrt() } else { f64::INFINITY }
@@ -422,7 +423,7 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
     }
     let place = bench.viewer.captures_shown()[0];
     for (pixel, beyond) in &hits {
-        // The screen loses it somewhere between its beginning and its end, which lie on one line.
+        // The screen loses the ray somewhere between the ray's beginning and its end, which lie on one line.
         let (whole, lost) = (beyond.end - beyond.begin, beyond.lost - beyond.begin);
         let along = lost.dot(whole) / whole.length_squared();
         let aside = (lost - along * whole).length();

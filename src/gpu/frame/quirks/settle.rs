@@ -2,10 +2,10 @@
 //!
 //! If a shader's control flow depends on uniforms, `update_inline_shader_state` (lvp_execute.c) inserts their values
 //! into a copy of the shader and compiles the copy: at every draw, even if nothing has changed, and without freeing it.
-//! This costs milliseconds and megabytes per frame. At a draw without new uniforms and push constants, lavapipe finds
-//! that the copy is no better, and uses one shader from then on. Each pipeline that draws full-screen triangles
-//! therefore draws zero vertices once, after another pipeline has consumed the pushed values. A compute pipeline
-//! dispatches no workgroups twice instead. This crate's shaders for meshes have no such control flow.
+//! These compilations cost milliseconds and megabytes per frame. At a draw without new uniforms and push constants,
+//! lavapipe finds that the copy is no better, and uses one shader from then on. Each pipeline that draws full-screen
+//! triangles therefore draws zero vertices once, after another pipeline has consumed the pushed values. A compute
+//! pipeline dispatches no workgroups twice instead. This crate's shaders for meshes have no such control flow.
 //!
 //! This file can go when Mesa 22 need not be supported any more, or when `cargo test --test soak`, which checks that
 //! resident memory stays flat, passes on Mesa 22 without it.
@@ -37,8 +37,7 @@ impl Settling {
 
 impl Frame<'_> {
     /// Whether a pipeline must be settled now: at its first draw, on a driver with the bug. The caller then calls
-    /// [`Self::take_in`], draws zero vertices, and pushes its values again. The pipeline counts as settled once the
-    /// frame is submitted.
+    /// [`Self::take_in`], draws zero vertices, and pushes its values again. The pipeline counts as settled afterwards.
     pub(in crate::gpu::frame) fn must_settle(&mut self, settled: &Arc<AtomicBool>) -> bool {
         let is_new = !settled.load(Ordering::Relaxed) && self.settled.iter().all(|other| !Arc::ptr_eq(other, settled));
         if self.context.settling.is_none() || !is_new {
@@ -48,8 +47,7 @@ impl Frame<'_> {
         true
     }
 
-    /// Pushes the values that a graphics pipeline reads and lets another pipeline consume them. Must be called outside
-    /// of rendering.
+    /// Pushes the values that a graphics pipeline reads, and lets another pipeline consume them, outside of rendering.
     pub(in crate::gpu::frame) fn take_in(&mut self, pipeline: &SharedPipeline, inputs: &ProgramInputs) -> Result<()> {
         let Some(other) = self.context.settling.as_ref().map(|s| s.0.graphics.handle) else { return Ok(()) };
         self.rendering(&[], None, View::Down, |frame| {

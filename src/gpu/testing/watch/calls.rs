@@ -219,6 +219,7 @@ allocation!(
     buffers: *mut vk::CommandBuffer
 );
 
+/// Submits to the driver, or returns that the device is lost.
 unsafe extern "system" fn queue_submit2(
     queue: vk::Queue,
     count: u32,
@@ -233,6 +234,7 @@ unsafe extern "system" fn queue_submit2(
     }
 }
 
+/// Waits in the driver, unless the device is lost already. A wait that is to fail returns that the device is lost.
 unsafe extern "system" fn wait_for_fences(
     device: vk::Device,
     count: u32,
