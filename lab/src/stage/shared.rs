@@ -58,7 +58,7 @@ impl SharedGBuffers {
     /// Makes shots of several methods, each with its setup.
     ///
     /// # Errors
-    /// As those of [`shot`](Self::shot).
+    /// Errors of the device, and of data that a method cannot prepare.
     pub fn shots<'m>(
         &mut self,
         stage: &mut Stage,
