@@ -97,13 +97,14 @@ pub fn setup_digest(settings: &Value) -> String {
     name(hash)
 }
 
-/// A digest of a scene's lens, materials, lights, probes, impostors, motions, triangles and textures. Views, camera
-/// paths, captures and the names of meshes are left out.
+/// A digest of a scene's lens, materials, lights, probes, impostors, captures, motions, triangles and textures. Views, camera
+/// paths and the names of meshes are left out.
 pub fn scene_digest(scene: &Scene) -> String {
     let mut hash = Sha256::new();
     hash.update(format!("{} {:?} {:?} {:?}", scene.name, scene.lens, scene.materials, scene.lights));
     hash.update(format!("{:?} {:?} {:?}", scene.probes, scene.impostors, scene.area_lights));
     scene.motions.iter().for_each(|motion| hash.update(format!("{motion:?}")));
+    scene.captures.iter().for_each(|capture| hash.update(format!("{capture:?}")));
     for mesh in &scene.meshes {
         hash.update(bytemuck::cast_slice::<_, u8>(&mesh.vertices));
         hash.update(bytemuck::cast_slice::<_, u8>(&mesh.indices));
