@@ -47,6 +47,8 @@ struct Plan {
     size: [u32; 2],
     samples: usize,
     table_sizes: Vec<[u32; 2]>,
+    /// Size of the images whose errors are measured.
+    error_size: [u32; 2],
     /// Rays a pixel of the references.
     rays: u32,
     /// The methods of the table, and any from folders.
@@ -73,6 +75,7 @@ impl Plan {
                 size: [480, 270],
                 samples: 3,
                 table_sizes,
+                error_size: QUICK_SIZE.map(|side| side / 2),
                 rays: 16,
                 methods,
                 command: format!("ssct study --quick{more}"),
@@ -86,8 +89,8 @@ impl Plan {
         let (timed_scenes, views, full) =
             if options.full { (usize::MAX, usize::MAX, " --full") } else { (THESIS_SCENES, 1, "") };
         let command = format!("ssct study{full} --samples {samples}{more}");
-        let (scenes, size, rays) = (usize::MAX, SIZE, 64);
-        Ok(Self { scenes, timed_scenes, views, size, samples, table_sizes, rays, methods, command })
+        let (scenes, size, error_size, rays) = (usize::MAX, SIZE, QUICK_SIZE, 64);
+        Ok(Self { scenes, timed_scenes, views, size, samples, table_sizes, error_size, rays, methods, command })
     }
 
     /// The parts of the study, in the order in which a reader wants them: pictures of one view, the thesis's table, errors,
@@ -136,8 +139,8 @@ impl Plan {
         let globals = QUICK_ROUGHNESS.map(|r| Globals { roughness: Some(r), ..Globals::default() }).to_vec();
         let views = rooms.views.iter().take(QUICK_VIEWS).cloned().collect();
         let (scenes, variants) =
-            (vec![(rooms.clone(), views)], Variant::for_methods(&self.methods, &Setup::new(QUICK_SIZE)));
-        let study = ErrorStudy::new(scenes, vec![QUICK_SIZE], globals, variants, (self.samples, self.rays));
+            (vec![(rooms.clone(), views)], Variant::for_methods(&self.methods, &Setup::new(self.error_size)));
+        let study = ErrorStudy::new(scenes, vec![self.error_size], globals, variants, (self.samples, self.rays));
         let list = engine::list(&study, gpu, self.command.clone(), None);
         Ok(Some(Part::Errors(Box::new((RefCell::new(Some(study)), list)))))
     }
@@ -435,7 +438,7 @@ fn time_settings(plan: &Plan) -> String {
 
 /// The text on the page that says which errors were measured, and how.
 fn error_settings(plan: &Plan) -> String {
-    let [width, height] = QUICK_SIZE;
+    let [width, height] = plan.error_size;
     format!(
         "Every method as published on two views of the rooms at {width} × {height}, a mirror (roughness 0) and a glossy \
          one (0.1); references of {} rays a pixel, medians of {} frames. Left out are methods of which the rooms lack what \

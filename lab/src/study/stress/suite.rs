@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 use ssct::methods::{MethodInfo, Setup};
 use ssct_scenes::{Scene, library};
 
-/// Size of the images of cases with a scene, in pixels.
-const SCENE_SIZE: [u32; 2] = [321, 181];
+/// Size of the images of cases with a scene, in pixels, in a quick suite and in a whole one.
+const SCENE_SIZES: [[u32; 2]; 2] = [[161, 91], [321, 181]];
 
 /// Size of the images of cases with captures, in pixels; each case draws its captures again.
 const CAPTURE_SIZE: [u32; 2] = [161, 91];
@@ -90,6 +90,11 @@ impl StressStudy {
         }
     }
 
+    /// Size of the images of cases with a scene, in pixels.
+    fn scene_size(&self) -> [u32; 2] {
+        SCENE_SIZES[usize::from(!self.is_quick)]
+    }
+
     /// View and settings of a motion.
     fn motion_spec(&self, n: usize) -> MotionSpec<'_> {
         let (view, roughness, _) = self.motions[n];
@@ -128,7 +133,7 @@ impl Study for StressStudy {
 
     /// The program's version and the digests of the scenes stand for all other properties of a case.
     fn cells(&self) -> Vec<Planned<StressCell>> {
-        let setup = Setup::on_screen(SCENE_SIZE);
+        let setup = Setup::on_screen(self.scene_size());
         let set: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
         let digests: Vec<String> = self.scenes.iter().map(scene_digest).collect();
         let cases = (0..self.cases.len()).map(StressCell::Case);
@@ -160,8 +165,14 @@ impl Study for StressStudy {
             StressCell::Place(n) => {
                 let (scene_index, place) = &self.places[n];
                 let scene = &self.scenes[*scene_index];
-                let make =
-                    || SceneLineup::with_hits(gpu, moved(scene, place), &Setup::on_screen(SCENE_SIZE), &self.methods);
+                let make = || {
+                    SceneLineup::with_hits(
+                        gpu,
+                        moved(scene, place),
+                        &Setup::on_screen(self.scene_size()),
+                        &self.methods,
+                    )
+                };
                 let lineup = scene_lineup.get_or_make(format!("place {scene_index} {}", place.offset), make)?;
                 of_cases(run_place(gpu, place, lineup)?)
             }
