@@ -138,8 +138,11 @@ fn the_packaged_crate_needs_no_shader_compiler_and_shows_the_same() {
     let bytes = modules.iter().map(Vec::len).sum::<usize>();
     println!("the packaged crate was built of {crates} crates, {lines} lines of its own and {bytes} bytes of SPIR-V");
     assert!(crates > 10 && crates <= MOST_CRATES, "{crates} crates: {said}");
-    assert!(lines > 10_000 && lines <= MOST_LINES, "{lines} lines");
-    assert!(bytes <= MOST_SPIRV_BYTES, "{bytes} bytes of SPIR-V");
+    assert!(
+        lines > 10_000 && lines <= MOST_LINES,
+        "{lines} lines of Rust in src and ground/src; MOST_LINES here allows {MOST_LINES}"
+    );
+    assert!(bytes <= MOST_SPIRV_BYTES, "{bytes} bytes of SPIR-V; MOST_SPIRV_BYTES here allows {MOST_SPIRV_BYTES}");
     assert!(said.contains("the shaders are the packaged SPIR-V"), "{said}");
     let lock = std::fs::read_to_string(program.join("Cargo.lock")).unwrap();
     assert!(

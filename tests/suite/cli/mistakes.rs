@@ -1,6 +1,7 @@
 //! Mistakes of users: each gets one sentence and the exit status that belongs to it, and leaves no file.
 
 use super::{EYE, folder};
+use ssct::methods::METHODS;
 
 /// The users' mistakes, each with the arguments, the exit status, and words of the sentence.
 fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
@@ -8,6 +9,8 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
     let room =
         |args: &[&'static str]| [&["render", "-o", "x.png", "--size", "16x16", "--scene", "room.obj"], args].concat();
     let aimed = |args: &[&'static str]| [room(&EYE), args.to_vec()].concat();
+    let names: Vec<_> = METHODS.iter().map(|method| method.name).collect();
+    let no_method = format!("no method \"magic\"; there is: {}", names.join(", ")).leak();
     vec![
         (vec![], 2, "Usage"),
         (vec!["paint"], 2, "paint"),
@@ -26,12 +29,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
         (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
         (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
-        (
-            aimed(&["--method", "magic"]),
-            2,
-            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, dda, stochastic, \
-             local-map, pccm, billboard, ibr, planar, area-light, environment, captures, traced, unified",
-        ),
+        (aimed(&["--method", "magic"]), 2, no_method),
         (
             aimed(&["--method", "pccm", "--fallback", "pccm"]),
             2,

@@ -182,8 +182,8 @@ fn floor(records: &[ErrorRecord], against: ErrorReference) -> Option<f64> {
 /// Number of bytes in a MiB.
 const MIB: f64 = (1 << 20) as f64;
 
-/// A table with a row for each point, and a last row for the floor. Place agreement and prepared data have columns if a
-/// point has any.
+/// A table with a row for each point, and a last row for the floor. Place agreement, prepared data and further figures have columns
+/// if a point has any.
 fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let has_places = points.iter().any(|p| p.place_agreement.is_some());
     let has_prepared = points.iter().any(|p| p.prepared.is_some_and(|(bytes, _)| bytes > 0.0));
@@ -191,7 +191,12 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
         let first = [name, time, error, front].into_iter().chain(has_places.then_some(place));
         first.chain([bytes, prepared].into_iter().filter(|_| has_prepared)).chain(more).collect::<Vec<_>>()
     };
-    let columns = points::more_columns();
+    // Further figures that some point has, with their places in a point's list.
+    let columns: Vec<_> = points::more_columns()
+        .into_iter()
+        .enumerate()
+        .filter(|(i, _)| points.iter().any(|p| p.more.get(*i).is_some_and(Option::is_some)))
+        .collect();
     let point = |p: &Point| {
         let front = if p.on_front { "*" } else { "" };
         let place = p.place_agreement.map_or_else(|| "-".into(), |share| format!("{:.1} %", 100.0 * share));
@@ -199,7 +204,7 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
         let [time, error] = [format!("{:.3}", p.time_ms), format!("{:.4}", p.error)];
         let prepared = [format!("{:.1}", bytes / MIB), format!("{prepared:.0}")];
         let [bytes, prepared] = prepared;
-        let more = columns.iter().zip(&p.more).map(|(column, mean)| column.shown_number(*mean)).collect();
+        let more = columns.iter().map(|(i, column)| column.shown_number(p.more[*i])).collect();
         row([p.name.clone(), time, error, front.to_owned(), place, bytes, prepared], more)
     };
     let names = ["variant", "median ms", "mean error", "front", "right places, r 0", "prepared MiB", "prepared ms"];
@@ -208,7 +213,7 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let last = floor.map(|error| {
         row([FLOOR.into(), dash(), format!("{error:.4}"), String::new(), dash(), dash(), dash()], no_more())
     });
-    let header = row(names.map(str::to_owned), columns.iter().map(|c| c.title.clone()).collect());
+    let header = row(names.map(str::to_owned), columns.iter().map(|(_, c)| c.title.clone()).collect());
     std::iter::once(header).chain(points.iter().map(point)).chain(last).collect()
 }
 
