@@ -63,7 +63,10 @@ fn examples_run_as_methods_of_the_table_do() {
         assert_eq!((row["method"].as_str(), row["setup"][own].as_u64()), (Some(name), Some(77)), "{row}");
         let passes = row["passes"].to_string();
         assert!(passes.contains(&format!("\"{pass}\"")), "{passes}");
-        let judged = on_room("error", &["--method", "./m", "--rays", "4", "--samples", "1", "--no-sweep", "--json"]);
+        let judged = on_room(
+            "error",
+            &["--method", "./m", "--rays", "4", "--samples", "1", "--roughness", "0", "--no-sweep", "--json"],
+        );
         let rows: Value = serde_json::from_str(&folder.succeed(&judged)).unwrap();
         let errors = rows.as_array().unwrap().iter().filter(|r| r["method"] == name);
         assert!(errors.count() > 0, "{rows}");

@@ -130,8 +130,8 @@ const SIDE: CaptureSide = CaptureSide::Side128;
 /// The environment variable by which [`child`] learns the folder with the captures of each scene.
 const CUBES: &str = "SSCT_TEST_CUBES";
 
-/// Four combinations of method and fallback in two scenes: the image of a G-buffer beside a folder of captures equals
-/// that of the scene with the same captures, byte by byte. [`child`] tries more roughnesses.
+/// By the command, the image of a G-buffer beside a folder of captures equals that of the scene with the same captures, byte by
+/// byte. [`child`] tries every method, fallback and roughness without the command.
 #[test]
 fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     let folder = Folder::new();
@@ -153,23 +153,18 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
         for cubes in ["cubes", scene] {
             run(&["captures", scene, "--captures", captures, "--capture-side", side, "--view", view, "-o", cubes]);
         }
-        // The command tries the scene's own materials, and `child` tries even ones.
-        let place = ["--scene", scene, "--view", view, "--size", "97x61"];
-        run(&[&["gbuffer", "export", "g.exr"], &place[..]].concat());
-        for method in [
-            &["--method", "unified"][..],
-            &["--method", "captures"],
-            &["--method", "ssct", "--fallback", "captures"],
-            &["--method", "unified", "--fallback", "captures"],
-        ] {
-            let direct = [&["render", "--captures", captures, "--capture-side", side, "-o", "a.exr"], method];
-            run(&[&direct.concat(), &place[..]].concat());
-            let beside = [&["gbuffer", "reflect", "g.exr", "--captures", "cubes", "-o", "b.exr"], method];
-            run(&beside.concat());
-            let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
-            assert!(a == b, "{scene} {view}, {method:?}");
-        }
     }
+    // The command tries the scene's own materials, and `child` tries even ones.
+    let (scene, view, captures) = CAPTURED[1];
+    let place = ["--scene", scene, "--view", view, "--size", "97x61"];
+    run(&[&["gbuffer", "export", "g.exr"], &place[..]].concat());
+    let method = ["--method", "unified", "--fallback", "captures"];
+    let captures = captures.value().to_string();
+    let direct = ["render", "--captures", &captures, "--capture-side", side, "-o", "a.exr"];
+    run(&[&direct[..], &method, &place].concat());
+    run(&[&["gbuffer", "reflect", "g.exr", "--captures", "cubes", "-o", "b.exr"], &method[..]].concat());
+    let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
+    assert!(a == b, "{scene} {view}");
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--exact", "gbuffer_file::child", "--ignored", "--nocapture"]).env(CUBES, folder.root());
     succeed(command);
@@ -194,7 +189,9 @@ fn child() {
         let scene = crate::common::built_in(name);
         let (mut stage, view) = (Stage::new(&gpu, &scene).unwrap(), scene.view(view).unwrap());
         let cubes = CaptureFolder::open(&folder.join(name)).unwrap();
-        for roughness in [0.0, 0.1, 0.6] {
+        // Mirrors, narrow lobes and wide lobes have programs of their own; the second scene adds the sky in captures.
+        let roughnesses = if captures == CaptureCount::Number(1) { &[0.1][..] } else { &[0.0, 0.1, 0.6] };
+        for roughness in roughnesses.iter().copied() {
             let globals = Globals { roughness: Some(roughness), ..Globals::default() };
             for (method, fallback) in [
                 ("unified", Fallback::None),

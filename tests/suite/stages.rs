@@ -38,14 +38,15 @@ struct Place<'s> {
     materials: &'s [Material],
 }
 
-/// Makes a frame with every intermediate, and another frame that counts the work of each pass.
+/// Makes a frame with every intermediate, and with compute shaders another frame that counts the work of each pass.
 fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> Made {
     let Place { stage, camera, materials } = place;
     let shot = Shot::new(stage, method, setup, wants, *camera, materials.to_vec()).unwrap();
     let image = render(stage, &shot, true).unwrap();
     let passes = image.report.recorded.clone();
     let images = image.intermediates.unwrap().into_iter().map(|(name, _, pixels)| (name, bits(&pixels))).collect();
-    let counted = stage.run(&shot, Mode::Counted).unwrap().0;
+    let is_counted = setup.effect().stage == ShaderStage::Compute;
+    let counted = is_counted.then(|| stage.run(&shot, Mode::Counted).unwrap().0).unwrap_or_default();
     Made { images, passes, work: counted.recorded.into_iter().zip(counted.work).collect() }
 }
 

@@ -412,7 +412,7 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
     let inspection = bench.viewer.inspection().unwrap();
     let eye = inspection.gbuffer.camera.eye();
     let [width, height] = [inspection.gbuffer.width, inspection.gbuffer.height];
-    let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| [x, y]));
+    let pixels = (0..height).step_by(6).flat_map(|y| (0..width).step_by(6).map(move |x| [x, y]));
     let rays: Vec<_> = pixels.filter_map(|p| inspection.pick(p)).collect();
     let hits: Vec<_> =
         rays.iter().filter_map(|r| Some((r.pixel, r.in_world.filter(|b| b.capture == Some(0))?))).collect();
