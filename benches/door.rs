@@ -13,7 +13,7 @@
 #[path = "../tests/common/engine.rs"]
 mod engine;
 
-use engine::{Engine, NATIVE, Theirs, counted};
+use engine::{Engine, ForeignGBuffer, NATIVE, counted};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{self, Setup, Wants};
@@ -47,7 +47,7 @@ fn main() {
                     .expect("a shot");
                 let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
                 let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
-                let theirs = Theirs::new(&mut engine, &data, NATIVE);
+                let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
                 let before = context.allocated_bytes();
                 let info =
                     ReflectionsInfo { extent: SIZE, method: method.name, reflection: false, ..Default::default() };

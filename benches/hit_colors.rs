@@ -9,7 +9,7 @@
 #[path = "../tests/common/engine.rs"]
 mod engine;
 
-use engine::{Engine, NATIVE, Theirs, counted, meshes_of, textures_of, upload, vertices_of};
+use engine::{Engine, ForeignGBuffer, NATIVE, counted, meshes_of, textures_of, upload, vertices_of};
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{self, Setup, Wants};
 use ssct::{FrameInput, HitTexture, Reflections, ReflectionsInfo, Triangles};
@@ -51,7 +51,7 @@ fn main() {
             let shot = Shot::new(&mut stage, method, &setup, Wants::IMAGE, camera, materials).expect("a shot");
             stage.draw(&shot).expect("a frame");
             let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
-            let theirs = Theirs::new(&mut engine, &data, NATIVE);
+            let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
             let mut views = made.each_ref().map(|(triangles, ..)| {
                 let beyond = ReflectionsInfo { triangles: Some(triangles), method: "traced", ..Default::default() };
                 let info = ReflectionsInfo { extent: SIZE, reflection: false, ..beyond };

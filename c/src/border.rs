@@ -139,7 +139,7 @@ impl<T> Guarded<T> {
 ///
 /// # Safety
 /// It is `repr(C)`, its first field is `struct_size: usize`, and any bytes are a value of it.
-pub unsafe trait Growing: Copy {
+pub unsafe trait SizedStruct: Copy {
     /// The struct's name in the header.
     const NAME: &'static str;
 }
@@ -149,7 +149,7 @@ pub unsafe trait Growing: Copy {
 ///
 /// # Safety
 /// The pointer is NULL, or points to a struct of the size in bytes that its first field states.
-pub unsafe fn take<T: Growing>(argument: &str, pointer: *const T) -> Outcome<T> {
+pub unsafe fn take<T: SizedStruct>(argument: &str, pointer: *const T) -> Outcome<T> {
     // SAFETY: `size_of_theirs` asks the same of the pointer as this function.
     let size = unsafe { size_of_theirs(argument, pointer) }?;
     let known = size_of::<T>();
@@ -172,7 +172,7 @@ pub unsafe fn take<T: Growing>(argument: &str, pointer: *const T) -> Outcome<T> 
 ///
 /// # Safety
 /// The contract is that of [`take`].
-pub unsafe fn size_of_theirs<T: Growing>(argument: &str, pointer: *const T) -> Outcome<usize> {
+pub unsafe fn size_of_theirs<T: SizedStruct>(argument: &str, pointer: *const T) -> Outcome<usize> {
     if pointer.is_null() {
         return Err(Failure::usage(format!("the argument {argument} is NULL")));
     }
@@ -287,7 +287,7 @@ mod tests {
     }
 
     // SAFETY: `Known` is `repr(C)`, its first field is its size, and any bytes are a value of it.
-    unsafe impl Growing for Known {
+    unsafe impl SizedStruct for Known {
         const NAME: &'static str = "Known";
     }
 

@@ -1,6 +1,6 @@
 //! Capture cubes: images of the scene around places.
 
-use crate::border::{Failure, Growing, Guarded, SsctResult, array, create, destroy, guard, take};
+use crate::border::{Failure, Guarded, SizedStruct, SsctResult, array, create, destroy, guard, take};
 use crate::context::SsctContext;
 use crate::image::{SsctClipY, SsctImage, clip_y, image};
 use crate::live;
@@ -55,12 +55,12 @@ pub struct SsctCaptureFace {
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers and pointers.
-unsafe impl Growing for SsctCaptureCubesInfo {
+unsafe impl SizedStruct for SsctCaptureCubesInfo {
     const NAME: &'static str = "SsctCaptureCubesInfo";
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctCaptureFace {
+unsafe impl SizedStruct for SsctCaptureFace {
     const NAME: &'static str = "SsctCaptureFace";
 }
 

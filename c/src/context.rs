@@ -1,7 +1,8 @@
 //! The caller's device.
 
 use crate::border::{
-    Failure, Growing, Outcome, SsctResult, create, destroy, guard, needed, needed_mut, or, size_of_theirs, take, text,
+    Failure, Outcome, SizedStruct, SsctResult, create, destroy, guard, needed, needed_mut, or, size_of_theirs, take,
+    text,
 };
 use crate::live;
 use crate::memory::{CallersMemory, SsctMemory};
@@ -75,12 +76,12 @@ pub struct SsctMethod {
 }
 
 // SAFETY: the size is the first field, and the other fields are integers and pointers.
-unsafe impl Growing for SsctContextInfo {
+unsafe impl SizedStruct for SsctContextInfo {
     const NAME: &'static str = "SsctContextInfo";
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctDeviceInfo {
+unsafe impl SizedStruct for SsctDeviceInfo {
     const NAME: &'static str = "SsctDeviceInfo";
 }
 
@@ -109,15 +110,15 @@ pub unsafe extern "C" fn ssct_enable_features(
                 needed_mut("features13", features13)?,
             )
         };
-        typed("features12", all.1.s_type, VkPhysicalDeviceVulkan12Features::default().s_type)?;
-        typed("features13", all.2.s_type, VkPhysicalDeviceVulkan13Features::default().s_type)?;
+        check_s_type("features12", all.1.s_type, VkPhysicalDeviceVulkan12Features::default().s_type)?;
+        check_s_type("features13", all.2.s_type, VkPhysicalDeviceVulkan13Features::default().s_type)?;
         ssct::enable_features(all.0, all.1, all.2);
         Ok(())
     })
 }
 
 /// Refuses a struct whose `sType` is not the one that Vulkan gives its type.
-fn typed(argument: &str, is: vk::StructureType, should: vk::StructureType) -> Outcome<()> {
+fn check_s_type(argument: &str, is: vk::StructureType, should: vk::StructureType) -> Outcome<()> {
     if is == should {
         return Ok(());
     }

@@ -1,6 +1,6 @@
 //! The caller's images and camera.
 
-use crate::border::{Failure, Growing, Outcome, or, take};
+use crate::border::{Failure, Outcome, SizedStruct, or, take};
 use crate::vulkan::{
     VkAccessFlags2, VkBool32, VkExtent2D, VkFormat, VkImage, VkImageLayout, VkImageSubresourceRange, VkImageUsageFlags,
     VkImageView, VkPipelineStageFlags2,
@@ -158,27 +158,27 @@ pub struct SsctMotion {
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctImage {
+unsafe impl SizedStruct for SsctImage {
     const NAME: &'static str = "SsctImage";
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctCamera {
+unsafe impl SizedStruct for SsctCamera {
     const NAME: &'static str = "SsctCamera";
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctNormals {
+unsafe impl SizedStruct for SsctNormals {
     const NAME: &'static str = "SsctNormals";
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctFactor {
+unsafe impl SizedStruct for SsctFactor {
     const NAME: &'static str = "SsctFactor";
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctMotion {
+unsafe impl SizedStruct for SsctMotion {
     const NAME: &'static str = "SsctMotion";
 }
 

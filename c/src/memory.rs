@@ -1,6 +1,6 @@
 //! The caller's allocator.
 
-use crate::border::{Failure, Growing, Outcome, text, text_of};
+use crate::border::{Failure, Outcome, SizedStruct, text, text_of};
 use crate::vulkan::{VkDeviceMemory, VkMemoryRequirements};
 use ash::vk;
 use ssct::{DeviceMemory, MemoryBlock, MemoryPlace};
@@ -58,7 +58,7 @@ pub struct SsctMemory {
 }
 
 // SAFETY: the size is the first field, and the other fields are integers and pointers.
-unsafe impl Growing for SsctMemory {
+unsafe impl SizedStruct for SsctMemory {
     const NAME: &'static str = "SsctMemory";
 }
 

@@ -3,8 +3,8 @@
 mod reported;
 
 use crate::border::{
-    Failure, Growing, Guarded, Outcome, SsctResult, array, create, destroy, guard, needed_mut, size_of_theirs, take,
-    text, text_of,
+    Failure, Guarded, Outcome, SizedStruct, SsctResult, array, create, destroy, guard, needed_mut, size_of_theirs,
+    take, text, text_of,
 };
 use crate::captures::{SsctCaptureCubes, frames_in_flight};
 use crate::context::SsctContext;
@@ -217,17 +217,17 @@ pub struct SsctPassTime {
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctReflectionsInfo {
+unsafe impl SizedStruct for SsctReflectionsInfo {
     const NAME: &'static str = "SsctReflectionsInfo";
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctFrame {
+unsafe impl SizedStruct for SsctFrame {
     const NAME: &'static str = "SsctFrame";
 }
 
 // SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl Growing for SsctRecorded {
+unsafe impl SizedStruct for SsctRecorded {
     const NAME: &'static str = "SsctRecorded";
 }
 

@@ -12,7 +12,7 @@
 
 // Returns -2 ln cos x, computed as -ln(1 - sin^2 x). For a small x a series stands for the logarithm, which would lose
 // digits there.
-float LogCos(float x) {
+float MinusTwoLogCos(float x) {
     float q = sin(x) * sin(x);
     return q < 0.01 ? q * (1.0 + q * (0.5 + q / 3.0)) : -log(max(1.0 - q, 1e-6));
 }
@@ -23,13 +23,13 @@ float LogCos(float x) {
 // The m of a roughness, which is ln xi / ln cos(roughness / 2). The share 1 - xi of the lobe then lies within half the
 // roughness of r. xi is 0.244, and -ln xi is 1.4105871.
 float LobeExponent(float roughness) {
-    return min(2.0 * 1.4105871 / max(LogCos(0.5 * roughness), 1e-12), MIRROR_M);
+    return min(2.0 * 1.4105871 / max(MinusTwoLogCos(0.5 * roughness), 1e-12), MIRROR_M);
 }
 
 // The angle x in standard deviations of the Gaussian that stands for the lobe (G above), with the sign of x. The angle
 // stops just below 90 degrees, where the logarithm has no value.
 float LobeDeviations(float x, float m) {
-    float g = sqrt(m * LogCos(min(abs(x), 1.5607)));
+    float g = sqrt(m * MinusTwoLogCos(min(abs(x), 1.5607)));
     return x < 0.0 ? -g : g;
 }
 

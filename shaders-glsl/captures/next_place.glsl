@@ -7,10 +7,10 @@
 #include "captures/counts.glsl"
 
 // Reserves and returns the next free index of the list. The dispatch over the list has a workgroup for each
-// `to_a_group` entries. The index may lie beyond the end of the list's buffer.
-uint ReserveListIndex(uint to_a_group) {
+// `entries_per_group` entries. The index may lie beyond the end of the list's buffer.
+uint ReserveListIndex(uint entries_per_group) {
     uint index = atomicAdd(lost_counts.count, 1u);
-    if (index % to_a_group == 0u)
+    if (index % entries_per_group == 0u)
         atomicAdd(lost_counts.groups[0], 1u);
     if (index == 0u) {
         lost_counts.groups[1] = 1u;

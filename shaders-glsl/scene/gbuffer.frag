@@ -84,7 +84,7 @@ void main() {
         discard;
     }
     bool is_behind = IsSeenFromBehind();
-    if (HasNoSuchSide(is_behind)) {
+    if (IsInvisibleBack(is_behind)) {
         discard;
     }
 #ifdef PEELED

@@ -8,6 +8,6 @@
 #include "scene/side.glsl"
 
 void main() {
-    if (HasNoSuchSide(IsSeenFromBehind()))
+    if (IsInvisibleBack(IsSeenFromBehind()))
         discard;
 }

@@ -10,7 +10,7 @@ bool IsSeenFromBehind() {
 }
 
 // Whether a single-sided surface is seen from behind, so that nothing of it shows.
-bool HasNoSuchSide(bool is_behind) {
+bool IsInvisibleBack(bool is_behind) {
     return is_behind && (draw.maps & SINGLE_SIDED) != 0u;
 }
 

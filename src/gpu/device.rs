@@ -150,7 +150,7 @@ pub struct Shared {
     owned: bool,
     submissions: AtomicU64,
     /// The longest time that a frame may take, and the function to call if one takes longer.
-    pub(crate) patience: OnceLock<Patience>,
+    pub(crate) frame_timeout: OnceLock<FrameTimeout>,
     /// New code for shaders that changed while the program runs.
     #[cfg(feature = "reload")]
     pub replaced_shaders: super::shader::ReplacedShaders,
@@ -170,7 +170,7 @@ pub struct Shared {
 }
 
 /// The longest time that a frame may take, and a function that is called with a sentence if one takes longer.
-pub(crate) type Patience = (Duration, fn(&str));
+pub(crate) type FrameTimeout = (Duration, fn(&str));
 
 /// The functions of VK_EXT_debug_utils, and the messenger that writes messages of the layers into the log.
 struct Debug {
@@ -325,7 +325,7 @@ impl Gpu {
     /// Calls `give_up` with a sentence if a frame is not done within `limit`, since a shader may run forever. The function must not
     /// return but end the program, since what the device works on cannot be freed. Only the first call counts.
     pub fn wait_at_most(&self, limit: Duration, give_up: fn(&str)) {
-        self.shared.patience.get_or_init(|| (limit, give_up));
+        self.shared.frame_timeout.get_or_init(|| (limit, give_up));
     }
 
     /// Bytes of device memory now allocated through this handle.

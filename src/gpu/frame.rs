@@ -256,7 +256,7 @@ impl Frame<'_> {
             submitted = Instant::now();
             self.undo.0.clear();
             self.settled.iter().for_each(|pipeline| pipeline.store(true, Ordering::Relaxed));
-            let waited = match self.context.gpu.shared().patience.get() {
+            let waited = match self.context.gpu.shared().frame_timeout.get() {
                 None => device.wait_for_fences(&fences, true, u64::MAX),
                 Some((limit, give_up)) => {
                     let nanoseconds = limit.as_nanos().try_into().unwrap_or(u64::MAX);

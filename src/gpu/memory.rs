@@ -75,14 +75,14 @@ pub(super) enum Source {
     /// The crate's own allocator.
     Ours(Box<Mutex<ours::Allocator>>),
     /// The caller's allocator.
-    Theirs(Mutex<Box<dyn DeviceMemory>>),
+    ForeignGBuffer(Mutex<Box<dyn DeviceMemory>>),
 }
 
 /// Memory of an image or a buffer.
 pub(super) enum Allocation {
     Ours(ours::Allocation),
     /// A block of the caller's allocator, and its size in bytes.
-    Theirs(MemoryBlock, u64),
+    ForeignGBuffer(MemoryBlock, u64),
 }
 
 impl Source {
@@ -116,9 +116,9 @@ impl Source {
                 })
                 .map(Allocation::Ours)
                 .map_err(|e| e.to_string()),
-            Self::Theirs(allocator) => {
+            Self::ForeignGBuffer(allocator) => {
                 let block = locked(allocator).allocate(name, &requirements, place, linear)?;
-                Ok(Allocation::Theirs(block, requirements.size))
+                Ok(Allocation::ForeignGBuffer(block, requirements.size))
             }
         }
     }
@@ -131,7 +131,7 @@ impl Source {
                     tracing::error!("device memory could not be freed: {e}");
                 }
             }
-            (Self::Theirs(allocator), Allocation::Theirs(block, _)) => locked(allocator).free(block),
+            (Self::ForeignGBuffer(allocator), Allocation::ForeignGBuffer(block, _)) => locked(allocator).free(block),
             _ => unreachable!("a device has one source of memory"),
         }
     }
@@ -146,14 +146,14 @@ impl Allocation {
         match self {
             // SAFETY: the memory is bound, and freed through this allocation alone.
             Self::Ours(allocation) => unsafe { allocation.memory() },
-            Self::Theirs(block, _) => block.memory,
+            Self::ForeignGBuffer(block, _) => block.memory,
         }
     }
 
     pub fn offset(&self) -> u64 {
         match self {
             Self::Ours(allocation) => allocation.offset(),
-            Self::Theirs(block, _) => block.offset,
+            Self::ForeignGBuffer(block, _) => block.offset,
         }
     }
 
@@ -161,7 +161,7 @@ impl Allocation {
     fn bytes(&self) -> Option<&[u8]> {
         match self {
             Self::Ours(allocation) => allocation.mapped_slice(),
-            Self::Theirs(block, size) => {
+            Self::ForeignGBuffer(block, size) => {
                 let size = *size as usize;
                 // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
                 block.mapped.map(|pointer| unsafe { std::slice::from_raw_parts(pointer.as_ptr(), size) })
@@ -172,7 +172,7 @@ impl Allocation {
     fn bytes_mut(&mut self) -> Option<&mut [u8]> {
         match self {
             Self::Ours(allocation) => allocation.mapped_slice_mut(),
-            Self::Theirs(block, size) => {
+            Self::ForeignGBuffer(block, size) => {
                 let size = *size as usize;
                 // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
                 block.mapped.map(|pointer| unsafe { std::slice::from_raw_parts_mut(pointer.as_ptr(), size) })

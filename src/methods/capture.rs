@@ -188,7 +188,7 @@ impl CaptureImages {
             normal: Image::array(gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?,
             color: Image::cubes(gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?,
             face: super::unified::parameters(forward, extent, false),
-            face_unit: lost::unit(forward),
+            face_unit: lost::view_unit_m(forward),
             places: places.into_iter().map(Cell::new).collect(),
             bounds: Cell::new(Aabb::ALL),
         })

@@ -61,7 +61,7 @@ pub struct Exclusion {
     /// The case in which the value is refused, in the words of the page of options.
     pub refused: &'static str,
     /// Returns true for requests of this kind.
-    pub is_asked: fn(&Asked) -> bool,
+    pub applies: fn(&Asked) -> bool,
     message: fn(&Asked) -> String,
 }
 
@@ -72,7 +72,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "captures",
         refused: "for captures that are given beside a G-buffer, if neither the method nor its fallback follows rays in captures",
-        is_asked: |asked| {
+        applies: |asked| {
             let is_behind = asked.effect.fallback.method().is_some_and(|m| m.takes_captures);
             asked.brought == Some(Brought::Captures) && !asked.info.takes_captures && !is_behind
         },
@@ -87,7 +87,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "captures",
         refused: "as `camera` for captures that are given beside a G-buffer",
-        is_asked: |asked| {
+        applies: |asked| {
             asked.brought == Some(Brought::Captures) && asked.effect.captures_wanted() == CaptureCount::Camera
         },
         message: |_| DRAWN_ANEW.into(),
@@ -95,13 +95,13 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "captures_per_frame",
         refused: "above 0 for captures that are given beside a G-buffer",
-        is_asked: |asked| asked.brought == Some(Brought::Captures) && asked.effect.captures_per_frame > 0,
+        applies: |asked| asked.brought == Some(Brought::Captures) && asked.effect.captures_per_frame > 0,
         message: |_| DRAWN_ANEW.into(),
     },
     Exclusion {
         parameter: "captures_per_frame",
         refused: "for the capture at the camera",
-        is_asked: |asked| {
+        applies: |asked| {
             asked.has_captures
                 && asked.brought.is_none()
                 && asked.effect.captures_wanted() == CaptureCount::Camera
@@ -114,7 +114,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "method",
         refused: "for triangles that are given beside a G-buffer, if the method follows no rays among triangles",
-        is_asked: |asked| asked.brought == Some(Brought::Triangles) && !asked.info.takes_triangles,
+        applies: |asked| asked.brought == Some(Brought::Triangles) && !asked.info.takes_triangles,
         message: |asked| {
             format!("the method {} follows no rays among triangles; the methods unified and traced do", asked.info.name)
         },
@@ -122,7 +122,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "beyond",
         refused: "as `none` and `captures` for triangles that are given beside a G-buffer",
-        is_asked: |asked| {
+        applies: |asked| {
             let is_elsewhere = matches!(asked.effect.beyond, BeyondScreen::None | BeyondScreen::Captures);
             asked.brought == Some(Brought::Triangles) && is_elsewhere
         },
@@ -131,7 +131,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "tracer",
         refused: "as `query` for triangles that are given beside a G-buffer",
-        is_asked: |asked| asked.brought == Some(Brought::Triangles) && asked.effect.tracer == Tracer::Query,
+        applies: |asked| asked.brought == Some(Brought::Triangles) && asked.effect.tracer == Tracer::Query,
         message: |_| {
             "triangles are given with their tree, and no ray query is asked among them: the tracer must be tree".into()
         },
@@ -139,13 +139,13 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "method",
         refused: "for a G-buffer alone, if the method needs the scene",
-        is_asked: |asked| !asked.is_seen(asked.info),
+        applies: |asked| !asked.is_seen(asked.info),
         message: |asked| format!("the method {} needs the scene; a G-buffer alone does not show it", asked.info.name),
     },
     Exclusion {
         parameter: "method",
         refused: "for an orthographic camera, if the method's formulas are made for a perspective",
-        is_asked: |asked| asked.setup.projection.is_orthographic() && !asked.info.takes_orthographic,
+        applies: |asked| asked.setup.projection.is_orthographic() && !asked.info.takes_orthographic,
         message: |asked| {
             let others: Vec<&str> = METHODS.iter().filter(|m| m.takes_orthographic).map(|m| m.name).collect();
             format!(
@@ -159,7 +159,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "resolution_scale",
         refused: "below 1 for a method that is no screen-space method",
-        is_asked: |asked| asked.effect.divisor() != 1 && !asked.info.is_screen_space(),
+        applies: |asked| asked.effect.divisor() != 1 && !asked.info.is_screen_space(),
         message: |asked| {
             format!("a lower resolution scale is for screen-space methods, and {} is none", asked.info.name)
         },
@@ -167,13 +167,13 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "layers",
         refused: "as 2 for a G-buffer alone",
-        is_asked: |asked| asked.info.takes_second_layer(asked.setup) && !asked.has_scene,
+        applies: |asked| asked.info.takes_second_layer(asked.setup) && !asked.has_scene,
         message: |_| "a second layer of depth is drawn from the scene; a G-buffer alone does not have one".into(),
     },
     Exclusion {
         parameter: "trace_normals",
         refused: "as `geometric` and `up` for a method that is no screen-space method",
-        is_asked: |asked| asked.effect.trace_normals != TraceNormals::Shading && !asked.info.is_screen_space(),
+        applies: |asked| asked.effect.trace_normals != TraceNormals::Shading && !asked.info.is_screen_space(),
         message: |asked| {
             format!("other normals for rays are for screen-space methods, and {} is none", asked.info.name)
         },
@@ -181,13 +181,13 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "bounces",
         refused: "above 1 for a method that is no screen-space method",
-        is_asked: |asked| asked.effect.bounces != 1 && !asked.info.is_screen_space(),
+        applies: |asked| asked.effect.bounces != 1 && !asked.info.is_screen_space(),
         message: |asked| format!("several bounces are for screen-space methods, and {} is none", asked.info.name),
     },
     Exclusion {
         parameter: "bounces",
         refused: "above 1 where rays go among triangles",
-        is_asked: |asked| asked.effect.bounces != 1 && asked.has_triangles,
+        applies: |asked| asked.effect.bounces != 1 && asked.has_triangles,
         message: |_| {
             "several bounces are for rays that end on the screen or in captures: what rays meet among triangles does not \
              reflect"
@@ -197,7 +197,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "bump_after",
         refused: "above 0 if rays are reflected at the normals of shading",
-        is_asked: |asked| asked.effect.bump_after > 0.0 && asked.effect.trace_normals == TraceNormals::Shading,
+        applies: |asked| asked.effect.bump_after > 0.0 && asked.effect.trace_normals == TraceNormals::Shading,
         message: |_| {
             "bumps after the tracing need rays that were reflected at normals without them: trace-normals geometric or up"
                 .into()
@@ -206,7 +206,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "fallback",
         refused: "behind a method that is no screen-space method",
-        is_asked: |asked| asked.effect.fallback.method().is_some() && !asked.info.is_screen_space(),
+        applies: |asked| asked.effect.fallback.method().is_some() && !asked.info.is_screen_space(),
         message: |asked| {
             format!(
                 "the fallback {}: only screen-space methods have a fallback, and {} is none",
@@ -218,7 +218,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "fallback",
         refused: "for a G-buffer alone, if the fallback needs the scene",
-        is_asked: |asked| asked.effect.fallback.method().is_some_and(|method| !asked.is_seen(method)),
+        applies: |asked| asked.effect.fallback.method().is_some_and(|method| !asked.is_seen(method)),
         message: |asked| format!("the fallback {} needs the scene; a G-buffer alone does not show it", behind(asked)),
     },
 ];
@@ -233,7 +233,7 @@ fn behind(asked: &Asked) -> &'static str {
 /// # Errors
 /// [`Error::Usage`] with the message of the first such kind.
 pub fn check(asked: &Asked) -> Result<()> {
-    match EXCLUSIONS.iter().find(|exclusion| (exclusion.is_asked)(asked)) {
+    match EXCLUSIONS.iter().find(|exclusion| (exclusion.applies)(asked)) {
         Some(exclusion) => Err(Error::Usage((exclusion.message)(asked))),
         None => Ok(()),
     }

@@ -109,7 +109,7 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// If the parameter `first` is `auto`, a CPU follows every ray among the triangles of scenes with up to this many
 /// triangles. A GPU does so in every scene (docs/unified.md).
-const FIRST_UP_TO: u32 = 60_000;
+const MOST_TRACED_FIRST_ON_CPU: u32 = 60_000;
 
 choices! {
     /// What colour a ray sees where it meets a triangle.
@@ -201,7 +201,7 @@ impl UnifiedMethod {
         let screen = match (request.triangles, first) {
             (None, _) | (_, FirstTraced::Screen) => true,
             (Some(_), FirstTraced::Triangles) => false,
-            (Some(triangles), FirstTraced::Auto) => gpu.info().is_cpu() && triangles.count > FIRST_UP_TO,
+            (Some(triangles), FirstTraced::Auto) => gpu.info().is_cpu() && triangles.count > MOST_TRACED_FIRST_ON_CPU,
         };
         let triangles = request
             .triangles

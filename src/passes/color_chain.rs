@@ -40,7 +40,7 @@ choices! {
 enum LevelPipelines {
     /// One blit for each level.
     Blits,
-    /// One blit for each level, but one dispatch for the last [`COARSE`] levels, and one for the first if the sky is left out.
+    /// One blit for each level, but one dispatch for the last [`COARSE_LEVELS`] levels, and one for the first if the sky is left out.
     Coarse(ComputePipeline<ColorFirst<'static>>, ComputePipeline<ColorCoarse<'static>>),
     /// Two passes for each level, with the image between the two directions.
     Gaussian(PixelPipeline<GaussianBlur<'static>>, Box<Image>),
@@ -49,7 +49,7 @@ enum LevelPipelines {
 }
 
 /// Levels that `color_coarse.comp` makes.
-const COARSE: u32 = 7;
+const COARSE_LEVELS: u32 = 7;
 
 /// The pass that makes the levels.
 pub struct ColorChainPass(LevelPipelines);
@@ -176,7 +176,7 @@ fn blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()>
     levels.try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
 }
 
-/// Records the levels of a chain from level `from` on, as blits. The last [`COARSE`] levels are one dispatch instead, if none of them
+/// Records the levels of a chain from level `from` on, as blits. The last [`COARSE_LEVELS`] levels are one dispatch instead, if none of them
 /// is below `from` and the chain has the one format that the shader writes.
 fn record_levels(
     frame: &mut Frame,
@@ -184,7 +184,7 @@ fn record_levels(
     from: u32,
     pipeline: &ComputePipeline<ColorCoarse<'static>>,
 ) -> Result<()> {
-    match chain.levels().checked_sub(COARSE) {
+    match chain.levels().checked_sub(COARSE_LEVELS) {
         Some(first) if first >= from && chain.format() == LIT_COLOR => {
             blits(frame, chain, from..first)?;
             coarse(frame, chain, first, pipeline)
@@ -193,7 +193,7 @@ fn record_levels(
     }
 }
 
-/// Records the last [`COARSE`] levels of a chain, from level `first` on, in one dispatch.
+/// Records the last [`COARSE_LEVELS`] levels of a chain, from level `first` on, in one dispatch.
 fn coarse(
     frame: &mut Frame,
     chain: &Image,

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::programs::{History, HistoryConstants};
 use crate::gpu::shader::{HistoryBlock, MoverData};
 use crate::gpu::{Frame, Gpu, Image, PixelPipeline, Sampled, ShaderStage, Target};
-use crate::passes::lost::{ENDS, unit};
+use crate::passes::lost::{ENDS, view_unit_m};
 use ash::vk;
 use glam::{DMat4, Vec2, Vec4Swizzles};
 use ssct_ground::math::constants::{BEYOND, MOST_MOVERS, NO_TRIANGLE};
@@ -234,7 +234,7 @@ impl HistoryPass {
     }
 
     /// Records pass "history" of the frame that [`Self::begin`] began. Returns the averaged reflection, and the finished image if
-    /// the pass makes it. `ends` says where the rays of each pixel ended, in units of [`unit()`], and `motion` how surfaces moved;
+    /// the pass makes it. `ends` says where the rays of each pixel ended, in units of [`view_unit_m()`], and `motion` how surfaces moved;
     /// `None` where unknown.
     ///
     /// # Errors
@@ -323,7 +323,7 @@ impl HistoryPass {
             resolution: extent.map(|v| v as f32),
             size: extent.map(|v| v as i32),
             beyond: extent.map(|v| v as f32 + BEYOND as f32),
-            unit: unit(camera),
+            unit: view_unit_m(camera),
             frames: self.averaged as f32,
             deviations: self.deviations,
             begins: i32::from(previous_frame.before.is_none()),

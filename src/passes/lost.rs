@@ -148,7 +148,7 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
     let mut rotation = camera.world_to_view.as_dmat4().inverse();
     rotation.w_axis = glam::DVec4::W;
     block.view_to_world = rotation.as_mat4().to_cols_array_2d();
-    block.view_unit = unit(camera);
+    block.view_unit = view_unit_m(camera);
     if let Some(captures) = captures {
         let eye = camera.eye();
         for (place, position) in block.places.iter_mut().zip(captures.places) {
@@ -163,12 +163,12 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
 }
 
 /// Format of the images that say where the rays of each pixel ended (`shaders-glsl/unified/ends.glsl`): the distance in units of
-/// [`unit()`], as the bits of a float, 0 for none; and the number of a triangle.
+/// [`view_unit_m()`], as the bits of a float, 0 for none; and the number of a triangle.
 pub const ENDS: vk::Format = vk::Format::R32G32_UINT;
 
 /// Metres to one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`): 1 for an orthographic projection. For a perspective the
 /// unit is near (1 + k) with k = near / (far - near), since reversed depth plus k is near (1 + k) / z.
-pub fn unit(camera: &Camera) -> f32 {
+pub fn view_unit_m(camera: &Camera) -> f32 {
     match camera.kind() {
         ProjectionKind::Perspective => camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32,
         ProjectionKind::Orthographic => 1.0,

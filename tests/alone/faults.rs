@@ -4,7 +4,7 @@
 //! Each test has a process of its own because it makes and destroys devices under the validation layers: see
 //! [`common::gpu`](crate::common::gpu).
 
-use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
+use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, info, view_of_rooms};
 use crate::common::{Builder, two_quads};
 use crate::is_alone;
 use glam::Vec3;
@@ -212,7 +212,7 @@ fn a_device_of_the_callers_may_fail() {
     let mut on = Watched { gpu: open(&watch).unwrap(), watch, context: None };
     let mut engine = Engine::new(&on.gpu);
     let data = view_of_rooms(&on.gpu, EXTENT);
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let (context, what) = (engine.context(), info(&data, "unified"));
     on.context = Some(context.clone());
     let tried = on.try_faults("reflections", 3, || Reflections::new(&context, &what), |_, _| true);

@@ -1,7 +1,7 @@
 //! Soak tests: frames are drawn while sizes and methods change. In the end, no more objects and memory may be in use
 //! than after the first rounds, on the device and on the host.
 
-use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
+use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, info, view_of_rooms};
 use crate::common::{clutter_camera, two_quads};
 use crate::{is_alone, memory};
 use ssct::gpu::frame::Mode;
@@ -148,7 +148,7 @@ fn soak_embedded(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_eac
     let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
     let mut engine = Engine::new(&gpu);
     let data: Vec<_> = sizes.iter().map(|size| view_of_rooms(&gpu, *size)).collect();
-    let theirs: Vec<_> = data.iter().map(|data| Theirs::new(&mut engine, data, NATIVE)).collect();
+    let theirs: Vec<_> = data.iter().map(|data| ForeignGBuffer::new(&mut engine, data, NATIVE)).collect();
     let context = engine.context();
     let (mut held, mut frames) = (Vec::with_capacity(rounds), 0);
     for _ in 0..rounds {

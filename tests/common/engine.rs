@@ -150,7 +150,7 @@ impl Engine {
 
     /// The composite that the door makes of a G-buffer which this renderer hands over in a convention.
     pub fn shown(&mut self, reflections: &mut Reflections, data: &GBufferData, convention: Convention) -> Pixels {
-        let theirs = Theirs::new(self, data, convention);
+        let theirs = ForeignGBuffer::new(self, data, convention);
         let recorded = self.frame(reflections, &theirs.input()).unwrap();
         self.read(&recorded.composite.unwrap())
     }
@@ -183,7 +183,7 @@ pub const NATIVE: Convention = Convention {
 };
 
 /// The images of a G-buffer in the convention of another renderer.
-pub struct Theirs {
+pub struct ForeignGBuffer {
     pub depth: Image,
     pub normal: Image,
     pub material: Image,
@@ -197,7 +197,7 @@ pub fn halves(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(|v| f16::from_f32(v).to_ne_bytes()).collect()
 }
 
-impl Theirs {
+impl ForeignGBuffer {
     /// Converts a G-buffer to a convention, and uploads it.
     pub fn new(engine: &mut Engine, data: &GBufferData, convention: Convention) -> Self {
         let extent = [data.width, data.height];

@@ -34,9 +34,9 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// All devices are made before the first is used, and none is destroyed. The layers keep devices in a table that they
 /// read in every call without a lock. They crash where another thread makes or destroys a device meanwhile
 /// (KhronosGroup/Vulkan-ValidationLayers issue 4391).
-pub fn gpu() -> Lent {
+pub fn gpu() -> PooledGpu {
     let mut free = POOL.get_or_init(|| Mutex::new(new_pool())).lock().unwrap_or_else(PoisonError::into_inner);
-    Lent(Some(free.pop().unwrap_or_else(own_gpu)))
+    PooledGpu(Some(free.pop().unwrap_or_else(own_gpu)))
 }
 
 /// Opens a device like those of [`gpu`], but a new one, which is destroyed after use: for tests of a device's whole
@@ -55,9 +55,9 @@ fn new_pool() -> Vec<Gpu> {
 }
 
 /// A device of [`gpu`], which the next test gets when this one is done.
-pub struct Lent(Option<Gpu>);
+pub struct PooledGpu(Option<Gpu>);
 
-impl Deref for Lent {
+impl Deref for PooledGpu {
     type Target = Gpu;
 
     fn deref(&self) -> &Gpu {
@@ -65,7 +65,7 @@ impl Deref for Lent {
     }
 }
 
-impl Drop for Lent {
+impl Drop for PooledGpu {
     fn drop(&mut self) {
         let gpu = self.0.take().unwrap();
         if std::thread::panicking() {

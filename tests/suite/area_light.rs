@@ -19,7 +19,7 @@ const SIDE: u32 = 28;
 const RADIANCE: Vec3 = Vec3::new(1.0, 0.5, 2.0);
 
 /// Whether a ray from a point meets a light from the side on which it shines.
-fn meets(shape: &AreaShape, from: DVec3, direction: DVec3) -> bool {
+fn ray_meets_light(shape: &AreaShape, from: DVec3, direction: DVec3) -> bool {
     match *shape {
         AreaShape::Sphere { centre, radius } => passes_within(centre.as_dvec3() - from, direction, f64::from(radius)),
         AreaShape::Capsule { a, b, radius } => {
@@ -112,7 +112,7 @@ fn share(shape: &AreaShape, receiver: &Receiver) -> f64 {
     let cells = (0..SIDE * SIDE).map(|k| [f64::from(k % SIDE), f64::from(k / SIDE)].map(|v| (v + 0.5) / side));
     let met = cells.filter(|u| {
         let direction = lobe_direction(axis, exponent, *u);
-        receiver.is_above(direction) && meets(shape, receiver.position, direction)
+        receiver.is_above(direction) && ray_meets_light(shape, receiver.position, direction)
     });
     met.count() as f64 / (side * side)
 }
@@ -291,7 +291,7 @@ fn a_mirror_shows_the_light_itself_and_a_rectangle_is_dark_from_behind() {
         let (mut met, mut wrong) = (0, 0);
         for (texel, receiver) in reflection.texels().zip(&receivers) {
             let Some(receiver) = receiver else { continue };
-            let expected = meets(&shape, receiver.position, receiver.mirror());
+            let expected = ray_meets_light(&shape, receiver.position, receiver.mirror());
             met += u32::from(expected);
             wrong += u32::from((texel[0] > 0.5 * RADIANCE.x) != expected);
         }

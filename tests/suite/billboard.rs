@@ -50,14 +50,14 @@ fn scene(with_block: bool) -> Scene {
 }
 
 /// What `billboard` shows of a scene, and the truth of the triangles there, with some changed parameters.
-fn see_with(gpu: &Gpu, scene: &Scene, change: impl FnOnce(&mut BillboardParams)) -> Truth {
+fn shown_with(gpu: &Gpu, scene: &Scene, change: impl FnOnce(&mut BillboardParams)) -> Truth {
     let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
     beside_truth(gpu, scene, camera, "billboard", &Setup::new(EXTENT).with(change), &Globals::default())
 }
 
 /// What `billboard` shows with one order of impostors and one kind of occlusion, beside the truth.
 fn see(gpu: &Gpu, scene: &Scene, order: Order, occlusion: Occlusion) -> Truth {
-    see_with(gpu, scene, |p| (p.billboard_order, p.billboard_occlusion) = (order, occlusion))
+    shown_with(gpu, scene, |p| (p.billboard_order, p.billboard_occlusion) = (order, occlusion))
 }
 
 /// The kind of a colour: 0 for black, 1 for red, 2 for green, 3 for blue.
@@ -187,7 +187,7 @@ fn a_blur_widens_with_roughness_and_with_the_way_from_the_viewer() {
 /// passes beyond the picture's edges in the picture's plane: [in x, in y, in all], in metres. `None` means that no ray
 /// meets that plane ahead.
 fn glowing(gpu: &Gpu, scene: &Scene, occlusion: Occlusion, glow: (f32, f32)) -> (Pixels, Vec<Option<[f64; 3]>>) {
-    let Truth { reflection, first_hits, .. } = see_with(gpu, scene, |p| {
+    let Truth { reflection, first_hits, .. } = shown_with(gpu, scene, |p| {
         (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, occlusion);
         (p.billboard_glow, p.billboard_glow_width) = glow;
     });

@@ -2,7 +2,7 @@
 //! same G-buffer. Wrong inputs are refused with a sentence before anything is recorded.
 
 use crate::common::engine::{
-    BYTES, Convention, Engine, FLOAT, HALVES, NATIVE, Theirs, bits, drawn, halves, info, rmse, view_of_rooms,
+    BYTES, Convention, Engine, FLOAT, ForeignGBuffer, HALVES, NATIVE, bits, drawn, halves, info, rmse, view_of_rooms,
 };
 use crate::common::{gpu, own_gpu};
 use ash::vk;
@@ -28,7 +28,7 @@ fn every_screen_space_method_makes_through_the_door_what_it_makes_otherwise() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [97, 61]);
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let context = engine.context();
     for method in METHODS.iter().filter(|m| m.is_screen_space()) {
         let mut reflections = Reflections::new(&context, &info(&data, method.name)).unwrap();
@@ -79,7 +79,7 @@ fn every_convention_shows_the_same() {
     let standard = Convention { standard_depth: true, ..NATIVE };
     assert!(rmse(&show(standard), &native) < 0.02);
     // A wrong convention shows another image, so that the bounds above mean something.
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let mut input = theirs.input();
     input.normal.space = NormalSpace::World;
     let recorded = engine.frame(&mut reflections, &input).unwrap();
@@ -95,7 +95,7 @@ fn a_shifted_projection_shifts_the_image() {
     let data = view_of_rooms(&gpu, [96, 64]);
     let context = engine.context();
     let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
     let native = engine.read(&recorded.composite.unwrap());
     // The images stay, but the projection is said to be shifted by 8 pixels: the middle of the view is then at its
@@ -118,7 +118,7 @@ fn a_shifted_projection_shifts_the_image() {
         moved.reflectivity[i] = data.reflectivity[from];
         moved.roughness[i] = data.roughness[from];
     }
-    let theirs = Theirs::new(&mut engine, &moved, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &moved, NATIVE);
     let mut input = theirs.input();
     input.camera.view_to_clip[8] = 2.0 * shift as f32 / width as f32;
     let recorded = engine.frame(&mut reflections, &input).unwrap();
@@ -141,7 +141,7 @@ fn a_sky_shows_where_rays_end_in_it() {
     let mut engine = Engine::new(&gpu);
     let data = drawn(&gpu, "street", "puddles", [97, 61]);
     assert!(data.depth.contains(&0.0), "the street is under the sky");
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let context = engine.context();
     let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
     let (reflectivity, roughness) = (FactorInput::Constant(0.5), FactorInput::Constant(0.0));
@@ -167,7 +167,7 @@ fn what_is_not_asked_for_is_not_made() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [64, 48]);
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let context = engine.context();
     for method in ["unified", "ssct"] {
         let mut made = |composite, reflection| {
@@ -243,7 +243,7 @@ fn memory_of_the_callers_is_taken_and_given_back() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [64, 48]);
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let mut show = |context: Context| {
         let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
         let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
@@ -312,7 +312,7 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     let refused = CaptureCubes::new(&context, &turned).err().unwrap().to_string();
     assert!(refused.contains("bounds"), "{refused}");
     let mut captures = CaptureCubes::new(&context, &captures_info).unwrap();
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let with = ReflectionsInfo { captures: Some(64), ..info(&data, "unified") };
     let mut reflections = Reflections::new(&context, &with).unwrap();
     let commands = engine.begin();
@@ -372,7 +372,7 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [32, 24]);
     let context = engine.context();
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
     let mut refused = |change: &dyn Fn(&mut FrameInput<'static>), words: [&str; 2]| {
         let mut input = theirs.input();
@@ -426,7 +426,7 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [64, 48]);
     let context = engine.context();
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let with_hits = ReflectionsInfo { hits: true, parameters: &[("fade", "off")], ..info(&data, "unified") };
     let mut reflections = Reflections::new(&context, &with_hits).unwrap();
     let (reflectivity, roughness) = (FactorInput::Constant(0.5), FactorInput::Constant(0.0));
@@ -447,7 +447,7 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     let of_image = theirs.input();
     let mut data = data.clone();
     data.roughness.fill(0.0);
-    let mirrors = Theirs::new(&mut engine, &data, NATIVE);
+    let mirrors = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let recorded = engine.frame(&mut reflections, &mirrors.input()).unwrap();
     let (all, shown) = (recorded.passes.len(), bits(&engine.read(&recorded.composite.unwrap())));
     let reflectors = Reflectors { narrow: false, wide: false, ..Reflectors::UNKNOWN };
@@ -473,7 +473,7 @@ fn views_come_and_go_in_two_threads_and_leave_nothing() {
         let gpu = own_gpu();
         let mut engine = Engine::new(&gpu);
         let data = view_of_rooms(&gpu, [33, 21]);
-        let theirs = Theirs::new(&mut engine, &data, NATIVE);
+        let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
         let context = engine.context();
         let mut held = Vec::new();
         for round in 0..3 {

@@ -1,7 +1,7 @@
 //! Motion through the door: with motion given, the history of a mesh that moves is that of the laboratory, which knows
 //! where meshes stand.
 
-use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, plain_rooms, triangles_of};
+use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, bits, info, plain_rooms, triangles_of};
 use crate::common::gpu;
 use ash::vk;
 use glam::{Vec2, Vec3, Vec4Swizzles};
@@ -19,7 +19,7 @@ use ssct_truth::metrics::image::masked_rmse;
 const EXTENT: [u32; 2] = [161, 91];
 
 /// The format of images of motion: two 32-bit floats a pixel.
-const WAYS: vk::Format = vk::Format::R32G32_SFLOAT;
+const MOTION_FORMAT: vk::Format = vk::Format::R32G32_SFLOAT;
 
 /// The parameters of the door, the same as those of `setup`.
 const PARAMETERS: [(&str, &str); 3] = [("history", "on"), ("history-frames", "8"), ("first", "screen")];
@@ -135,13 +135,13 @@ fn through_the_door(film: &[Moment], scale: Option<[f32; 2]>) -> Vec<Pixels> {
     let mut reflections = Reflections::new(&context, &with).unwrap();
     let mut made = Vec::new();
     for moment in film {
-        let theirs = Theirs::new(&mut engine, &moment.data, NATIVE);
+        let theirs = ForeignGBuffer::new(&mut engine, &moment.data, NATIVE);
         let triangles = triangles_of(&engine, &moment.scene);
         // Where nothing moves, no motion is given.
         let scale = scale.filter(|_| moment.moved.1 != Vec3::ZERO);
         let image = scale.map(|[x, y]| {
             let stored: Vec<[f32; 2]> = ways(moment).iter().map(|way| [way.x / x, way.y / y]).collect();
-            engine.upload(WAYS, EXTENT, bytemuck::cast_slice(&stored))
+            engine.upload(MOTION_FORMAT, EXTENT, bytemuck::cast_slice(&stored))
         });
         let motion = image.as_ref().zip(scale).map(|(image, scale)| motion(image, scale));
         let input = FrameInput { triangles: Some(&triangles), motion, ..theirs.input() };
@@ -193,11 +193,11 @@ fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     let mut engine = Engine::new(&gpu);
     let data = crate::common::engine::view_of_rooms(&gpu, [32, 24]);
     let context = engine.context();
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let with = ReflectionsInfo { parameters: &PARAMETERS[..1], ..info(&data, "unified") };
     let mut reflections = Reflections::new(&context, &with).unwrap();
     let still = vec![[f32::NAN; 2]; 32 * 24];
-    let image = engine.upload(WAYS, [32, 24], bytemuck::cast_slice(&still));
+    let image = engine.upload(MOTION_FORMAT, [32, 24], bytemuck::cast_slice(&still));
     let good = motion(&image, [1.0, 1.0]);
     let mut refused = |change: &dyn Fn(&mut MotionInput), words: &str| {
         let mut motion = good;
@@ -253,10 +253,10 @@ fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
         let mut reflections = Reflections::new(&context, &with).unwrap();
         let mut last = None;
         for (n, data) in frames.iter().enumerate() {
-            let theirs = Theirs::new(&mut engine, data, NATIVE);
+            let theirs = ForeignGBuffer::new(&mut engine, data, NATIVE);
             let difference = if held && n > 0 { shifts[n - 1] - shifts[n] } else { Vec2::ZERO };
             let ways = vec![difference.to_array(); data.depth.len()];
-            let image = engine.upload(WAYS, EXTENT, bytemuck::cast_slice(&ways));
+            let image = engine.upload(MOTION_FORMAT, EXTENT, bytemuck::cast_slice(&ways));
             let motion = MotionInput { jittered, ..motion(&image, [1.0, 1.0]) };
             let input = FrameInput { motion: Some(motion), ..theirs.input() };
             let recorded = engine.frame(&mut reflections, &input).unwrap();

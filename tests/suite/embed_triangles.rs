@@ -2,8 +2,8 @@
 //! the scene itself.
 
 use crate::common::engine::{
-    Engine, NATIVE, Theirs, bits, info, meshes_of, plain_rooms, rmse, textures_of, triangles_of, upload, vertices_of,
-    view_of_rooms,
+    Engine, ForeignGBuffer, NATIVE, bits, info, meshes_of, plain_rooms, rmse, textures_of, triangles_of, upload,
+    vertices_of, view_of_rooms,
 };
 use crate::common::gpu;
 use ssct::gpu::{FrameContext, Pixels};
@@ -38,7 +38,7 @@ fn in_the_laboratory(
 /// The reflection that a method makes of a G-buffer through the door, beside triangles of the caller.
 fn through_the_door(
     engine: &mut Engine,
-    (theirs, data): (&Theirs, &GBufferData),
+    (theirs, data): (&ForeignGBuffer, &GBufferData),
     triangles: &Triangles,
     (method, parameters): (&str, &[(&str, &str)]),
 ) -> Pixels {
@@ -58,7 +58,7 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
     let data = view_of_rooms(&gpu, EXTENT);
     let scene = plain_rooms();
     let stage = Stage::new(&gpu, &scene).unwrap();
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let context = engine.context();
     let triangles = triangles_of(&engine, &scene);
 
@@ -109,7 +109,7 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
         (material.emission, material.single_sided, material.surface) = (1.0, false, Surface::Lit);
     }
     let stage = Stage::new(&gpu, &scene).unwrap();
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let context = engine.context();
     let (textures, vertices) = (textures_of(&scene), vertices_of(&scene));
     let mut frames = FrameContext::new(&gpu).unwrap();
@@ -164,7 +164,7 @@ fn what_the_screen_shows_of_a_hit_has_the_color_of_the_screen() {
     for roughness in [0.0, 0.1, 0.4] {
         let mut data = view_of_rooms(&gpu, EXTENT_LIT);
         data.roughness.fill(roughness);
-        let theirs = Theirs::new(&mut engine, &data, NATIVE);
+        let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
         let images = GBufferImages::upload(&mut frames, &data).unwrap();
         // The reference: reflections of the scene's own triangles, which are lit.
         let setup = Setup::new(EXTENT_LIT).with(|p: &mut UnifiedParams| p.first = FirstTraced::Triangles);

@@ -1,7 +1,7 @@
 //! Mistakes of hosts: colours that are no numbers are black and spread nowhere, and an instance that was made for an
 //! older Vulkan is refused.
 
-use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
+use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, bits, info, view_of_rooms};
 use crate::common::gpu;
 use ash::vk;
 use glam::Vec3;
@@ -30,7 +30,7 @@ fn a_colour_that_is_no_number_is_black_and_spreads_nowhere() {
         ([f32::INFINITY, 1.0, f32::NEG_INFINITY], [MOST, 1.0, -MOST]),
     ] {
         let (odd, sound) = (spoilt(odd), spoilt(sound));
-        let theirs = Theirs::new(&mut engine, &odd, NATIVE);
+        let theirs = ForeignGBuffer::new(&mut engine, &odd, NATIVE);
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
             let reflect = |data| gbuffer::reflect(&gpu, data, None, method, &Setup::new([97, 61])).unwrap();
             let [expected, uploaded] = [&sound, &odd].map(reflect);

@@ -61,7 +61,7 @@ fn each_is_the_first_that_some_request_asks_for() {
         with_scene("pccm", &over_maps),
         without_scene("ssct", &over_maps, None),
     ];
-    let first = |asked: &Asked| EXCLUSIONS.iter().position(|exclusion| (exclusion.is_asked)(asked));
+    let first = |asked: &Asked| EXCLUSIONS.iter().position(|exclusion| (exclusion.applies)(asked));
     assert_eq!(requests.iter().filter_map(first).collect::<Vec<_>>(), (0..EXCLUSIONS.len()).collect::<Vec<_>>());
     for asked in &requests {
         assert!(check(asked).is_err_and(|e| e.to_string().len() > 40));

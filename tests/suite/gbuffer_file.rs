@@ -1,7 +1,7 @@
 //! A G-buffer that goes to a file and comes back gives the same image as the direct run, to the bit. The same holds for
 //! captures beside the file.
 
-use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
+use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, info, view_of_rooms};
 use crate::common::folder::Folder;
 use crate::common::gpu;
 use glam::Vec3;
@@ -311,7 +311,7 @@ fn no_method_makes_infinity_of_them_behind_the_door() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [97, 61]);
-    let mut theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let mut theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let bright = |k: usize, v: f32| if k.is_multiple_of(3) { [1e9, -1e9, f32::MAX][k / 3 % 3] } else { v };
     let texels = data.color.iter().enumerate().flat_map(|(k, c)| c.extend(1.0).to_array().map(|v| bright(k, v)));
     let texels: Vec<f32> = texels.collect();

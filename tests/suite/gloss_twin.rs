@@ -27,7 +27,7 @@ const FADE: [f32; 2] = [0.8, 1.0];
 
 /// The choices by which a G-buffer is drawn.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Way {
+pub(crate) struct DrawMode {
     /// The version of the oracle that the traversal follows.
     pub(crate) oracle: OracleVersion,
     /// Whether passes run over the tiles of a list. Otherwise they run over the whole image, and all its reflectors
@@ -48,7 +48,7 @@ pub(crate) struct Drawn {
 }
 
 /// Runs the glossy passes on a G-buffer, and reads the result of each.
-pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
+pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: DrawMode) -> Drawn {
     let extent = [data.width, data.height];
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
@@ -251,7 +251,7 @@ fn pixels(width: u32, height: u32) -> impl Iterator<Item = IVec2> {
 pub(crate) type Counts = [Count; 5];
 
 /// Compares the results of every pass with the twin's, and counts.
-pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
+pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: DrawMode) -> Counts {
     let traversal = Traversal::new(data).of_version(way.oracle);
     let gloss = Gloss::new(&traversal, &drawn.chain, Some(FADE), way.over);
     let mut counts = Counts::default();
@@ -390,7 +390,7 @@ fn every_glossy_pass_is_its_twin() {
     let mut totals = Counts::default();
     for (name, data, of_one_kind) in cases.iter().take(take) {
         for (oracle, tiles, over) in [(V1, !of_one_kind, false), (V2, true, true)] {
-            let way = Way { oracle, tiles, over };
+            let way = DrawMode { oracle, tiles, over };
             let counts = check(data, &draw(&gpu, data, way), way);
             println!("{name}, {way:?}: {:?}", counts.map(|c| [c.all, c.hits, c.ties, c.wrong]));
             let most = |c: &Count| tolerated_share(&gpu) * c.all as f64;
@@ -411,7 +411,7 @@ fn every_glossy_pass_is_its_twin() {
 #[test]
 fn a_ray_that_is_not_gathered_is_seen() {
     let gpu = gpu();
-    let way = Way { oracle: OracleVersion::V1, tiles: true, over: false };
+    let way = DrawMode { oracle: OracleVersion::V1, tiles: true, over: false };
     for (roughness, traced, shown) in [(0.1, 0, 3), (0.5, 1, 2)] {
         let data = rooms(&gpu, "corridor", [127, 61], roughness, 0.0);
         let mut drawn = draw(&gpu, &data, way);

@@ -2,7 +2,7 @@
 //! the oracle says, is its twin to the bit, and among triangles hits what the world says. Other renderers' cameras are
 //! taken through the door, and methods that need a perspective say so.
 
-use crate::common::engine::{Convention, Engine, NATIVE, Theirs, bits, info, rmse};
+use crate::common::engine::{Convention, Engine, ForeignGBuffer, NATIVE, bits, info, rmse};
 use crate::common::folder::Folder;
 use crate::common::{check_validation, clutter, gpu, is_gpu_assisted};
 use crate::{gloss_twin, triangles, unified as on_screen};
@@ -165,7 +165,7 @@ fn every_glossy_pass_is_its_twin() {
         let data = seen(&gpu, &scene, camera, &globals, extent);
         for (data, of_one_kind) in [(&data, true), (&gloss_twin::mixed(&data, 5), false)] {
             for (oracle, tiles, over) in [(V1, !of_one_kind, false), (V2, true, true)] {
-                let way = gloss_twin::Way { oracle, tiles, over };
+                let way = gloss_twin::DrawMode { oracle, tiles, over };
                 let counts = gloss_twin::check(data, &gloss_twin::draw(&gpu, data, way), way);
                 println!("roughness {roughness}, {way:?}: {:?}", counts.map(|c| [c.all, c.hits, c.ties, c.wrong]));
                 assert!(counts.iter().all(|c| c.wrong == 0), "roughness {roughness}, {way:?}");
@@ -383,7 +383,7 @@ fn every_convention_of_an_orthographic_renderer_shows_the_same() {
         }
     }
     // Reflections that were made for one kind of projection refuse the other.
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let wrong = Reflections::new(
         &context,
         &ssct::ReflectionsInfo { projection: ProjectionKind::Perspective, ..info(&data, "unified") },
@@ -420,7 +420,7 @@ fn both_views_of_a_stereo_frame_are_as_each_alone() {
     let eyes = stereo(scene.view("corridor").unwrap().camera(&scene, extent));
     let gloss = Globals { roughness: Some(0.1), ..Globals::default() };
     let data = eyes.map(|eye| seen(&gpu, &scene, eye, &gloss, extent));
-    let theirs = [0, 1].map(|k| Theirs::new(&mut engine, &data[k], NATIVE));
+    let theirs = [0, 1].map(|k| ForeignGBuffer::new(&mut engine, &data[k], NATIVE));
     let alone = [0, 1].map(|k| {
         let context = engine.context();
         let mut reflections = Reflections::new(&context, &info(&data[k], "unified")).unwrap();

@@ -24,7 +24,7 @@ fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
 }
 
 /// The output of a command that succeeds and prints nothing to standard error.
-fn done(arguments: &[&str]) -> String {
+fn run_successfully(arguments: &[&str]) -> String {
     let (status, out, said) = run(arguments);
     assert_eq!((status, said.as_str()), (Some(0), ""), "{arguments:?}");
     out
@@ -57,7 +57,7 @@ impl Folders {
     /// Runs a shard into the folder that its number names.
     fn shard(&self, command: &[&str], index: u32, count: u32) {
         let (shard, folder) = (format!("{index}/{count}"), self.name(&index.to_string()));
-        done(&[command, &["--shard", &shard, "-o", &folder]].concat());
+        run_successfully(&[command, &["--shard", &shard, "-o", &folder]].concat());
     }
 
     /// The content of a JSON file.
@@ -134,7 +134,7 @@ fn killed(arguments: &[&str], folder: &Path, lines: usize) {
 fn merged_shards_of_an_error_study_are_the_study() {
     let folders = Folders::new();
     let [whole, all, first] = ["whole", "all", "1"].map(|name| folders.name(name));
-    done(&[&ERROR[..], &["-o", &whole]].concat());
+    run_successfully(&[&ERROR[..], &["-o", &whole]].concat());
     let third = [&ERROR[..], &["--shard", "1/3", "-o", &first]].concat();
     killed(&third, &folders.path("1"), 3);
     let (status, ..) = run(&third);
@@ -158,13 +158,13 @@ fn merged_shards_of_an_error_study_are_the_study() {
 
     // The shards can be merged anyway, and the page names the missing cells.
     let partial = folders.name("partial");
-    let out = done(&["merge", &first, &second, &third_folder, "-o", &partial, "--partial"]);
+    let out = run_successfully(&["merge", &first, &second, &third_folder, "-o", &partial, "--partial"]);
     let page = std::fs::read_to_string(folders.path("partial/index.html")).unwrap();
     for name in &missing {
         assert!(out.contains(&format!("missing: {name}")) && page.contains(name), "{out}");
     }
-    done(&[&third[..], &["--resume"]].concat());
-    let done_again = done(&[&merge[..], &["--json"]].concat());
+    run_successfully(&[&third[..], &["--resume"]].concat());
+    let done_again = run_successfully(&[&merge[..], &["--json"]].concat());
     let summary: Value = serde_json::from_str(&done_again).unwrap();
     assert_eq!((&summary["cells"], &summary["missing"]), (&4.into(), &Value::Array(vec![])));
 
@@ -180,10 +180,10 @@ fn merged_shards_of_an_error_study_are_the_study() {
     // shard.
     let measured = || std::fs::read_to_string(folders.path("all/journal.jsonl")).unwrap().lines().count();
     let before = (measured(), folders.json("all/error.json"));
-    done(&[&ERROR[..], &["--resume", "-o", &all]].concat());
+    run_successfully(&[&ERROR[..], &["--resume", "-o", &all]].concat());
     assert_eq!((measured(), folders.json("all/error.json")), (before.0 + 1, before.1), "but for the note of its end");
     let again = folders.name("again");
-    done(&["merge", &partial, &first, "-o", &again]);
+    run_successfully(&["merge", &partial, &first, "-o", &again]);
     assert_eq!(folders.json("again/error.json"), folders.json("all/error.json"));
 }
 
@@ -206,7 +206,7 @@ fn what_does_not_belong_together_is_not_merged() {
         (["--method", "ssct", "--rays", "4", "--roughness", "0,0.2"], "it has no cell corridor"),
     ] {
         let _ = std::fs::remove_dir_all(&other);
-        done(&[&command(&more)[..], &["--shard", "2/2", "-o", &other]].concat());
+        run_successfully(&[&command(&more)[..], &["--shard", "2/2", "-o", &other]].concat());
         let said = merge(&other);
         assert!(said.contains("is not of the same study as") && said.contains(part), "{said}");
     }
@@ -232,7 +232,7 @@ fn what_does_not_belong_together_is_not_merged() {
         std::fs::write(folders.path(n), text.replacen("\"commit\": \"other ", "\"commit\": \"", 1)).unwrap();
     }
     let copy = folders.name("copy");
-    done(&["merge", &a, &b, "-o", &copy]);
+    run_successfully(&["merge", &a, &b, "-o", &copy]);
     let text = std::fs::read_to_string(folders.path("copy/journal.jsonl")).unwrap();
     let changed: Vec<String> = text.lines().map(|l| l.replacen("\"flip\":0.", "\"flip\":1.", 1)).collect();
     std::fs::write(folders.path("copy/journal.jsonl"), changed.join("\n") + "\n").unwrap();
@@ -250,13 +250,13 @@ fn what_does_not_belong_together_is_not_merged() {
 fn divided(command: &[&str], records: &str) -> Folders {
     let folders = Folders::new();
     let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
-    done(&[command, &["-o", &whole]].concat());
+    run_successfully(&[command, &["-o", &whole]].concat());
     for n in [1, 2] {
         folders.shard(command, n, 2);
     }
     let owned = ["1", "2"].map(|n| cells(&folders.json(&format!("{n}/cells.json"))).0.len());
     assert!(owned.iter().all(|n| *n > 0), "{command:?}: {owned:?}");
-    done(&["merge", &first, &second, "-o", &all]);
+    run_successfully(&["merge", &first, &second, "-o", &all]);
     let [a, b] = ["whole", "all"].map(|f| figures(folders.json(&format!("{f}/{records}"))));
     assert!(a.as_array().is_some_and(|all| !all.is_empty()) && a == b, "{command:?}:\n{a}\n{b}");
     assert_eq!(folders.files("whole"), folders.files("all"), "{command:?}");
@@ -278,7 +278,7 @@ fn times_are_divided_by_size_and_roughness() {
         assert_eq!(methods.len(), 2);
     }
     let [a, b] = ["whole", "all"].map(|name| folders.name(name));
-    done(&["compare", &a, &b]);
+    run_successfully(&["compare", &a, &b]);
 }
 
 /// Rewrites the folder of a shard as if another device had measured it.
@@ -302,7 +302,7 @@ fn times_of_two_devices_stay_apart() {
     }
     of_another_device(&folders.path("2"));
     let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
-    let out = done(&["merge", &a, &b, "-o", &all]);
+    let out = run_successfully(&["merge", &a, &b, "-o", &all]);
     assert!(out.contains("2 devices, whose times stay apart"), "{out}");
     assert_eq!(folders.json("all/time.json").as_array().unwrap().len(), 4);
     let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
@@ -315,7 +315,7 @@ fn times_of_two_devices_stay_apart() {
     let mut apart = ["all/devices/1", "all/devices/2"];
     apart.sort_by_key(|folder| is_other(folder));
     assert!(!is_other(apart[0]) && is_other(apart[1]));
-    done(&["compare", &folders.name(apart[0]), &a]);
+    run_successfully(&["compare", &folders.name(apart[0]), &a]);
     let (status, ..) = run(&["compare", &folders.name(apart[1]), &a]);
     assert_ne!(status, Some(0), "nothing is compared between devices");
 
@@ -328,7 +328,7 @@ fn times_of_two_devices_stay_apart() {
     }
     of_another_device(&folders.path("2"));
     let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
-    done(&["merge", &a, &b, "-o", &all]);
+    run_successfully(&["merge", &a, &b, "-o", &all]);
     let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
     assert_eq!(page.matches("<h2 id=\"device-").count(), 2, "a part for each device");
     assert_eq!(page.matches("<h2 id=\"sources\"").count(), 1, "and one for the errors");
@@ -366,15 +366,15 @@ fn other_studies_are_divided_too() {
     let folders = Folders::new();
     let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
     let figures = ["figures", "--only", "4.1,4.6,schmidt-27", "--size", "48x27"];
-    done(&[&figures[..], &["-o", &whole]].concat());
+    run_successfully(&[&figures[..], &["-o", &whole]].concat());
     for n in [1, 2] {
         folders.shard(&figures, n, 2);
     }
-    done(&["merge", &first, &second, "-o", &all]);
+    run_successfully(&["merge", &first, &second, "-o", &all]);
     assert_eq!(folders.files("whole"), folders.files("all"));
     let [a, b] = ["whole", "all"].map(|f| std::fs::read_to_string(folders.path(f).join("index.html")).unwrap());
     assert_eq!(a, b, "one page");
-    let out = done(&[&figures[..], &["-o", &all, "--resume"]].concat());
+    let out = run_successfully(&[&figures[..], &["-o", &all, "--resume"]].concat());
     assert!(out.contains("3 figures, 0 left out"), "{out}");
 }
 
@@ -391,22 +391,22 @@ fn a_reference_is_divided_by_its_rays() {
     assert!(status == Some(2) && said.contains("--cache"), "{said}");
     for (n, folder) in [&a, &b, &c].into_iter().enumerate() {
         let (shard, file) = (format!("{}/3", n + 1), image(&n.to_string()));
-        done(&[&render[..], &["--shard", &shard, "-o", &file, "--cache", folder]].concat());
+        run_successfully(&[&render[..], &["--shard", &shard, "-o", &file, "--cache", folder]].concat());
     }
     let said = refused(&["merge", &a, &c, "-o", &all]);
     assert!(said.contains("samples 64 to 127 of corridor") && said.contains("are missing"), "{said}");
-    let out = done(&["merge", &c, &a, &b, "-o", &all]);
+    let out = run_successfully(&["merge", &c, &a, &b, "-o", &all]);
     assert!(out.contains("200 of 200 rays") && out.contains(&format!("--cache {all} -o FILE")), "{out}");
 
     // The merged samples are those of one run, and the image is drawn without any more.
     let most = ["--standard-error", "0.000001"];
-    done(&[&render[..], &most, &["-o", &image("whole"), "--cache", &whole]].concat());
+    run_successfully(&[&render[..], &most, &["-o", &image("whole"), "--cache", &whole]].concat());
     let state = |folder: &str| {
         let name = folders.files(folder).into_iter().find(|name| name.ends_with(".world")).unwrap();
         (name.clone(), std::fs::read(folders.path(folder).join(name)).unwrap())
     };
     assert!(state("all") == state("whole"));
-    done(&[&render[..], &most, &["-o", &image("merged"), "--cache", &all]].concat());
+    run_successfully(&[&render[..], &most, &["-o", &image("merged"), "--cache", &all]].concat());
     assert!(std::fs::read(image("merged")).unwrap() == std::fs::read(image("whole")).unwrap());
     // Where there are more shards than groups of rays, some shards have none. Images of other methods have no shards.
     let (status, _, said) = run(&[&render[..], &["--shard", "9/9", "-o", &image("x"), "--cache", &a]].concat());

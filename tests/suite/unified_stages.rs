@@ -1,7 +1,7 @@
 //! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`, `--history-stage`) makes the same
 //! images, to the bit and in passes of the same names.
 
-use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
+use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, bits, info, view_of_rooms};
 use crate::common::{check_validation, gpu, is_gpu_assisted};
 use crate::gloss_twin::{mixed, noise, rooms};
 use glam::Vec3;
@@ -220,7 +220,7 @@ fn through_the_door_both_stages_make_the_same_image() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = mixed(&view_of_rooms(&gpu, [97, 61]), 24);
-    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let context = engine.context();
     let mut show = |parameters: &[(&str, &str)]| {
         let info = ReflectionsInfo { parameters, ..info(&data, "unified") };

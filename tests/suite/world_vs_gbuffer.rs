@@ -14,7 +14,7 @@ use ssct_truth::reference::world_hits::{WorldHit, world_hits};
 const SIZE: [u32; 2] = [240, 135];
 
 /// The corridor of the rooms as the reference and the device see it.
-struct Both {
+struct ReferenceAndDevice {
     first_hits: FirstHits,
     /// The points that the G-buffer shows.
     shown: FirstHits,
@@ -24,7 +24,7 @@ struct Both {
 }
 
 /// The corridor of the rooms, with a strength of normal maps and with or without images.
-fn both(normal_deviation: f32, maps: bool) -> Both {
+fn both(normal_deviation: f32, maps: bool) -> ReferenceAndDevice {
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").expect("a view of the rooms");
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(normal_deviation) };
@@ -36,7 +36,7 @@ fn both(normal_deviation: f32, maps: bool) -> Both {
 }
 
 /// The corridor of a scene, with some materials.
-fn both_of(scene: &Scene, materials: Vec<Material>) -> Both {
+fn both_of(scene: &Scene, materials: Vec<Material>) -> ReferenceAndDevice {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let camera = scene.view("corridor").expect("a view of the rooms").camera(scene, SIZE);
     let mut stage = Stage::new(&gpu, scene).expect("device memory");
@@ -63,12 +63,12 @@ fn both_of(scene: &Scene, materials: Vec<Material>) -> Both {
     let first_hits = FirstHits::trace(&world, &camera, SIZE);
     let shown = FirstHits::shown(&world, &gbuffer);
     let hits = world_hits(&world, &gbuffer, &shown);
-    Both { first_hits, shown, camera, gbuffer, hits }
+    ReferenceAndDevice { first_hits, shown, camera, gbuffer, hits }
 }
 
 /// Whether a pixel and its eight neighbours lie on one smooth surface: 1/z is linear in the image on
 /// a plane, so its second differences are small away from silhouettes and edges.
-fn inside_a_surface(both: &Both, x: u32, y: u32) -> bool {
+fn inside_a_surface(both: &ReferenceAndDevice, x: u32, y: u32) -> bool {
     if x == 0 || y == 0 || x + 1 == SIZE[0] || y + 1 == SIZE[1] {
         return false;
     }
@@ -103,7 +103,7 @@ fn depth_agrees_within_one_in_ten_thousand_away_from_silhouettes() {
 }
 
 /// The greatest difference of a channel, for each pixel, in rising order.
-fn differences(both: &Both) -> Vec<f32> {
+fn differences(both: &ReferenceAndDevice) -> Vec<f32> {
     let pairs = both.gbuffer.color.iter().zip(&both.first_hits.lit);
     let mut all: Vec<f32> = pairs.map(|(gpu, cpu)| (*gpu - *cpu).abs().max_element()).collect();
     all.sort_by(f32::total_cmp);
@@ -162,7 +162,7 @@ fn emission_roughness_maps_and_single_sides_agree() {
         mesh.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
         mesh.vertices.iter_mut().for_each(|v| v.normal = v.normal.map(|n| -n));
     }
-    let seen = |both: &Both| both.gbuffer.depth.iter().filter(|d| **d > 0.0).count();
+    let seen = |both: &ReferenceAndDevice| both.gbuffer.depth.iter().filter(|d| **d > 0.0).count();
     assert_eq!(seen(&both_of(&scene, materials.clone())), seen(&whole));
     materials.iter_mut().for_each(|m| m.single_sided = true);
     let gone = both_of(&scene, materials);

@@ -30,7 +30,7 @@ pub struct Triangle {
 }
 
 /// The hit of a ray on a triangle: its distance, and its barycentric weights for the three corners.
-struct Met<'a> {
+struct RayHit<'a> {
     distance: f32,
     weights: Vec3,
     triangle: &'a Triangle,
@@ -87,8 +87,8 @@ pub fn picture(
 }
 
 /// The nearest hit of a ray, by the method of Möller and Trumbore (1997); `None` if it misses every triangle.
-fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<Met<'_>> {
-    let mut best: Option<Met> = None;
+fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<RayHit<'_>> {
+    let mut best: Option<RayHit> = None;
     for triangle in triangles {
         let [a, b, c] = triangle.corners;
         let (along, across) = (b - a, c - a);
@@ -101,7 +101,7 @@ fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<Met<
         let distance = across.dot(turned) / determinant;
         let is_met = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
         if is_met && best.as_ref().is_none_or(|best| distance < best.distance) {
-            best = Some(Met { distance, weights: Vec3::new(1.0 - u - v, u, v), triangle });
+            best = Some(RayHit { distance, weights: Vec3::new(1.0 - u - v, u, v), triangle });
         }
     }
     best
@@ -115,7 +115,7 @@ impl Triangle {
     }
 }
 
-impl Met<'_> {
+impl RayHit<'_> {
     /// The linear colour of the surface at the hit. A mirror that is seen in a mirror is black, since rays are
     /// reflected once.
     fn color(&self) -> Vec3 {

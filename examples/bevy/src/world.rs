@@ -92,7 +92,7 @@ pub fn gather(
     if changed.is_empty() && removed.read().count() == 0 && of_assets == 0 && !light.is_changed() {
         return;
     }
-    let mut taken = Taken { light: light.0, ..default() };
+    let mut taken = GatheredMeshes { light: light.0, ..default() };
     for (mesh, material, transform, visible) in &drawn {
         let (Some(mesh), Some(material)) = (meshes.get(&mesh.0), materials.get(&material.0)) else { continue };
         if visible.is_none_or(|visible| visible.get()) {
@@ -100,7 +100,7 @@ pub fn gather(
         }
     }
     let changes = world.changes + 1;
-    let Taken { meshes, images, is_lit, .. } = taken;
+    let GatheredMeshes { meshes, images, is_lit, .. } = taken;
     *world = WorldMeshes { changes, meshes: Arc::new(meshes), images: Arc::new(images), is_lit };
 }
 
@@ -113,7 +113,7 @@ pub fn extract(main: Extract<Res<WorldMeshes>>, mut world: ResMut<WorldMeshes>) 
 
 /// The meshes and images that [`gather`] has found so far.
 #[derive(Default)]
-struct Taken {
+struct GatheredMeshes {
     light: LinearRgba,
     meshes: Vec<WorldMesh>,
     images: Vec<WorldImage>,
@@ -122,7 +122,7 @@ struct Taken {
     places: HashMap<AssetId<Image>, Option<usize>>,
 }
 
-impl Taken {
+impl GatheredMeshes {
     /// Adds a mesh. Leaves it out if it is no triangle list, or if its vertices are in the render world alone.
     fn add(&mut self, mesh: &Mesh, material: &StandardMaterial, transform: &GlobalTransform, images: &Assets<Image>) {
         let Ok(VertexAttributeValues::Float32x3(positions)) = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) else {

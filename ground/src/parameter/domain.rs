@@ -80,7 +80,7 @@ impl Domain {
     }
 
     /// Every value of the domain, if a list can name them all; `None` for a range of numbers.
-    pub fn few(&self) -> Option<Vec<Value>> {
+    pub fn all_if_few(&self) -> Option<Vec<Value>> {
         match self {
             Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),
             Self::Numbers(all) => Some(all.iter().map(|n| Value::Number(*n)).collect()),
@@ -101,7 +101,7 @@ impl fmt::Display for Domain {
             let names: Vec<_> = all.iter().map(|c| c.name).collect();
             return write!(f, "{}, or whole numbers from {least} to {most}", names.join(", "));
         }
-        if let Some(few) = self.few() {
+        if let Some(few) = self.all_if_few() {
             let names: Vec<_> = few.iter().map(Value::to_string).collect();
             return f.write_str(&names.join(", "));
         }

@@ -201,9 +201,9 @@ fn placement(matrix: &DMat4) -> Option<Placement> {
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.truncate());
     let size = columns[0].length();
     let even = columns.iter().all(|c| (c.length() - size).abs() <= 1e-4 * size);
-    let upright =
+    let is_orthogonal =
         [(0, 1), (1, 2), (2, 0)].iter().all(|(i, j)| columns[*i].dot(columns[*j]).abs() <= 1e-4 * size * size);
-    if !(even && upright && size > 0.0 && matrix.determinant() > 0.0) {
+    if !(even && is_orthogonal && size > 0.0 && matrix.determinant() > 0.0) {
         return None;
     }
     let (_, turn, offset) = matrix.to_scale_rotation_translation();

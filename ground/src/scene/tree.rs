@@ -82,7 +82,7 @@ impl TriangleRecords {
             let vertices = triangle.map(|i| &mesh.vertices[i as usize]);
             attributes.extend(attributes_of(mesh, vertices));
             let material = &scene.materials[mesh.material];
-            let asks = if asks_material(material) { ASKS_MATERIAL } else { 0 };
+            let asks = if may_reject_hit(material) { ASKS_MATERIAL } else { 0 };
             corners_of.push((vertices.map(|v| from_origin(v, tree.origin)), asks));
         }
         let mut corners = Vec::with_capacity(3 * tree.slots.len());
@@ -186,7 +186,7 @@ pub fn triangles(scene: &Scene) -> impl Iterator<Item = (&Mesh, [u32; 3])> {
 }
 
 /// Whether a hit on a material may not count: where its alpha mask has a hole, or from behind a single-sided surface.
-fn asks_material(material: &Material) -> bool {
+fn may_reject_hit(material: &Material) -> bool {
     material.alpha_mask.is_some() || material.single_sided
 }
 

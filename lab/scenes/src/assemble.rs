@@ -26,7 +26,7 @@ pub(super) struct MeshPart {
 
 /// Whether the sum of the normals at a triangle's corners is more than 120 degrees away from `face`, the unit normal of
 /// its winding. Normals that lean only a little behind the face are common on rounded surfaces.
-pub(super) fn point_behind(triangle: &Triangle, face: DVec3) -> bool {
+pub(super) fn normals_point_behind(triangle: &Triangle, face: DVec3) -> bool {
     let stated: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
     stated.dot(face) < -0.5 * stated.length()
 }

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
 use obvhs::ray::{Ray as BoxRay, RayHit};
-use ssct_ground::scene::tree::boxes::{LEAF, PaddedBox, PaddedTriangles, by_neighbours, levels};
+use ssct_ground::scene::tree::boxes::{LEAF, PaddedBox, PaddedTriangles, build_ploc, levels};
 
 /// A ray and the range of distances, in metres, in which hits count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +81,7 @@ impl Boxes {
     /// Builds a hierarchy of eight boxes a node, or of two if the wide one would be too deep. The indices of the
     /// hierarchy are those of `padded`.
     fn new(padded: &[PaddedBox]) -> Self {
-        let mut binary = by_neighbours(padded);
+        let mut binary = build_ploc(padded);
         let wide = bvh2_to_cwbvh(&binary, LEAF, true, false);
         if levels(&wide) < WIDE_LEVELS {
             return Self::Wide(wide);

@@ -78,7 +78,7 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 /// triangle, files in UTF-16 or UTF-32, and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are
 /// given, or for options out of range.
 pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
-    let mut scene = load_unlit(files, options, None)?;
+    let mut scene = load_plain(files, options, None)?;
     scene.views = vec![viewpoint::default_view(&scene)];
     scene.lights = vec![viewpoint::default_light()];
     scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
@@ -87,7 +87,7 @@ pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
 
 /// Loads a scene as [`load`] does, but without view, light and probe. `origin` is subtracted from every vertex, in units of the
 /// files; without it, a scene that is too far from the origin for its size is moved by the centre of the first file.
-pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions, mut origin: Option<DVec3>) -> Result<Scene> {
+pub(super) fn load_plain(files: &[ObjFile], options: &ObjOptions, mut origin: Option<DVec3>) -> Result<Scene> {
     let Some(first) = files.first() else {
         return Err(Error::Usage("a scene needs at least one OBJ file".into()));
     };

@@ -81,7 +81,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         [] => Scene::default(),
         _ => {
             let handedness = sections.handedness.unwrap_or_default();
-            obj::load_unlit(&obj_files, &ObjOptions { handedness, load }, Some(DVec3::ZERO))?
+            obj::load_plain(&obj_files, &ObjOptions { handedness, load }, Some(DVec3::ZERO))?
         }
     };
     for file in &gltf_files {

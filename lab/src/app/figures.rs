@@ -24,7 +24,7 @@ use ssct_scenes::inside::PathInFolder;
 use ssct_scenes::{LoadOptions, Scene};
 use std::io::Write;
 use std::path::Path;
-use workshop::Workshop;
+use workshop::FigureRenderer;
 
 /// Makes the figures and writes their page.
 pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
@@ -40,7 +40,7 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let list = list(options, &gpu, wanted.iter().map(|plate| (*plate, key(plate))).collect());
     let mut run = Run::begin(Some(&options.output), options.resume)?;
     run.list(&list)?;
-    let mut workshop = Workshop::new(&gpu);
+    let mut workshop = FigureRenderer::new(&gpu);
     if let Some(OwnScene { file, scene, .. }) = own {
         workshop.hold(&file, scene)?;
     }
@@ -168,7 +168,7 @@ fn find_plates(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static P
 /// Makes a figure, writes its file, and returns its entry on the page.
 fn make(
     plate: &Plate,
-    workshop: &mut Workshop,
+    workshop: &mut FigureRenderer,
     options: &FiguresOptions,
     folder: &PathInFolder,
 ) -> anyhow::Result<Entry> {

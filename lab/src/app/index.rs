@@ -42,7 +42,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
     methods::find(&options.base)?;
     let output = options.output.as_deref().unwrap_or(&options.folder);
     let page = PathInFolder::folder(output).join(PAGE);
-    may_be_written(&page)?;
+    check_is_library_page(&page)?;
     let library = library::scan(&options.folder)?;
     if library.runs.is_empty() {
         let why: String =
@@ -79,7 +79,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
 }
 
 /// Refuses to overwrite a page that shows no library, such as the page of a study.
-fn may_be_written(page: &PathInFolder) -> Result<()> {
+fn check_is_library_page(page: &PathInFolder) -> Result<()> {
     let is_library = |text: &str| text.contains(&format!("<title>ssct {LIBRARY_TITLE}</title>"));
     match page.read()? {
         Some(there) if !is_library(&String::from_utf8_lossy(&there)) => {

@@ -172,9 +172,12 @@ fn heading(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
 fn possible(parameter: &Parameter) -> ValueParser {
     let few = match &parameter.domain {
         Domain::Choices(all) => all.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim())).collect(),
-        domain => {
-            domain.few().unwrap_or_default().iter().map(|v| PossibleValue::new(v.to_string())).collect::<Vec<_>>()
-        }
+        domain => domain
+            .all_if_few()
+            .unwrap_or_default()
+            .iter()
+            .map(|v| PossibleValue::new(v.to_string()))
+            .collect::<Vec<_>>(),
     };
     PossibleValuesParser::new(few).into()
 }
@@ -301,7 +304,7 @@ mod tests {
     fn every_parameter_has_a_flag_that_reaches_the_record() {
         for method in METHODS {
             for row in method.reads() {
-                let values = row.domain.few().unwrap_or_else(|| vec![row.published, row.author]);
+                let values = row.domain.all_if_few().unwrap_or_else(|| vec![row.published, row.author]);
                 for value in values {
                     let flag = format!("--{}={value}", row.typed_name());
                     let options = parse(&[&flag]).unwrap_or_else(|e| panic!("{flag}: {e}"));

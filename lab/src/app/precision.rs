@@ -18,7 +18,7 @@ const ROUGHNESS: [f32; 2] = [0.0, 0.1];
 const BESIDE: &str = "ssct";
 
 /// The method that copies the G-buffer's bits, and so has to know their formats.
-const COPIES: &str = "poster";
+const FORMAT_DEPENDENT_METHOD: &str = "poster";
 
 /// Options of `ssct precision`.
 #[derive(Debug, Args)]
@@ -75,7 +75,7 @@ impl StudyOptions for PrecisionOptions {
                 resolve::distinct_values(names).iter().map(|n| methods::find(n)).collect::<ssct::Result<Vec<_>>>()?
             }
         };
-        if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == COPIES) {
+        if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == FORMAT_DEPENDENT_METHOD) {
             let message =
                 format!("precision is for methods that sample a G-buffer of any format; {} does not", method.name);
             return Err(Error::usage(message));

@@ -116,13 +116,13 @@ pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Res
     };
     let view = with_lens(scene, view, options)?;
     if options.eye.is_some() {
-        warn_of_nothing(scene, &view);
+        warn_of_view_faults(scene, &view);
     }
     Ok(view)
 }
 
 /// Warns of faults of a view that flags place; the views of a scene file get the same warnings.
-fn warn_of_nothing(scene: &Scene, view: &View) {
+fn warn_of_view_faults(scene: &Scene, view: &View) {
     let found = scene_file::seen::wrong(scene, std::slice::from_ref(view)).into_iter().flatten();
     found.for_each(|what| eprintln!("ssct: warning: --eye and --look-at: the view {what}"));
 }

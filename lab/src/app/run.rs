@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};
 
 /// The signal that asked to stop, or 0.
-static ASKED: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
+static STOP_SIGNAL: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 
 /// A run, which keeps its measurements if it has a folder.
 pub struct Run {
@@ -49,7 +49,7 @@ impl Run {
         for signal in [SIGINT, SIGTERM] {
             let listening = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))
                 .and_then(|_| flag::register(signal, Arc::clone(&again)))
-                .and_then(|_| flag::register_usize(signal, Arc::clone(&ASKED), signal as usize));
+                .and_then(|_| flag::register_usize(signal, Arc::clone(&STOP_SIGNAL), signal as usize));
             listening.map_err(|e| Error::io("listen for signals of", "this process", e))?;
         }
         Ok(Self { journal, claim })
@@ -126,7 +126,7 @@ fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
 /// # Errors
 /// [`Error::Stopped`] once a signal asked to stop.
 pub fn go_on() -> Result<()> {
-    match ASKED.load(Ordering::Relaxed) {
+    match STOP_SIGNAL.load(Ordering::Relaxed) {
         0 => Ok(()),
         signal => Err(Error::Stopped { signal: signal as u8, kept: None }),
     }

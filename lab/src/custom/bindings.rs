@@ -130,7 +130,7 @@ impl PassShader<'_> {
     }
 
     /// The error about a variable of the shader that has no name and that nothing feeds.
-    fn unfed_place(&self, name: &str) -> Error {
+    fn nameless_unfed_error(&self, name: &str) -> Error {
         let file = &self.file;
         let message = format!(
             "nothing feeds {name:?} of {file}: {}; say what it is under [inputs], as in {name:?} = \"depth:reversed\"",
@@ -140,7 +140,7 @@ impl PassShader<'_> {
     }
 
     /// Adds a name of the shader to the list of names that nothing feeds.
-    fn is_unfed(&self, what: String) {
+    fn note_unfed(&self, what: String) {
         self.missing.borrow_mut().push(what);
     }
 
@@ -165,7 +165,7 @@ impl PassShader<'_> {
                 }
                 (None, None) => {
                     let hint = published::hint(block, &field.name).map_or(String::new(), |hint| format!(" ({hint})"));
-                    self.is_unfed(format!("the field {full}{hint}"));
+                    self.note_unfed(format!("the field {full}{hint}"));
                     continue;
                 }
             };
@@ -188,9 +188,9 @@ impl PassShader<'_> {
         let kind = if matches!(v.kind, VariableKind::Storage(_)) { "buffer" } else { "image" };
         let Some(input) = named else {
             if v.is_nameless {
-                return Err(self.unfed_place(&v.name));
+                return Err(self.nameless_unfed_error(&v.name));
             }
-            self.is_unfed(format!("the {kind} {}", v.name));
+            self.note_unfed(format!("the {kind} {}", v.name));
             return Ok(None);
         };
         let is = |what: String| self.wrong(input.span(), &format!("{} of {} is {what}", v.name, self.file));
@@ -236,7 +236,7 @@ pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Ve
 }
 
 /// Refuses names under `[inputs]` and `[values]` that no shader of the method reads.
-pub fn unread(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
+pub fn check_all_read(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
     let reads = |pass: usize, name: &str| {
         let interface = &compiled[pass].interface;
         let bound = interface.variables.iter().any(|v| v.name == name || v.block == name);

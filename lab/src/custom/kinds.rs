@@ -2,7 +2,7 @@
 //! wrong numbers, or memory outside of the image.
 
 use super::manifest::{ImageSection, Manifest, Pass, PassStage, format_of};
-use super::reflect::{Component, Crossing, Dim, ImageKind, ShaderInterface};
+use super::reflect::{Component, Dim, ImageKind, ShaderInterface, StageVariable};
 use super::source::ImageSource;
 use ash::vk;
 use std::collections::BTreeMap;
@@ -171,8 +171,8 @@ fn check_workgroup(interface: &ShaderInterface, file: &str) -> Result<(), String
 }
 
 /// Checks that a fragment shader reads nothing from the vertex stage but one `vec2`, the texture coordinates.
-fn check_inputs(inputs: &[Crossing], file: &str) -> Result<(), String> {
-    let is_uv = |input: &Crossing| input.component == Some(Component::Float) && input.numbers == 2;
+fn check_inputs(inputs: &[StageVariable], file: &str) -> Result<(), String> {
+    let is_uv = |input: &StageVariable| input.component == Some(Component::Float) && input.numbers == 2;
     let other = match inputs {
         [] => None,
         [only] if is_uv(only) => None,
@@ -187,7 +187,7 @@ fn check_inputs(inputs: &[Crossing], file: &str) -> Result<(), String> {
 }
 
 /// Checks that a fragment shader writes as many outputs as its pass has targets, each of the type of its target.
-fn check_outputs(manifest: &Manifest, pass: &Pass, outputs: &[Crossing], file: &str) -> Result<(), String> {
+fn check_outputs(manifest: &Manifest, pass: &Pass, outputs: &[StageVariable], file: &str) -> Result<(), String> {
     let (many, targets) = (outputs.len(), pass.targets.len());
     if many != targets {
         return Err(format!("the shader writes {many} colours, and the pass has {targets} targets"));

@@ -5,7 +5,7 @@ mod parameters;
 mod passes;
 mod sections;
 
-pub use passes::{InputKind, LevelOf, Pass, PassReach};
+pub use passes::{InputKind, LevelOf, Pass, PassDomain};
 pub use sections::{Alpha, HitEncoding, ImageSection, PassStage, SamplerName};
 
 use super::MANIFEST;

@@ -4,7 +4,7 @@ use super::MANIFEST;
 use super::bindings::{self, BoundInput, PassBindings};
 use super::finish::Finish;
 use super::inputs::Inputs;
-use super::manifest::{ImageSection, InputKind, LevelOf, Manifest, Pass, PassReach, PassStage, format_of};
+use super::manifest::{ImageSection, InputKind, LevelOf, Manifest, Pass, PassDomain, PassStage, format_of};
 use super::shader;
 use super::source::ImageSource;
 use super::values::{FilledField, FrameState};
@@ -233,7 +233,7 @@ impl RunningVersion {
             passes.push(PreparedPass { pass: pass.clone(), program, bindings });
             compiled.push(made);
         }
-        bindings::unread(manifest, &compiled)?;
+        bindings::check_all_read(manifest, &compiled)?;
         let mut sources: Vec<ImageSource> = Vec::new();
         for bound in passes.iter().flat_map(|p| &p.bindings.inputs) {
             if let BoundInput::Sampled(source, ..) = bound {
@@ -359,18 +359,18 @@ impl RunningVersion {
         };
         let mut targets = Vec::new();
         for (name, wanted_level) in &pass.targets {
-            let Some(slice) = slice(name, *wanted_level, turn) else { return self.has_no_level(pass, name) };
+            let Some(slice) = slice(name, *wanted_level, turn) else { return self.skip_or_fail(pass, name) };
             targets.push(slice);
         }
         let (pass_extent, dispatch_size) = match &pass.reach {
-            PassReach::Targets => (targets[0].extent(), None),
-            PassReach::Threads(name, wanted_level) => {
-                let Some(slice) = slice(name, *wanted_level, turn) else { return self.has_no_level(pass, name) };
+            PassDomain::Targets => (targets[0].extent(), None),
+            PassDomain::Threads(name, wanted_level) => {
+                let Some(slice) = slice(name, *wanted_level, turn) else { return self.skip_or_fail(pass, name) };
                 let [width, height] = slice.extent();
                 ([width, height], Some(DispatchSize::Threads([width, height, 1])))
             }
-            PassReach::Workgroups(groups) => (input.gbuffer.depth.extent(), Some(DispatchSize::Workgroups(*groups))),
-            PassReach::Indirect(name) => {
+            PassDomain::Workgroups(groups) => (input.gbuffer.depth.extent(), Some(DispatchSize::Workgroups(*groups))),
+            PassDomain::Indirect(name) => {
                 (input.gbuffer.depth.extent(), Some(DispatchSize::Indirect(&self.buffers[name].0)))
             }
         };
@@ -397,14 +397,14 @@ impl RunningVersion {
                 BoundInput::Buffer(name, true, _) => Resource::ReadBuffer(&self.buffers[name].0),
                 BoundInput::Buffer(name, false, _) => Resource::Buffer(&self.buffers[name].0),
                 BoundInput::Stored(name, wanted_level, read_only) => {
-                    let Some(slice) = slice(name, *wanted_level, turn) else { return self.has_no_level(pass, name) };
+                    let Some(slice) = slice(name, *wanted_level, turn) else { return self.skip_or_fail(pass, name) };
                     if *read_only { Resource::Loaded(slice) } else { Resource::Storage(slice) }
                 }
                 BoundInput::Sampled(source, sampler, wanted_level) => {
                     let slice = match source {
                         ImageSource::Own(name) => match slice(name, *wanted_level, turn) {
                             Some(slice) => slice,
-                            None => return self.has_no_level(pass, name),
+                            None => return self.skip_or_fail(pass, name),
                         },
                         ImageSource::Previous(inner) => match &**inner {
                             ImageSource::Own(name) => self.own(name, turn + 1).all(),
@@ -443,7 +443,7 @@ impl RunningVersion {
 
     /// Returns false for a pass over levels, which ends at the first level that an image lacks; for any other pass it
     /// is an error.
-    fn has_no_level(&self, pass: &Pass, image: &str) -> Result<bool> {
+    fn skip_or_fail(&self, pass: &Pass, image: &str) -> Result<bool> {
         if pass.levels.is_some() {
             return Ok(false);
         }

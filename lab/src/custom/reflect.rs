@@ -148,7 +148,7 @@ pub enum VariableKind {
 
 /// A variable between stages, or to a target.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Crossing {
+pub struct StageVariable {
     pub name: String,
     pub location: u32,
     /// The type of the numbers; `None` for a variable that is neither a number nor a vector.
@@ -167,9 +167,9 @@ pub struct ShaderInterface {
     /// The push-constant block: its name and its layout.
     pub push: Option<(String, BlockLayout)>,
     /// Inputs that a fragment shader reads.
-    pub inputs: Vec<Crossing>,
+    pub inputs: Vec<StageVariable>,
     /// The outputs in the order of their locations.
-    pub outputs: Vec<Crossing>,
+    pub outputs: Vec<StageVariable>,
     pub constants: Vec<Constant>,
     pub local_size: [u32; 3],
     /// Bytes that a workgroup shares.
@@ -216,8 +216,8 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
                 let name = code.name(pointee);
                 found.push = Some((if name.is_empty() { NAMELESS_PUSH.to_owned() } else { name.to_owned() }, layout));
             }
-            class::INPUT if is_fragment && code.is_used(id) => found.inputs.extend(crossing(&code, id, pointee)),
-            class::OUTPUT if is_fragment => found.outputs.extend(crossing(&code, id, pointee)),
+            class::INPUT if is_fragment && code.is_used(id) => found.inputs.extend(stage_variable(&code, id, pointee)),
+            class::OUTPUT if is_fragment => found.outputs.extend(stage_variable(&code, id, pointee)),
             class::WORKGROUP => found.shared_bytes += u64::from(code.plain_size(pointee).unwrap_or(0)),
             _ => {}
         }
@@ -235,7 +235,7 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
 }
 
 /// The id of the only input that a fragment shader reads; this input is moved to location 0, at which texture coordinates arrive.
-fn input_place(code: &SpirvCode, inputs: &[Crossing]) -> Option<u32> {
+fn input_place(code: &SpirvCode, inputs: &[StageVariable]) -> Option<u32> {
     let [only] = inputs else { return None };
     let is_it =
         |id: u32| code.name(id) == only.name && code.decoration(id, decoration::LOCATION) == Some(only.location);
@@ -314,12 +314,12 @@ fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
 }
 
 /// A variable between stages; `None` for a built-in variable of the stage.
-fn crossing(code: &SpirvCode, id: u32, pointee: u32) -> Option<Crossing> {
+fn stage_variable(code: &SpirvCode, id: u32, pointee: u32) -> Option<StageVariable> {
     if code.decoration(id, decoration::BUILT_IN).is_some() || code.has_built_in_members(pointee) {
         return None;
     }
     let numbers = code.numbers(pointee);
-    Some(Crossing {
+    Some(StageVariable {
         name: code.name(id).to_owned(),
         location: code.decoration(id, decoration::LOCATION).unwrap_or(0),
         component: numbers.map(|(component, _)| component),

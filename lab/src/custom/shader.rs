@@ -141,11 +141,12 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
         PassStage::Compute => ShaderKind::Compute,
     };
     let label = path.to_string_lossy();
-    let says = |e: shaderc::Error| match (compiler_says(path, &e.to_string()), included.borrow_mut().refused.take()) {
-        // The reason why an include was refused stands alone, since the compiler's words around it would hide it.
-        (Error::Malformed { path, line, .. }, Some(message)) => Error::Malformed { path, line, message },
-        (error, _) => error,
-    };
+    let says =
+        |e: shaderc::Error| match (first_compiler_error(path, &e.to_string()), included.borrow_mut().refused.take()) {
+            // The reason why an include was refused stands alone, since the compiler's words around it would hide it.
+            (Error::Malformed { path, line, .. }, Some(message)) => Error::Malformed { path, line, message },
+            (error, _) => error,
+        };
     let plain = compiler.preprocess(&source, &label, "main", Some(&options)).map_err(says)?.as_text();
     let HoistedUniforms { text, own } = loose_uniforms::hoisted(&plain);
     let made = compiler.compile_into_spirv(&text, kind, &label, "main", Some(&options)).map_err(says)?;
@@ -156,7 +157,7 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
 }
 
 /// An error with the first of the compiler's messages, and with the file and line that this message is about.
-fn compiler_says(path: &Path, text: &str) -> Error {
+fn first_compiler_error(path: &Path, text: &str) -> Error {
     for line in text.lines() {
         // FILE:LINE: error: what
         let Some((place, what)) = line.split_once(": error: ") else { continue };
@@ -193,10 +194,12 @@ mod tests {
     #[test]
     fn the_first_message_of_the_compiler_names_file_and_line() {
         let text = "a/b.frag:12: error: 'x' : undeclared identifier\na/b.frag:13: error: other\n2 errors generated.\n";
-        let error = compiler_says(Path::new("a/b.frag"), text).to_string();
+        let error = first_compiler_error(Path::new("a/b.frag"), text).to_string();
         assert_eq!(error, "a/b.frag:12: 'x' : undeclared identifier");
-        let old =
-            compiler_says(Path::new("a.frag"), "a.frag:4: error: 'texture2D' : no matching overloaded function found");
+        let old = first_compiler_error(
+            Path::new("a.frag"),
+            "a.frag:4: error: 'texture2D' : no matching overloaded function found",
+        );
         assert_eq!(old.to_string(), "a.frag:4: texture2D is old GLSL; write texture");
     }
 }

@@ -148,7 +148,7 @@ fn page(
                 "methods-compute",
                 "Every method in compute shaders",
                 &format!(
-                    "{METHODS_SAY} Every pass over the whole image is a compute shader; the scene is drawn as ever."
+                    "{METHOD_TABLES_TEXT} Every pass over the whole image is a compute shader; the scene is drawn as ever."
                 ),
                 method_cells(&in_stage(&times.methods, Stage::Compute)),
             ),
@@ -156,7 +156,7 @@ fn page(
                 "methods-fragment",
                 "Every method in fragment shaders",
                 &format!(
-                    "{METHODS_SAY} Rays and lookups are fragment shaders, as the documents have them. Methods that follow \
+                    "{METHOD_TABLES_TEXT} Rays and lookups are fragment shaders, as the documents have them. Methods that follow \
                      rays in captures or among triangles do so in compute shaders, and are in the table above alone."
                 ),
                 method_cells(&in_stage(&times.methods, Stage::Fragment)),
@@ -234,7 +234,7 @@ fn place(head: &Head) -> Vec<String> {
 }
 
 /// The text about times with the tables of every method.
-const METHODS_SAY: &str = "Median times of the effect at roughness 0.1; the methods were timed in turn, frame by frame. Each was \
+const METHOD_TABLES_TEXT: &str = "Median times of the effect at roughness 0.1; the methods were timed in turn, frame by frame. Each was \
                            also timed against itself: the floor is how far its time strays from itself, and a smaller \
                            difference means nothing.";
 

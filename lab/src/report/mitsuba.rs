@@ -78,9 +78,9 @@ pub fn export(folder: &PathInFolder, what: &Export) -> Result<Exported> {
     arrays.receivers(&world, &first_hits)?;
     let reflecting_values =
         |all: Vec<DVec3>| -> Vec<f64> { reflecting.iter().flat_map(|i| all[*i].to_array()).collect() };
-    arrays.f64s("reflection_mean", 3, reflecting_values(state.means().collect()))?;
-    arrays.f64s("reflection_error", 3, reflecting_values(state.standard_errors().collect()))?;
-    arrays.i32s("receiver_pixel", reflecting.iter().map(|i| *i as i32).collect())?;
+    arrays.write_f64s("reflection_mean", 3, reflecting_values(state.means().collect()))?;
+    arrays.write_f64s("reflection_error", 3, reflecting_values(state.standard_errors().collect()))?;
+    arrays.write_i32s("receiver_pixel", reflecting.iter().map(|i| *i as i32).collect())?;
     arrays.tangents(&what.scene.meshes)?;
     let text = serde_json::to_string_pretty(&description(what, &materials)).unwrap_or_else(|e| e.to_string());
     folder.join("truth.json").write(json_text(&text).as_bytes())?;
@@ -216,21 +216,21 @@ impl Arrays<'_> {
     fn primary(&self, world: &World, what: &Export, first_hits: &FirstHits) -> Result<()> {
         let rays = PrimaryRays::new(&what.camera, what.extent);
         let rays: Vec<WorldRay> = (0..first_hits.lit.len()).map(|i| rays.ray(i).0).collect();
-        self.f64s("primary_direction", 3, rays.iter().flat_map(|r| r.direction.to_array()).collect())?;
+        self.write_f64s("primary_direction", 3, rays.iter().flat_map(|r| r.direction.to_array()).collect())?;
         self.ends("primary", world, &rays)?;
         let lit = first_hits.lit.iter().flat_map(|c: &Vec3| c.as_dvec3().to_array());
-        self.f64s("primary_lit", 3, lit.collect())
+        self.write_f64s("primary_lit", 3, lit.collect())
     }
 
     /// The reflecting points in the order of their pixels, and the ends of their mirror rays.
     fn receivers(&self, world: &World, first_hits: &FirstHits) -> Result<()> {
         let all: Vec<_> = first_hits.receivers.iter().flatten().collect();
         let vectors = |vector: &dyn Fn(usize) -> DVec3| (0..all.len()).flat_map(|i| vector(i).to_array()).collect();
-        self.f64s("receiver_position", 3, vectors(&|i| all[i].position))?;
-        self.f64s("receiver_normal", 3, vectors(&|i| all[i].normal))?;
-        self.f64s("receiver_geometric", 3, vectors(&|i| all[i].geometric_normal))?;
-        self.f64s("receiver_incoming", 3, vectors(&|i| all[i].incoming))?;
-        self.f64s("receiver_roughness", 1, all.iter().map(|r| r.roughness).collect())?;
+        self.write_f64s("receiver_position", 3, vectors(&|i| all[i].position))?;
+        self.write_f64s("receiver_normal", 3, vectors(&|i| all[i].normal))?;
+        self.write_f64s("receiver_geometric", 3, vectors(&|i| all[i].geometric_normal))?;
+        self.write_f64s("receiver_incoming", 3, vectors(&|i| all[i].incoming))?;
+        self.write_f64s("receiver_roughness", 1, all.iter().map(|r| r.roughness).collect())?;
         let rays: Vec<WorldRay> = all
             .iter()
             .map(|r| WorldRay { origin: r.position, direction: r.mirror(), t_min: RAY_START_M, t_max: f64::INFINITY })
@@ -242,26 +242,29 @@ impl Arrays<'_> {
     fn ends(&self, name: &str, world: &World, rays: &[WorldRay]) -> Result<()> {
         let hits: Vec<Option<TriangleHit>> = rays.par_iter().map(|ray| world.closest(ray)).collect();
         let from: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
-        self.i32s(&format!("{name}_mesh"), from.iter().map(|f| f.map_or(-1, |f| f.mesh as i32)).collect())?;
-        self.i32s(&format!("{name}_triangle"), from.iter().map(|f| f.map_or(-1, |f| f.triangle as i32)).collect())?;
+        self.write_i32s(&format!("{name}_mesh"), from.iter().map(|f| f.map_or(-1, |f| f.mesh as i32)).collect())?;
+        self.write_i32s(
+            &format!("{name}_triangle"),
+            from.iter().map(|f| f.map_or(-1, |f| f.triangle as i32)).collect(),
+        )?;
         let ends = hits.iter().zip(rays).flat_map(|(h, ray)| h.map_or(DVec3::NAN, |h| ray.point_at(h.t)).to_array());
-        self.f64s(&format!("{name}_position"), 3, ends.collect())
+        self.write_f64s(&format!("{name}_position"), 3, ends.collect())
     }
 
     /// Tangents of all meshes' vertices in one row, and the vertex at which each mesh begins.
     fn tangents(&self, meshes: &[Mesh]) -> Result<()> {
         let all = meshes.iter().flat_map(|m| &m.vertices).flat_map(|v| v.tangent.map(f64::from));
-        self.f64s("vertex_tangent", 4, all.collect())?;
+        self.write_f64s("vertex_tangent", 4, all.collect())?;
         let first = meshes.iter().scan(0, |sum, m| {
             let first = *sum;
             *sum += m.vertices.len() as i32;
             Some(first)
         });
-        self.i32s("mesh_first_vertex", first.collect())
+        self.write_i32s("mesh_first_vertex", first.collect())
     }
 
     /// Writes an array with rows of `columns` numbers.
-    fn f64s(&self, name: &str, columns: usize, values: Vec<f64>) -> Result<()> {
+    fn write_f64s(&self, name: &str, columns: usize, values: Vec<f64>) -> Result<()> {
         let shape = if columns == 1 {
             format!("({},)", values.len())
         } else {
@@ -271,7 +274,7 @@ impl Arrays<'_> {
     }
 
     /// Writes an array of whole numbers.
-    fn i32s(&self, name: &str, values: Vec<i32>) -> Result<()> {
+    fn write_i32s(&self, name: &str, values: Vec<i32>) -> Result<()> {
         self.write(name, "<i4", &format!("({},)", values.len()), values.iter().flat_map(|v| v.to_le_bytes()))
     }
 

@@ -209,7 +209,7 @@ pub fn compare(
         // Ties are found for mirrors alone, by version 1 of the oracle.
         let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
         let told = made.method.follows_oracle && version.is_first() && mirrors;
-        let ties = positions.as_ref().filter(|_| told).map(|ends| ties_of(data, &mask, ends));
+        let ties = positions.as_ref().filter(|_| told).map(|ends| count_ties(data, &mask, ends));
         AgreementRecord {
             head: Head::new(
                 "agreement",
@@ -232,7 +232,7 @@ pub fn compare(
 }
 
 /// Counts the reflecting pixels whose hits differ between two devices, and how many of them differ by rounding alone.
-fn ties_of(data: &GBufferData, mask: &[bool], [base, other]: &[Vec<Option<[f64; 2]>>; 2]) -> (usize, usize) {
+fn count_ties(data: &GBufferData, mask: &[bool], [base, other]: &[Vec<Option<[f64; 2]>>; 2]) -> (usize, usize) {
     let apart = |i: &usize| mask[*i] && HitVerdict::compare(other[*i], base[*i]) != HitVerdict::Agrees;
     let apart: Vec<usize> = (0..mask.len()).filter(apart).collect();
     let hierarchy = Hierarchy::new(data);

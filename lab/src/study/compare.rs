@@ -165,7 +165,7 @@ impl<'a> Comparison<'a> {
         let ratio = found.map(|(ratio, _)| ratio);
         let floors = sides.into_iter().flatten().filter_map(|s| s.noise_floor);
         let noise_floor = floors.reduce(f64::max);
-        let judged = found.map(|(ratio, n)| self.judgement.on(&ratio, n, noise_floor.unwrap_or(0.0)));
+        let judged = found.map(|(ratio, n)| self.judgement.judge(&ratio, n, noise_floor.unwrap_or(0.0)));
         TimeComparison {
             head: CompareHead::new("compare", &self.a.name, &self.b.name),
             subject: subject.clone(),
@@ -211,7 +211,7 @@ impl<'a> Comparison<'a> {
 
 impl Judgement {
     /// The verdict on a ratio of `n` samples; if it is undecided, also about how many samples would decide.
-    fn on(&self, ratio: &Ratio, n: usize, floor: f64) -> (Verdict, Option<u64>) {
+    fn judge(&self, ratio: &Ratio, n: usize, floor: f64) -> (Verdict, Option<u64>) {
         let verdict =
             if n < MIN_SAMPLES { Verdict::Undecided } else { Verdict::for_ratio(ratio, self.threshold, floor) };
         let is_open = verdict == Verdict::Undecided;
@@ -297,8 +297,9 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
         (None, _) => Some(format!("no time.json says on which device A ran: {only}")),
         (_, None) => Some(format!("no time.json says on which device B ran: {only}")),
     };
-    let untold = [("A", a.untold(b)), ("B", b.untold(a))].into_iter().filter(|(_, names)| !names.is_empty());
-    let settings = untold.map(|(run, names)| {
+    let missing_settings =
+        [("A", a.missing_settings(b)), ("B", b.missing_settings(a))].into_iter().filter(|(_, names)| !names.is_empty());
+    let settings = missing_settings.map(|(run, names)| {
         let names: Vec<_> = names.into_iter().collect();
         format!("{run}'s samples do not say {}, which is left out of account", names.join(", "))
     });

@@ -135,12 +135,12 @@ impl ErrorSpec<'_> {
 }
 
 /// A scene on the device, and the shots of the last cell, which the next one uses again if it has their size and projection.
-struct Studio {
+struct LoadedScene {
     stage: Stage,
     shots: LastMade<([u32; 2], ProjectionKind), (SharedGBuffers, Vec<Shot>)>,
 }
 
-impl Studio {
+impl LoadedScene {
     /// Uploads a scene; no shots are made yet.
     fn new(gpu: &Gpu, scene: &Scene) -> Result<Self> {
         Ok(Self { stage: Stage::new(gpu, scene)?, shots: LastMade::default() })
@@ -152,7 +152,7 @@ impl Studio {
 fn measure(
     gpu: &Gpu,
     spec: &ErrorSpec,
-    Studio { stage, shots }: &mut Studio,
+    LoadedScene { stage, shots }: &mut LoadedScene,
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<MeasuredCell> {

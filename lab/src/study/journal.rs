@@ -87,14 +87,14 @@ pub fn digest(gpu: &Gpu, settings: &Value) -> String {
     let mut hash = Sha256::new();
     hash.update(json!(Provenance::on(gpu)).to_string());
     hash.update(settings.to_string());
-    name(hash)
+    short_hex(hash)
 }
 
 /// Digest of settings alone, equal on every machine and device.
 pub fn setup_digest(settings: &Value) -> String {
     let mut hash = Sha256::new();
     hash.update(settings.to_string());
-    name(hash)
+    short_hex(hash)
 }
 
 /// A digest of a scene's lens, materials, lights, probes, impostors, captures, motions, triangles and textures. Views, camera
@@ -114,17 +114,19 @@ pub fn scene_digest(scene: &Scene) -> String {
         hash.update(format!("{}x{} {:?}", texture.width, texture.height, texture.encoding));
         hash.update(&texture.rgba);
     }
-    name(hash)
+    short_hex(hash)
 }
 
 /// The first 8 bytes of a hash, as 16 hexadecimal digits.
-fn name(hash: Sha256) -> String {
+fn short_hex(hash: Sha256) -> String {
     hash.finalize().iter().take(8).map(|b| format!("{b:02x}")).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
+    use ssct_scenes::Capture;
     use std::cell::RefCell;
     use std::rc::Rc;
 
@@ -148,5 +150,13 @@ mod tests {
         let again = Journal::resume(lines.iter().map(String::as_str).chain(torn), None);
         assert_eq!(again.get::<Vec<f64>>("a").as_ref(), Some(&value));
         assert!(again.value("a").is_some() && again.value("b").is_none());
+    }
+
+    /// Tests that a capture at another place makes another scene, whose results are not those of the first.
+    #[test]
+    fn a_moved_capture_changes_the_digest_of_its_scene() {
+        let captured = |x: f32| Scene { captures: vec![Capture::placed_at(Vec3::X * x)], ..Scene::default() };
+        let [none, here, there] = [Scene::default(), captured(0.0), captured(1.0)].map(|scene| scene_digest(&scene));
+        assert!(none != here && here != there);
     }
 }

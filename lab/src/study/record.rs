@@ -379,7 +379,7 @@ pub(crate) mod tests {
         let candidates = match parameter.domain {
             Domain::Count(least, most) => vec![Value::Count(least), Value::Count(most)],
             Domain::Number { least, most, .. } => vec![Value::Number(most), Value::Number(0.5 * (least + most))],
-            _ => parameter.domain.few().unwrap_or_default(),
+            _ => parameter.domain.all_if_few().unwrap_or_default(),
         };
         candidates.into_iter().find(|c| *c != value && parameter.domain.has(*c)).expect("more than one value")
     }

@@ -16,7 +16,7 @@ use ssct_truth::reference::CaptureData;
 use ssct_truth::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};
 
 /// Number of lanes of a CPU device that walk together, and wait for the slowest.
-const TOGETHER: usize = 8;
+const LANES: usize = 8;
 
 /// The images in which steps are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -148,7 +148,7 @@ fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<
 impl StepsRecord {
     /// Makes the record of the steps of some rays, which are in the order of [`blocks`].
     fn from_steps(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData, images: StepsIn, mut all: Vec<u32>) -> Self {
-        let groups = all.chunks(TOGETHER);
+        let groups = all.chunks(LANES);
         let (count, most) = (groups.len(), groups.map(|g| f64::from(g.iter().copied().max().unwrap_or(0))));
         let mean_of_eight = most.sum::<f64>() / count.max(1) as f64;
         all.sort_unstable();

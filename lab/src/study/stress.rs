@@ -20,7 +20,7 @@ use crate::stage::Globals;
 use crate::stage::gbuffer::hit_positions;
 use cases::Case;
 use glam::Vec3;
-use lineup::{FrameImages, SceneLineup, ScreenLineup};
+use lineup::{FrameImages, SceneMethods, ScreenMethods};
 use rayon::prelude::*;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::{MethodInfo, Setup};
@@ -117,7 +117,7 @@ impl WrongPixels {
             let mut seen = [false; 3];
             for (_, image) in images.iter().enumerate().filter(|(n, _)| counts(*n, i)) {
                 let texel = &image.values[i * image.channels..][..image.channels];
-                texel.iter().filter_map(|v| kind(v.to_bits())).for_each(|kind| seen[kind] = true);
+                texel.iter().filter_map(|v| wrong_kind(v.to_bits())).for_each(|kind| seen[kind] = true);
             }
             wrong.nan += usize::from(seen[0]);
             wrong.inf += usize::from(seen[1]);
@@ -129,7 +129,7 @@ impl WrongPixels {
 
 /// Tells wrong numbers by the bits of an f32: 0 for a NaN, 1 for an infinity, 2 for a number below 0. `None` for any
 /// other number, including minus zero.
-fn kind(bits: u32) -> Option<usize> {
+fn wrong_kind(bits: u32) -> Option<usize> {
     let (exponent, mantissa) = (bits >> 23 & 0xff, bits & 0x7f_ffff);
     match (exponent, mantissa) {
         (0xff, 0) => Some(1),
@@ -140,7 +140,7 @@ fn kind(bits: u32) -> Option<usize> {
 }
 
 /// Runs screen-space methods, which were made for the case's size, on a case, and makes a record of each.
-pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<StressRecord>> {
+pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenMethods) -> Result<Vec<StressRecord>> {
     let data = case.gbuffer();
     let images = GBufferImages::upload_unsound(&mut lineup.context, &data)?;
     let truth = case.comparable.then(|| Truth::new(&data));
@@ -235,7 +235,7 @@ impl FrameImages {
         data: &GBufferData,
         compared: Option<ComparedRays>,
     ) -> StressRecord {
-        let sound = |i: usize| data.color[i].to_array().iter().all(|v| kind(v.to_bits()).is_none());
+        let sound = |i: usize| data.color[i].to_array().iter().all(|v| wrong_kind(v.to_bits()).is_none());
         let wrong = WrongPixels::count(&[&self.reflection, &self.composite], |image, i| image == 0 || sound(i));
         let exhausted = self.hits.as_ref().map(|h| {
             let out = |t: &&[f32]| PathCode::from_channel(t[3]).is_none_or(PathCode::is_exhausted);
@@ -321,7 +321,7 @@ pub fn moved(scene: &Scene, place: &Place) -> Scene {
 /// Runs methods at an unusual place of the camera, as mirrors and as gloss, and makes a record of each. The methods
 /// were made with their hits for the [`moved`] scene. Hits of mirrors are compared with the oracle's on the G-buffer
 /// that the device drew.
-pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<Vec<StressRecord>> {
+pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneMethods) -> Result<Vec<StressRecord>> {
     let mut view = place.view.clone();
     view.eye += place.offset;
     view.look_at += place.offset;
@@ -332,7 +332,7 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
         lineup.set_materials(&globals.materials(&lineup.scene, &view))?;
         let name = format!("{}, roughness {roughness}", place.name);
         let Some(data) = lineup.draw(camera)? else { continue };
-        let made = lineup.made()?;
+        let made = lineup.read_images()?;
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
         let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
         records.extend(lineup.methods().zip(&made).map(|(m, made)| {
@@ -350,7 +350,7 @@ mod tests {
 
     #[test]
     fn numbers_are_told_apart_by_their_bits() {
-        let float_kind = |v: f32| kind(v.to_bits());
+        let float_kind = |v: f32| wrong_kind(v.to_bits());
         for sound in [0.0, -0.0, 1.0, 1e-45, f32::MAX] {
             assert_eq!(float_kind(sound), None, "{sound}");
         }

@@ -136,12 +136,12 @@ type SizedShots = ((usize, [u32; 2]), (SharedGBuffers, Vec<Shot>));
 
 /// The last stage and shots, which successive groups share.
 #[derive(Default)]
-struct Timer {
+struct LastShots {
     stage: Option<(String, Stage)>,
     shots: Option<SizedShots>,
 }
 
-impl Timer {
+impl LastShots {
     /// Measures the samples of a group that the journal lacks. Groups with the same number have the same scene, view and
     /// variants.
     fn time(
@@ -259,7 +259,7 @@ const COUNTED: &str = "work";
 /// # Errors
 /// Errors of the device, of the journal and of `progress`.
 pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut() -> Result<()>) -> Result<()> {
-    let mut timer = Timer::default();
+    let mut timer = LastShots::default();
     for group in spec.groups() {
         if !group.is_whole(journal) {
             timer.time(0, &group, journal, progress)?;

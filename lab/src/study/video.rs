@@ -204,7 +204,7 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
             made.push((n, shoot(&mut stage, &mut all[n], camera)?));
         }
         let Some(screen) = all.first().map(|f| gbuffer::read(&mut stage.context, &f.shot)).transpose()? else { break };
-        world.see(spec, screen, &moved, &materials, go_on)?;
+        world.trace_frame(spec, screen, &moved, &materials, go_on)?;
         for (n, (effect_ms, reflection, image)) in made {
             all[n].add(&world, effect_ms, &reflection, &image);
         }
@@ -279,7 +279,7 @@ struct Truth {
 
 impl Truth {
     /// Traces the world reference of the next frame, for the G-buffer that the variants see.
-    fn see(
+    fn trace_frame(
         &mut self,
         spec: &VideoSpec,
         screen: GBufferData,

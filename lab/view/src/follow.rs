@@ -30,7 +30,7 @@ impl Viewer {
         let area = actions.area.map_or([0, 0, extent[0], extent[1]], |a| pixels(a, extent, pixels_per_point));
         let wanted = self.wanted([area[2], area[3]]);
         let mut active = true;
-        if self.pictures.is_other(&wanted) {
+        if self.pictures.needs_rendering(&wanted) {
             self.pictures.render(&wanted)?;
             self.frames += 1;
             (self.analysis, self.ray, self.pixel) = (None, None, None);

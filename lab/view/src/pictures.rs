@@ -114,7 +114,7 @@ impl Pictures {
     }
 
     /// True if a request differs from the one rendered last, or if its history is not complete yet.
-    pub fn is_other(&self, wanted: &FrameRequest) -> bool {
+    pub fn needs_rendering(&self, wanted: &FrameRequest) -> bool {
         self.settling > 0 || self.rendered.as_ref() != Some(wanted)
     }
 

@@ -25,7 +25,7 @@ const EXTENT: [u32; 2] = [540, 200];
 const FORMAT: ash::vk::Format = ash::vk::Format::R8G8B8A8_SRGB;
 
 /// A viewer without a window, which a test drives round by round.
-struct Bench {
+struct TestViewer {
     gpu: Gpu,
     viewer: Viewer,
     extent: [u32; 2],
@@ -80,7 +80,7 @@ fn place() -> SceneOptions {
     CommonOptions::from_arg_matches(&command.get_matches_from(["ssct"])).unwrap().place
 }
 
-impl Bench {
+impl TestViewer {
     fn new() -> Self {
         let gpu = Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).unwrap();
         let scene = library::scene("rooms").unwrap();

@@ -333,7 +333,7 @@ impl Viewer {
 
     /// Draws the panel; returns egui's output and the user's actions.
     fn run_panel(&mut self, input: RawInput) -> (FullOutput, PanelActions) {
-        let is_idle = !self.pictures.is_other(&self.wanted(self.area())) && !self.needs_analysis();
+        let is_idle = !self.pictures.needs_rendering(&self.wanted(self.area())) && !self.needs_analysis();
         let Self { state, path, captures, pictures, egui, .. } = self;
         let command = reference_command(state, self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]));
         let data = PanelData {

@@ -171,7 +171,7 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
     if let Some(name) = features::missing(features.features, v12, v13) {
         return Some(format!("it lacks the feature {name}"));
     }
-    match families.iter().find(|f| is_universal(f)) {
+    match families.iter().find(|f| has_graphics_and_compute(f)) {
         None => Some("it has no queue for graphics and compute".into()),
         Some(f) if f.timestamp_valid_bits == 0 => Some("its queue has no timestamps".into()),
         Some(_) => None,
@@ -179,7 +179,7 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
 }
 
 /// Whether the queues of a family take both graphics and compute commands.
-fn is_universal(family: &vk::QueueFamilyProperties) -> bool {
+fn has_graphics_and_compute(family: &vk::QueueFamilyProperties) -> bool {
     family.queue_flags.contains(vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE)
 }
 
@@ -243,7 +243,7 @@ pub(super) fn open_device(
     let (queue_family, family) = families
         .iter()
         .enumerate()
-        .find(|(_, f)| is_universal(f))
+        .find(|(_, f)| has_graphics_and_compute(f))
         .ok_or_else(|| Error::NoDevice("no universal queue".into()))?;
 
     let mut names = Vec::new();
@@ -309,7 +309,7 @@ pub(super) fn open_device(
     }
 
     let memory = if query.compiles_only {
-        Ok(Source::Theirs(Mutex::new(Box::new(HostMemory::default()))))
+        Ok(Source::ForeignGBuffer(Mutex::new(Box::new(HostMemory::default()))))
     } else {
         own_memory(&instance, physical, &device, has_queries.is_ok())
     };
@@ -343,7 +343,7 @@ pub(super) fn open_device(
         memory: ManuallyDrop::new(memory),
         owned: true,
         submissions: AtomicU64::new(0),
-        patience: OnceLock::new(),
+        frame_timeout: OnceLock::new(),
         #[cfg(feature = "reload")]
         replaced_shaders: crate::gpu::shader::ReplacedShaders::default(),
         index: Some(listing.index),
@@ -387,13 +387,13 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     }
     let family =
         families.get(queue_family as usize).ok_or_else(|| refused(format!("it has no queue family {queue_family}")))?;
-    if !is_universal(family) {
+    if !has_graphics_and_compute(family) {
         return Err(refused(format!("queues of family {queue_family} do not take both graphics and compute")));
     }
     let features = &enabled.core;
     let samplers = Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?;
     let memory = match memory {
-        Some(theirs) => Source::Theirs(Mutex::new(theirs)),
+        Some(theirs) => Source::ForeignGBuffer(Mutex::new(theirs)),
         None => match own_memory(&instance, physical, &device, false) {
             Ok(memory) => memory,
             Err(e) => {
@@ -417,7 +417,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         memory: ManuallyDrop::new(memory),
         owned: false,
         submissions: AtomicU64::new(0),
-        patience: OnceLock::new(),
+        frame_timeout: OnceLock::new(),
         #[cfg(feature = "reload")]
         replaced_shaders: crate::gpu::shader::ReplacedShaders::default(),
         info,

@@ -82,7 +82,7 @@ impl Frame<'_> {
             }
             let settles = frame.must_settle(&pipeline.settled); // a workaround for a bug of lavapipe
             if settles {
-                frame.take_in(pipeline, inputs)?;
+                frame.consume_pushed_values(pipeline, inputs)?;
             }
             let view = if matches!(vertices, Vertices::Triangle) { View::Twice } else { View::Down };
             frame.rendering(targets, depth, view, |frame| {

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 /// A method of one pass in the folder `m`: the file and the text of its shader, the sections of its manifest, and the
 /// format of its result.
-struct Small {
+struct SmallMethod {
     file: &'static str,
     shader: String,
     inputs: String,
@@ -15,7 +15,7 @@ struct Small {
     format: &'static str,
 }
 
-impl Small {
+impl SmallMethod {
     /// A fragment shader that reads the image `picture`.
     fn fragment(shader: &str) -> Self {
         Self {
@@ -85,9 +85,9 @@ impl Small {
 }
 
 /// Holds that the reflection of a method is the lit colour, halved.
-fn halves(small: &Small) {
+fn assert_halves_lit_colour(small: &SmallMethod) {
     static WHOLE: OnceLock<Vec<f32>> = OnceLock::new();
-    let whole = WHOLE.get_or_init(|| Small::with("", "colour").pixels());
+    let whole = WHOLE.get_or_init(|| SmallMethod::with("", "colour").pixels());
     let half = small.pixels();
     assert!(whole.iter().any(|v| *v > 0.1));
     for (a, b) in whole.iter().zip(&half) {
@@ -98,21 +98,21 @@ fn halves(small: &Small) {
 /// In OpenGL, samplers, blocks and images have bindings of their own, so that one number may occur in each kind.
 #[test]
 fn bindings_are_counted_apart_as_opengl_does() {
-    halves(
-        &Small::fragment(
+    assert_halves_lit_colour(
+        &SmallMethod::fragment(
             "#version 450\nin vec2 at;\nout vec4 shown;\nlayout(binding = 0) uniform sampler2D picture;\n\
              layout(std140, binding = 0) uniform Numbers { float gain; };\nvoid main() { shown = texture(picture, at) * gain; }\n",
         )
         .values("gain = 0.5\n"),
     );
-    halves(&Small::compute(
+    assert_halves_lit_colour(&SmallMethod::compute(
         "#version 450\nlayout(local_size_x = 8, local_size_y = 8) in;\nlayout(binding = 0) uniform sampler2D picture;\n\
          layout(binding = 0, rgba16f) uniform writeonly image2D made;\n\
          void main() { ivec2 p = ivec2(gl_GlobalInvocationID.xy); imageStore(made, p, 0.5 * texelFetch(picture, p, 0)); }\n",
     ));
     // Two samplers and a storage image without a format may share one binding number.
-    halves(
-        &Small::compute(
+    assert_halves_lit_colour(
+        &SmallMethod::compute(
             "#version 450\nlayout(local_size_x = 8, local_size_y = 8) in;\nlayout(binding = 1) uniform sampler2D picture;\n\
              layout(binding = 1) uniform sampler2D other;\nlayout(binding = 1) uniform writeonly image2D made;\n\
              void main() { ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n\
@@ -140,7 +140,7 @@ fn loose_uniforms_are_read_by_what_they_mean() {
         ("layout(location = 7) uniform highp float gain;", "gain = 0.5\n"),
         ("const int N = 2;\nuniform float gain;\nuniform float unused[N];", "gain = 0.5\n"),
     ] {
-        halves(&Small::with(declarations, "colour * gain").values(values));
+        assert_halves_lit_colour(&SmallMethod::with(declarations, "colour * gain").values(values));
     }
     for (declarations, shown, values) in [
         ("uniform float gains[4];", "colour * gains[2]", "gains = [1, 1, 0.5, 1]\n"),
@@ -163,14 +163,14 @@ fn loose_uniforms_are_read_by_what_they_mean() {
         ("layout(row_major) uniform B { mat2x3 turn; };", "colour * turn[1][2]", "turn = [1, 1, 1, 1, 1, 0.5]\n"),
         ("uniform B { float gain; float unused; };", "colour * gain", "gain = 0.5\n"),
     ] {
-        halves(&Small::with(declarations, shown).values(values));
+        assert_halves_lit_colour(&SmallMethod::with(declarations, shown).values(values));
     }
 }
 
 /// A uniform may stand in an included file, and an error has the line of the file in which the mistake stands.
 #[test]
 fn loose_uniforms_may_be_in_includes() {
-    let small = Small::with("uniform float gain;\n#include \"b.glsl\"", "colour * gain * twice()");
+    let small = SmallMethod::with("uniform float gain;\n#include \"b.glsl\"", "colour * gain * twice()");
     let small = small.values("gain = 0.5\nother = 0.5\n");
     let folder = small.folder();
     folder.write("m/b.glsl", "uniform float other;\nfloat twice() { return 2.0 * other; }\n");
@@ -188,15 +188,17 @@ fn loose_uniforms_may_be_in_includes() {
 /// numbers, is refused.
 #[test]
 fn values_of_their_own_that_are_more_than_numbers_are_asked_for() {
-    let small = Small::with("uniform float gain = sin(0.5);", "colour * gain");
+    let small = SmallMethod::with("uniform float gain = sin(0.5);", "colour * gain");
     assert!(small.refused().contains("the value that gain of a.frag has of its own is more than numbers"));
-    halves(&Small::with("uniform float gain = sin(0.5);", "colour * gain").values("gain = 0.5\n"));
-    let unfed = Small::with("uniform float gain;", "colour * gain").refused();
+    assert_halves_lit_colour(
+        &SmallMethod::with("uniform float gain = sin(0.5);", "colour * gain").values("gain = 0.5\n"),
+    );
+    let unfed = SmallMethod::with("uniform float gain;", "colour * gain").refused();
     assert!(
         unfed.contains("m/method.toml:5: pass \"p\": nothing feeds the field LooseUniforms.gain of a.frag"),
         "{unfed}"
     );
-    let few = Small::with("uniform float gains[4];", "colour * gains[2]").values("gains = [1]\n").refused();
+    let few = SmallMethod::with("uniform float gains[4];", "colour * gains[2]").values("gains = [1]\n").refused();
     assert!(few.contains("m/method.toml:12: ") && few.contains("the field has 4 numbers"), "{few}");
 }
 
@@ -205,7 +207,7 @@ fn values_of_their_own_that_are_more_than_numbers_are_asked_for() {
 #[test]
 fn images_of_another_kind_are_refused() {
     let look = |sampler: &str, expression: &str, image: &str| {
-        let small = Small::fragment(&format!(
+        let small = SmallMethod::fragment(&format!(
             "#version 450\nin vec2 at;\nout vec4 shown;\nuniform {sampler} picture;\nvoid main() {{ shown = vec4({expression}); }}\n"
         ));
         small.inputs(&format!("picture = \"{image}\"\n")).refused()
@@ -246,7 +248,7 @@ fn images_of_another_kind_are_refused() {
         let said = look(sampler, expression, image);
         assert!(said.contains("m/method.toml:10: pass \"p\": picture of a.frag is ") && said.contains(says), "{said}");
     }
-    let array = Small::with("uniform sampler2D more[2];", "colour + texture(more[0], at)");
+    let array = SmallMethod::with("uniform sampler2D more[2];", "colour + texture(more[0], at)");
     let array = array.inputs("picture = \"lit-colour\"\nmore = \"lit-colour\"\n").refused();
     assert!(array.contains("more of a.frag is an array of images or blocks"), "{array}");
 }
@@ -255,12 +257,12 @@ fn images_of_another_kind_are_refused() {
 #[test]
 fn images_for_storage_of_another_kind_are_refused() {
     let store = |layout: &str, what: &str, format: &'static str| {
-        let small = Small::compute(&format!(
+        let small = SmallMethod::compute(&format!(
             "#version 450\nlayout(local_size_x = 8, local_size_y = 8) in;\nlayout({layout}) uniform writeonly {what};\n\
              void main() {{ imageStore(made, ivec2(gl_GlobalInvocationID.xy), {}vec4(1)); }}\n",
             what.split("image").next().unwrap()
         ));
-        Small { format, ..small }.inputs("made = \"result\"\n").refused()
+        SmallMethod { format, ..small }.inputs("made = \"result\"\n").refused()
     };
     let other = store("rgba8", "image2D made", "rgba16f");
     assert!(other.contains("made of a.comp is declared rgba8, and result is rgba16f"), "{other}");
@@ -275,7 +277,7 @@ fn images_for_storage_of_another_kind_are_refused() {
 #[test]
 fn inputs_of_other_names_and_kinds_are_refused() {
     let with = |inputs: &str, shown: &str| {
-        Small::fragment(&format!(
+        SmallMethod::fragment(&format!(
             "#version 330\n{inputs}\nout vec4 shown;\nuniform sampler2D picture;\nvoid main() {{ shown = {shown}; }}\n"
         ))
     };
@@ -288,12 +290,12 @@ fn inputs_of_other_names_and_kinds_are_refused() {
     let said = with("flat in int which;", "vec4(which) * texture(picture, vec2(0.5))").refused();
     assert!(said.contains("a.frag reads `which`"), "{said}");
     // Texture coordinates may have any location, and inputs that a shader declares and does not read are allowed.
-    halves(&with(
+    assert_halves_lit_colour(&with(
         "#extension GL_ARB_separate_shader_objects : enable\nlayout(location = 5) in vec2 at;",
         "0.5 * texture(picture, at)",
     ));
-    halves(&with("in vec3 unread;\nin vec2 at;", "0.5 * texture(picture, at)"));
-    halves(&with("", "0.5 * texelFetch(picture, ivec2(gl_FragCoord.xy), 0)"));
+    assert_halves_lit_colour(&with("in vec3 unread;\nin vec2 at;", "0.5 * texture(picture, at)"));
+    assert_halves_lit_colour(&with("", "0.5 * texelFetch(picture, ivec2(gl_FragCoord.xy), 0)"));
 }
 
 /// Outputs of a wrong type or location are refused, and so are shaders beyond limits: threads, shared memory, doubles,
@@ -301,10 +303,10 @@ fn inputs_of_other_names_and_kinds_are_refused() {
 #[test]
 fn outputs_and_limits_are_checked() {
     let integers =
-        Small::fragment("#version 330\nin vec2 at;\nout ivec4 shown;\nvoid main() { shown = ivec4(at.xyxy); }\n");
+        SmallMethod::fragment("#version 330\nin vec2 at;\nout ivec4 shown;\nvoid main() { shown = ivec4(at.xyxy); }\n");
     let said = integers.inputs("").refused();
     assert!(said.contains("a.frag writes `shown` as signed integers, and result has floats"), "{said}");
-    let gap = Small::fragment(
+    let gap = SmallMethod::fragment(
         "#version 330\nin vec2 at;\nlayout(location = 1) out vec4 shown;\nvoid main() { shown = at.xyxy; }\n",
     );
     let said = gap.inputs("").refused();
@@ -313,7 +315,7 @@ fn outputs_and_limits_are_checked() {
         let shader = format!(
             "#version 450\n{head}\nlayout(rgba16f) uniform writeonly image2D made;\nvoid main() {{ {body} }}\n"
         );
-        Small::compute(&shader).inputs("made = \"result\"\n").refused()
+        SmallMethod::compute(&shader).inputs("made = \"result\"\n").refused()
     };
     let store = "imageStore(made, ivec2(gl_GlobalInvocationID.xy), vec4(1.0));";
     let said = compute("layout(local_size_x = 64, local_size_y = 32) in;", store);
@@ -321,19 +323,19 @@ fn outputs_and_limits_are_checked() {
     let said =
         compute("layout(local_size_x = 8) in;\nshared vec4 kept[4096];", &format!("kept[0] = vec4(1.0); {store}"));
     assert!(said.contains("the workgroups of a.comp share 65536 bytes, more than 32768"), "{said}");
-    let doubles = Small::fragment(
+    let doubles = SmallMethod::fragment(
         "#version 450\nin vec2 at;\nout vec4 shown;\nuniform sampler2D picture;\n\
          void main() { shown = vec4(float(double(texture(picture, at).x) * 2.0lf)); }\n",
     )
     .refused();
     assert!(doubles.contains("needs 64-bit floats, which this program does not turn on"), "{doubles}");
-    let push = Small::fragment(
+    let push = SmallMethod::fragment(
         "#version 450\nin vec2 at;\nout vec4 shown;\nlayout(push_constant) uniform P { vec4 many[12]; };\n\
          void main() { shown = many[0] + at.xyxy; }\n",
     );
     let said = push.inputs("").refused();
     assert!(said.contains("the push constants P of a.frag have 192 bytes, more than 128"), "{said}");
-    let large = Small::with("layout(std140) uniform B { vec4 many[5000]; };", "colour * many[0]").refused();
+    let large = SmallMethod::with("layout(std140) uniform B { vec4 many[5000]; };", "colour * many[0]").refused();
     assert!(large.contains("has a block in which many lies beyond the 65536 bytes"), "{large}");
 }
 
@@ -342,13 +344,13 @@ fn outputs_and_limits_are_checked() {
 fn versions_are_what_the_page_says() {
     for version in ["140", "150", "330 core", "460", "310 es"] {
         let precision = if version.ends_with("es") { "precision highp float;\n" } else { "" };
-        halves(&Small::fragment(&format!(
+        assert_halves_lit_colour(&SmallMethod::fragment(&format!(
             "#version {version}\n{precision}in vec2 at;\nout vec4 shown;\nuniform sampler2D picture;\n\
              void main() {{ shown = 0.5 * texture(picture, at); }}\n"
         )));
     }
     for version in ["#version 110\n", "#version 130\n", ""] {
-        let said = Small::fragment(&format!(
+        let said = SmallMethod::fragment(&format!(
             "{version}in vec2 at;\nout vec4 shown;\nuniform sampler2D picture;\nvoid main() {{ shown = texture(picture, at); }}\n"
         ))
         .refused();
@@ -359,13 +361,13 @@ fn versions_are_what_the_page_says() {
 /// A buffer that is smaller than the shader's block is refused, and one of the same size is not.
 #[test]
 fn storage_blocks_must_fit_their_buffers() {
-    let small = Small::compute(
+    let small = SmallMethod::compute(
         "#version 450\nlayout(local_size_x = 8, local_size_y = 8) in;\nlayout(std430) buffer Kept { vec4 first[64]; } kept;\n\
          layout(rgba16f) uniform writeonly image2D made;\n\
          void main() { kept.first[63] = vec4(1.0); imageStore(made, ivec2(gl_GlobalInvocationID.xy), kept.first[0]); }\n",
     );
     let small = small.inputs("kept = \"list\"\nmade = \"result\"\n");
-    let with = |bytes: u32| Small { rest: format!("[buffer.list]\nbytes = {bytes}\n"), ..small_of(&small) };
+    let with = |bytes: u32| SmallMethod { rest: format!("[buffer.list]\nbytes = {bytes}\n"), ..copied(&small) };
     let said = with(512).refused();
     assert!(said.contains("the shader's block has 1024 bytes, and the buffer list has 512"), "{said}");
     let folder = with(1024).folder();
@@ -373,7 +375,14 @@ fn storage_blocks_must_fit_their_buffers() {
 }
 
 /// A copy of a method.
-fn small_of(small: &Small) -> Small {
-    let Small { file, shader, inputs, values, rest, format } = small;
-    Small { file, shader: shader.clone(), inputs: inputs.clone(), values: values.clone(), rest: rest.clone(), format }
+fn copied(small: &SmallMethod) -> SmallMethod {
+    let SmallMethod { file, shader, inputs, values, rest, format } = small;
+    SmallMethod {
+        file,
+        shader: shader.clone(),
+        inputs: inputs.clone(),
+        values: values.clone(),
+        rest: rest.clone(),
+        format,
+    }
 }

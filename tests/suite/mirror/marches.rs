@@ -14,7 +14,7 @@ use ssct_lab::stage::Globals;
 
 /// The end of a ray beside its expected end. Lengths are measured along the ray in texture coordinates and standard
 /// depth together, in which the thesis measures strides.
-struct Ended {
+struct RayEndError {
     /// The length from the pixel to the wall.
     wall: f64,
     /// The length from the pixel to the hit; none for a miss.
@@ -30,7 +30,7 @@ struct Ended {
 }
 
 /// The end of every ray that meets the wall on the screen.
-fn ended(case: &Case, shown: &Shown) -> Vec<Ended> {
+fn ended(case: &Case, shown: &Shown) -> Vec<RayEndError> {
     let hits = shown.get("hits");
     let size = DVec2::new(f64::from(hits.width), f64::from(hits.height));
     let matrix = shown.camera.view_to_clip().as_dmat4();
@@ -52,7 +52,7 @@ fn ended(case: &Case, shown: &Shown) -> Vec<Ended> {
             let side = if direction[i] > 0.0 { 1.0 } else { 0.0 };
             if direction[i] == 0.0 { f64::MAX } else { (side - from[i]) / direction[i] }
         });
-        all.push(Ended {
+        all.push(RayEndError {
             wall: from.distance(to),
             hit: is_hit.then_some(along),
             beside: in_pixels(offset - direction * along),
@@ -65,7 +65,7 @@ fn ended(case: &Case, shown: &Shown) -> Vec<Ended> {
 }
 
 /// The share of rays for which `holds` is true.
-fn share(all: &[Ended], holds: impl Fn(&Ended) -> bool) -> f64 {
+fn share(all: &[RayEndError], holds: impl Fn(&RayEndError) -> bool) -> f64 {
     all.iter().filter(|e| holds(e)).count() as f64 / all.len() as f64
 }
 
@@ -103,11 +103,12 @@ fn uniform_marches_end_within_a_step_behind_the_wall() {
                 let slack = SLOPE_PIXELS * pixel;
                 // The first sample behind the wall decides. Rays for which the slack would change the answer are left
                 // out.
-                let sample = |e: &Ended| (e.wall / stride).ceil();
-                let reached = |e: &Ended| sample(e) <= steps - slack / stride && sample(e) * stride < e.border - slack;
-                let unreached = |e: &Ended| e.wall > steps * stride + slack;
+                let sample = |e: &RayEndError| (e.wall / stride).ceil();
+                let reached =
+                    |e: &RayEndError| sample(e) <= steps - slack / stride && sample(e) * stride < e.border - slack;
+                let unreached = |e: &RayEndError| e.wall > steps * stride + slack;
                 let beyond = share(&all, |e| unreached(e) && e.hit.is_some());
-                let right = |e: &Ended| {
+                let right = |e: &RayEndError| {
                     let behind = e.hit.map(|h| h - e.wall);
                     behind.is_some_and(|b| b > first * stride - slack && b < (first + 1.0) * stride + slack)
                         && e.beside < SLOPE_PIXELS
@@ -151,7 +152,8 @@ fn binary_searches_end_within_epsilon_of_the_wall() {
                 let all = ended(&case, &shown);
                 // The wall has one depth, so that an error of epsilon in depth is an error of epsilon / slope in
                 // length.
-                let within = |e: &Ended| e.hit.is_some_and(|h| (h - e.wall).abs() * e.depth_slope < 1.05 * epsilon);
+                let within =
+                    |e: &RayEndError| e.hit.is_some_and(|h| (h - e.wall).abs() * e.depth_slope < 1.05 * epsilon);
                 let found = share(&all, |e| e.hit.is_some());
                 let right = share(&all, |e| within(e) && e.beside < SLOPE_PIXELS);
                 println!("{what}: {found:.3} of {} found, {right:.3} within epsilon", all.len());

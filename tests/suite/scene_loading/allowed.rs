@@ -19,7 +19,7 @@ fn is_the_square(scene: &Scene) {
 }
 
 /// Holds that the square with a change loads as the square does, with exactly the warnings in `said`.
-fn loads(said: &[&str], change: impl FnOnce(&mut Value)) {
+fn assert_loads_as_square(said: &[&str], change: impl FnOnce(&mut Value)) {
     let scene = scene(&square(json!({}), change));
     is_the_square(&scene);
     assert_eq!(sentences(&scene), said);
@@ -29,11 +29,14 @@ fn loads(said: &[&str], change: impl FnOnce(&mut Value)) {
 #[test]
 fn attributes_of_applications_are_passed_over() {
     let add = |name: &'static str| move |d: &mut Value| d["meshes"][0]["primitives"][0]["attributes"][name] = 2.into();
-    loads(&[], add("_WARMTH"));
-    loads(&[], add("_"));
-    loads(&["the attribute WARMTH of a mesh is not one of glTF and was ignored"], add("WARMTH"));
-    loads(&["the attribute TEXCOORD_x of a mesh is not one of glTF and was ignored"], add("TEXCOORD_x"));
-    loads(&[], |d| {
+    assert_loads_as_square(&[], add("_WARMTH"));
+    assert_loads_as_square(&[], add("_"));
+    assert_loads_as_square(&["the attribute WARMTH of a mesh is not one of glTF and was ignored"], add("WARMTH"));
+    assert_loads_as_square(
+        &["the attribute TEXCOORD_x of a mesh is not one of glTF and was ignored"],
+        add("TEXCOORD_x"),
+    );
+    assert_loads_as_square(&[], |d| {
         add("_A")(d);
         add("_B")(d);
     });
@@ -54,18 +57,18 @@ fn animations_that_cannot_be_played_are_passed_over() {
         ),
         (json!({}), Some("animation 0 is not one of glTF and was left out")),
     ] {
-        loads(said.as_slice(), |d| {
+        assert_loads_as_square(said.as_slice(), |d| {
             d["animations"] =
                 json!([{"samplers": [{"input": 3, "output": 0}], "channels": [{"sampler": 0, "target": target}]}]);
         });
     }
-    loads(&[], |d| d["animations"] = json!([]));
+    assert_loads_as_square(&[], |d| d["animations"] = json!([]));
 }
 
 /// An accessor without bytes has zeros, as glTF says; too large a count is refused.
 #[test]
 fn accessors_without_a_view_are_zeros() {
-    loads(&[], |d| {
+    assert_loads_as_square(&[], |d| {
         d["accessors"][2].as_object_mut().unwrap().remove("bufferView");
     });
     let zeros = scene(&square(json!({}), |d| {
@@ -111,9 +114,9 @@ fn sparse_accessors_change_some_elements() {
 /// refused.
 #[test]
 fn scenes_without_nodes_are_allowed() {
-    loads(&[], |d| d["scenes"] = json!([{"nodes": [0]}, {"name": "empty"}]));
-    loads(&[], |d| d["scenes"] = json!([{"nodes": [0]}, {"nodes": []}]));
-    loads(&[], |d| {
+    assert_loads_as_square(&[], |d| d["scenes"] = json!([{"nodes": [0]}, {"name": "empty"}]));
+    assert_loads_as_square(&[], |d| d["scenes"] = json!([{"nodes": [0]}, {"nodes": []}]));
+    assert_loads_as_square(&[], |d| {
         d.as_object_mut().unwrap().remove("scenes");
         d.as_object_mut().unwrap().remove("scene");
     });
@@ -124,7 +127,7 @@ fn scenes_without_nodes_are_allowed() {
 /// Whole numbers that are written as floats, nulls, strides of 0 and missing bounds have their obvious reading.
 #[test]
 fn numbers_nulls_and_distances_are_read_as_they_are_meant() {
-    loads(&[], |d| {
+    assert_loads_as_square(&[], |d| {
         for accessor in d["accessors"].as_array_mut().unwrap() {
             accessor["count"] = (accessor["count"].as_u64().unwrap() as f64).into();
             accessor["componentType"] = (accessor["componentType"].as_u64().unwrap() as f64).into();
@@ -133,20 +136,20 @@ fn numbers_nulls_and_distances_are_read_as_they_are_meant() {
         d["nodes"][0]["mesh"] = 0.0.into();
         d["scene"] = 0.0.into();
     });
-    loads(&[], |d| {
+    assert_loads_as_square(&[], |d| {
         d["nodes"][0]["camera"] = Value::Null;
         d["nodes"][0]["children"] = Value::Null;
         d["materials"][0]["name"] = Value::Null;
         d["skins"] = Value::Null;
         d["meshes"][0]["primitives"][0]["targets"] = Value::Null;
     });
-    loads(&[], |d| d["bufferViews"][0]["byteStride"] = 0.into());
-    loads(&[], |d| d["bufferViews"][0]["target"] = 1.into());
-    loads(&[], |d| d["asset"]["version"] = 2.0.into());
-    loads(&["positions lack their bounds (min and max), which were computed"], |d| {
+    assert_loads_as_square(&[], |d| d["bufferViews"][0]["byteStride"] = 0.into());
+    assert_loads_as_square(&[], |d| d["bufferViews"][0]["target"] = 1.into());
+    assert_loads_as_square(&[], |d| d["asset"]["version"] = 2.0.into());
+    assert_loads_as_square(&["positions lack their bounds (min and max), which were computed"], |d| {
         d["accessors"][0].as_object_mut().unwrap().remove("min");
     });
-    loads(&["positions lack their bounds (min and max), which were computed"], |d| {
+    assert_loads_as_square(&["positions lack their bounds (min and max), which were computed"], |d| {
         d["accessors"][0]["max"] = json!(["a", 1]);
     });
     let half = error(&square(json!({}), |d| d["accessors"][0]["count"] = 3.5.into()));
@@ -185,7 +188,7 @@ fn data_addresses_are_read_as_rfc_2397_says() {
         format!("data:application/gltf-buffer;charset=utf-8;base64,{base64}"),
         format!("data:;base64,{in_lines}"),
     ] {
-        loads(&[], |d| d["buffers"][0]["uri"] = uri.into());
+        assert_loads_as_square(&[], |d| d["buffers"][0]["uri"] = uri.into());
     }
     for uri in ["data:", "data:;base64", "data:;base64,", "data:;base64,!!!!", "DATA:x,"] {
         let said = error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
@@ -413,7 +416,7 @@ fn byte_order_marks_and_unknown_chunks_are_skipped() {
 
 #[test]
 fn primitives_without_positions_are_not_drawn() {
-    loads(&["primitives without positions are not drawn"], |d| {
+    assert_loads_as_square(&["primitives without positions are not drawn"], |d| {
         let with = d["meshes"][0]["primitives"][0].clone();
         let mut without = with.clone();
         without["attributes"].as_object_mut().unwrap().remove("POSITION");

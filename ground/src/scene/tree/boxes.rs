@@ -61,7 +61,7 @@ impl PaddedTriangles {
 }
 
 /// Builds a binary hierarchy of any number of levels by PLOC, which merges near boxes, and reinsertion.
-pub fn by_neighbours(padded: &[PaddedBox]) -> Bvh2 {
+pub fn build_ploc(padded: &[PaddedBox]) -> Bvh2 {
     let params = BvhBuildParams::medium_build();
     let indices = (0..padded.len() as u32).collect();
     let mut binary = PlocBuilder::with_capacity(padded.len()).build(

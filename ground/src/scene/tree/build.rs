@@ -3,7 +3,7 @@
 //! Many triangles in one place make a hierarchy with more levels than a walk has room for. Such a hierarchy is built again by
 //! halving lists of triangles, which bounds its levels.
 
-use super::boxes::{LEAF, PaddedBox, PaddedTriangles, by_neighbours, levels};
+use super::boxes::{LEAF, PaddedBox, PaddedTriangles, build_ploc, levels};
 use super::{
     BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, most_levels, triangles,
 };
@@ -37,9 +37,9 @@ impl Tree {
         if with_area.is_empty() {
             return Self { origin, ..Self::default() };
         }
-        let mut wide = bvh2_to_cwbvh(&by_neighbours(&boxes), LEAF, true, false);
+        let mut wide = bvh2_to_cwbvh(&build_ploc(&boxes), LEAF, true, false);
         if levels(&wide) > most_levels(with_area.len()) {
-            wide = by_halves(&boxes);
+            wide = build_balanced(&boxes);
         }
         let words: &[Words] = bytemuck::cast_slice(&wide.nodes);
         debug_assert_eq!(words.len(), NODE_WORDS * wide.nodes.len());
@@ -131,7 +131,7 @@ fn check_count(scene: &Scene) -> Result<()> {
 
 /// Builds a hierarchy with few levels. Each list of boxes is cut in half along the axis in which the middles of its boxes lie
 /// farthest apart. Counts of boxes, and not areas, decide which boxes become one node of eight children.
-fn by_halves(padded: &[PaddedBox]) -> CwBvh {
+fn build_balanced(padded: &[PaddedBox]) -> CwBvh {
     let mut indices: Vec<u32> = (0..padded.len() as u32).collect();
     // Two copies of the hierarchy: one with its boxes, and one with boxes whose areas are the counts.
     let mut nodes = [vec![Bvh2Node::default()], vec![Bvh2Node::default()]];
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn halves_bound_the_levels_of_trees_of_any_number_of_triangles() {
         for count in (1..=700).chain([1023, 1024, 1025, 4095, 4097, 8082, 32_769, 100_000]) {
-            let wide = by_halves(&boxes(count));
+            let wide = build_balanced(&boxes(count));
             assert!(levels(&wide) < most_levels(count), "{count} boxes: {} levels", levels(&wide));
             let mut found: Vec<u32> = wide.primitive_indices.clone();
             found.sort_unstable();

@@ -62,7 +62,7 @@ pub(super) fn part(
         }
         let [a, b, c] = made;
         let sides = if a.sign < 0.0 { [a, c, b] } else { [a, b, c] };
-        match finished(sides.map(|v| v.vertex), notes) {
+        match checked_triangle(sides.map(|v| v.vertex), notes) {
             Some(triangle) => triangles.push(triangle),
             None => notes.add("area", "triangles without area were left out".to_owned()),
         }
@@ -93,7 +93,7 @@ fn corners(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
 /// The triangle with a normal at each corner; `None` if twice its area is at most 1e-7 of its longest squared side. The
 /// author's normals are kept, even if they lean slightly behind their face, as smooth normals do at silhouettes.
 /// Normals that point to the back of the face are turned.
-fn finished(mut triangle: Triangle, notes: &mut Notes) -> Option<Triangle> {
+fn checked_triangle(mut triangle: Triangle, notes: &mut Notes) -> Option<Triangle> {
     let position = |i: usize| Vec3::from(triangle[i].position).as_dvec3();
     let edges = [position(1) - position(0), position(2) - position(1), position(0) - position(2)];
     let cross = edges[0].cross(-edges[2]);
@@ -102,7 +102,7 @@ fn finished(mut triangle: Triangle, notes: &mut Notes) -> Option<Triangle> {
         return None;
     }
     let face = cross.normalize();
-    let turned = assemble::point_behind(&triangle, face);
+    let turned = assemble::normals_point_behind(&triangle, face);
     if turned {
         notes.add("turned", "normals that point to the back of their triangles were turned to its front".to_owned());
     }

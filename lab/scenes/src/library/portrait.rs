@@ -35,7 +35,7 @@ pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
         texture: scene.textures.len(),
     };
     let shown: Vec<&Mesh> = scene.meshes.iter().filter(|m| meshes.contains(&m.name.as_str())).collect();
-    let samples = Canvas::new(scene, &impostor, extent.map(|n| n * OVERSAMPLED)).drawn(&shown);
+    let samples = ImpostorCanvas::new(scene, &impostor, extent.map(|n| n * OVERSAMPLED)).drawn(&shown);
     let texture = Texture {
         name: format!("impostor {}", frame.name),
         width: extent[0],
@@ -49,7 +49,7 @@ pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
 }
 
 /// The drawing surface: the rectangle of an impostor, divided into samples.
-struct Canvas<'a> {
+struct ImpostorCanvas<'a> {
     scene: &'a Scene,
     impostor: &'a Impostor,
     /// Numbers of columns and rows of samples.
@@ -64,7 +64,7 @@ struct Canvas<'a> {
 struct Placed<'a> {
     mesh: &'a Mesh,
     corners: [&'a Vertex; 3],
-    /// Column, row and height of each corner, as [`Canvas::place`] gives them.
+    /// Column, row and height of each corner, as [`ImpostorCanvas::place`] gives them.
     places: [Vec3; 3],
     /// Twice the triangle's area, in samples.
     area: f32,
@@ -80,7 +80,7 @@ struct Highest<'a> {
     weights: Vec3,
 }
 
-impl<'a> Canvas<'a> {
+impl<'a> ImpostorCanvas<'a> {
     /// An empty canvas of `size` samples over the rectangle of an impostor.
     fn new(scene: &'a Scene, impostor: &'a Impostor, size: [u32; 2]) -> Self {
         let decoded = std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0));

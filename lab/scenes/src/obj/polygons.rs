@@ -2,7 +2,7 @@
 
 use super::text::Statements;
 use super::{Handedness, ObjOptions};
-use crate::assemble::{MeshPart, Triangle, point_behind};
+use crate::assemble::{MeshPart, Triangle, normals_point_behind};
 use crate::{MAX_COORDINATE_M, Vertex};
 use glam::{DVec2, DVec3, Vec3};
 use ssct_ground::{Error, Result};
@@ -108,7 +108,7 @@ impl GroupPart {
                 without_area += 1;
                 continue;
             }
-            if point_behind(&triangle, cross.normalize()) {
+            if normals_point_behind(&triangle, cross.normalize()) {
                 triangle.swap(1, 2);
             }
             self.part.triangles.push(triangle);
@@ -149,7 +149,7 @@ fn fill_normals(parts: &mut [GroupPart]) {
                 if mean.dot(face) > 0.0 { mean } else { face }
             });
             // If stated normals lean behind the face, a mean along the face could make all three together point to its back.
-            if point_behind(triangle, face) {
+            if normals_point_behind(triangle, face) {
                 fill(triangle, &|_| face);
             }
         }
@@ -261,7 +261,7 @@ mod tests {
         fill_normals(&mut parts);
         let triangle = &parts[0].part.triangles[0];
         let face = twice_area(triangle).normalize();
-        assert!(!point_behind(triangle, face), "{triangle:?}");
+        assert!(!normals_point_behind(triangle, face), "{triangle:?}");
         assert_eq!((triangle[0].normal, triangle[2].normal), (lean, lean), "what is stated stays");
         assert!(Vec3::from(triangle[1].normal).as_dvec3().dot(face) > 0.999, "{triangle:?}");
     }

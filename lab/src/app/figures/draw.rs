@@ -1,7 +1,7 @@
 //! Composes figures from renders.
 
 use super::plate::FinishedFigure;
-use super::workshop::Workshop;
+use super::workshop::FigureRenderer;
 use crate::error::Error;
 use crate::report::diagrams::{self, Fetches};
 use crate::report::gbuffer_pictures;
@@ -20,12 +20,12 @@ use ssct_truth::reference::hi_z::MinMax;
 use ssct_truth::reference::hi_z_ray_trace::{End, HiZTrace, reflection_ray, trace};
 
 /// Places the renders side by side, two in a row.
-pub fn place_side_by_side(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn place_side_by_side(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     Ok(FinishedFigure::Picture(sheet(&rows(pictures(workshop, arguments)?))))
 }
 
 /// The pictures of the renders, one for each element of `arguments`.
-fn pictures(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Vec<Rgb>> {
+fn pictures(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<Vec<Rgb>> {
     Ok(arguments.iter().map(|a| workshop.picture(a)).collect::<crate::error::Result<_>>()?)
 }
 
@@ -38,7 +38,7 @@ fn rows(pictures: Vec<Rgb>) -> Vec<Vec<Rgb>> {
 const WALL: (Part, u32) = ([0.02, 0.36, 0.25, 0.25], 4);
 
 /// Two renders, each with the enlarged left wall below it.
-pub fn corridor_with_wall(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn corridor_with_wall(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let pictures = pictures(workshop, arguments)?;
     let (part, times) = WALL;
     let above = pictures.iter().map(|p| framed(p, part)).collect();
@@ -50,7 +50,7 @@ pub fn corridor_with_wall(workshop: &mut Workshop, arguments: &[String]) -> anyh
 const EXAGGERATION: u8 = 2;
 
 /// Two renders with their difference below.
-pub fn with_difference(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn with_difference(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let pictures = pictures(workshop, arguments)?;
     let [a, b] = &pictures[..] else { anyhow::bail!("a difference needs two pictures") };
     let difference = difference(a, b, EXAGGERATION)?;
@@ -61,7 +61,7 @@ pub fn with_difference(workshop: &mut Workshop, arguments: &[String]) -> anyhow:
 const DETAILS: [Part; 2] = [[0.1, 0.6, 0.25, 0.25], [0.55, 0.6, 0.25, 0.25]];
 
 /// Renders, with enlarged parts of the last one below.
-pub fn with_details(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn with_details(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let mut pictures = pictures(workshop, arguments)?;
     let details: Vec<Rgb> = pictures.last().map(|p| DETAILS.map(|d| enlarged(p, d, 4)).to_vec()).unwrap_or_default();
     if let Some(last) = pictures.last_mut() {
@@ -73,7 +73,10 @@ pub fn with_details(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Re
 }
 
 /// The first render, its intermediate images, and its camera.
-fn inside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<(RenderedImage, Intermediates, Camera)> {
+fn inside(
+    workshop: &mut FigureRenderer,
+    arguments: &[String],
+) -> anyhow::Result<(RenderedImage, Intermediates, Camera)> {
     let Some(first) = arguments.first() else { anyhow::bail!("the figure has no render") };
     let (mut rendered, camera) = workshop.inside(first)?;
     let all = rendered.intermediates.take().unwrap_or_default();
@@ -105,13 +108,13 @@ fn minima(chain: &[Level<MinMax>]) -> Vec<Level<f32>> {
 }
 
 /// Figure 4.1: the Hi-Z chain of a frame with even sides.
-pub fn even_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn even_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Neighbours)))
 }
 
 /// Figure 4.2: a chain of minima over a frame with odd sides, always by two by two texels.
-pub fn undersized_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn undersized_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     let chain = minima(&hi_z(&all));
     let Some(depth) = chain.first() else { anyhow::bail!("the frame has no Hi-Z chain") };
@@ -119,7 +122,7 @@ pub fn undersized_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow
 }
 
 /// Figure 4.3: the Hi-Z chain of a frame with odd sides, by Eq. 4.1.
-pub fn odd_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn odd_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Offset)))
 }
@@ -129,7 +132,7 @@ const READABLE: std::ops::RangeInclusive<usize> = 10..=26;
 
 /// Figure 4.6: of all rays with a readable number of iterations, the one that climbs to the highest level and,
 /// among those, changes its level most often.
-pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn ray(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, camera) = inside(workshop, arguments)?;
     let chain = hi_z(&all);
     let normals = find(&all, "normal")?;
@@ -157,7 +160,7 @@ pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fini
 
 /// Figure 4.7: of all pixels with a Hi-Z hit, the one in the middle of the screen whose cone is about two
 /// fifths of the screen long.
-pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn cone(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     let (hits, lit) = (find(&all, "hits")?, find(&all, "color-0")?);
     let roughness =
@@ -180,13 +183,13 @@ pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fin
 }
 
 /// Schmidt's figure 27: the G-buffer of a frame.
-pub fn gbuffer(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn gbuffer(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, camera) = inside(workshop, arguments)?;
     Ok(FinishedFigure::Picture(sheet(&gbuffer_pictures::rows(&all, &camera)?)))
 }
 
 /// Schmidt's figure 51: the reflectivity of each render's frame.
-pub fn reflectivity(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn reflectivity(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let one = |a: &String| -> anyhow::Result<Rgb> {
         let (mut rendered, _) = workshop.inside(a)?;
         let all = rendered.intermediates.take().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! An entry in the list of figures: what the printed figure shows, what differs here, which renders the figure is
 //! made of, and how they are composed.
 
-use super::workshop::Workshop;
+use super::workshop::FigureRenderer;
 use crate::report::images::Rgb;
 use ssct_scenes::Scene;
 
@@ -78,7 +78,7 @@ pub enum FinishedFigure {
 }
 
 /// A function that makes a figure from the arguments of its renders, including the size.
-pub type MakeFigure = fn(&mut Workshop, &[String]) -> anyhow::Result<FinishedFigure>;
+pub type MakeFigure = fn(&mut FigureRenderer, &[String]) -> anyhow::Result<FinishedFigure>;
 
 /// An entry in the list of figures.
 pub struct Plate {

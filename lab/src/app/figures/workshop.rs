@@ -14,7 +14,7 @@ use ssct_scenes::{Camera, Scene, library};
 use std::path::Path;
 
 /// A device, and the scene that was used last.
-pub struct Workshop<'a> {
+pub struct FigureRenderer<'a> {
     gpu: &'a Gpu,
     loaded: Option<LoadedScene>,
 }
@@ -69,7 +69,7 @@ fn scene_name(options: &RenderOptions) -> String {
     options.common.place.scene.first().map_or_else(|| "rooms".into(), |p| p.to_string_lossy().into_owned())
 }
 
-impl<'a> Workshop<'a> {
+impl<'a> FigureRenderer<'a> {
     /// A workshop without a loaded scene.
     pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, loaded: None }

@@ -50,7 +50,7 @@ pub struct Pass {
     pub defines: Vec<String>,
     /// The image and the level that the pass draws to, for each target.
     pub targets: Vec<(String, LevelOf)>,
-    pub reach: PassReach,
+    pub reach: PassDomain,
     /// The first and the last of the levels that the pass is recorded for, one after another.
     pub levels: Option<[u32; 2]>,
     /// True if each level of the pass is recorded right after the same level of the pass before it.
@@ -63,7 +63,7 @@ pub struct Pass {
 
 /// The extent that a pass runs over.
 #[derive(Debug, Clone, PartialEq)]
-pub enum PassReach {
+pub enum PassDomain {
     /// The targets of a fragment pass.
     Targets,
     /// A thread for each texel of an image's level.
@@ -120,7 +120,7 @@ impl KnownNames<'_> {
         };
         let targets: Vec<_> = pass.targets.iter().map(image).collect::<Result<_>>()?;
         let reach = match (stage, &pass.threads, pass.workgroups, &pass.indirect) {
-            (PassStage::Fragment, None, None, None) if !targets.is_empty() => PassReach::Targets,
+            (PassStage::Fragment, None, None, None) if !targets.is_empty() => PassDomain::Targets,
             (PassStage::Fragment, ..) => {
                 return Err(wrong(
                     section.span(),
@@ -132,14 +132,14 @@ impl KnownNames<'_> {
             }
             (PassStage::Compute, Some(threads), None, None) => {
                 let (name, level) = image(threads)?;
-                PassReach::Threads(name, level)
+                PassDomain::Threads(name, level)
             }
-            (PassStage::Compute, None, Some(groups), None) => PassReach::Workgroups(groups),
+            (PassStage::Compute, None, Some(groups), None) => PassDomain::Workgroups(groups),
             (PassStage::Compute, None, None, Some(buffer)) => {
                 if !self.buffers.contains_key(buffer.get_ref()) {
                     return Err(wrong(buffer.span(), format!("there is no [buffer.{}]", buffer.get_ref())));
                 }
-                PassReach::Indirect(buffer.get_ref().clone())
+                PassDomain::Indirect(buffer.get_ref().clone())
             }
             (PassStage::Compute, ..) => {
                 let message = "a compute pass says one of threads (an image), workgroups or indirect (a buffer)";

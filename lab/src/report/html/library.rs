@@ -50,7 +50,7 @@ const PARTS: [(&str, &str); 5] = [
 ];
 
 /// The characters of a path that a link needs percent-encoded.
-const OF_A_PATH: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_');
+const PATH_ENCODE_SET: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_');
 
 /// The greatest number of places with which all trends are open at first; with more places, the reader opens them.
 const FEW_PLACES: usize = 6;
@@ -135,7 +135,7 @@ impl LibraryPage<'_> {
         let Some(way) = self.way else { return html! { (file) } };
         let folder = if run.name == "." { String::new() } else { format!("{}/", run.name) };
         let path = format!("{way}{folder}{file}");
-        html! { a href=(utf8_percent_encode(&path, OF_A_PATH)) { (file) } }
+        html! { a href=(utf8_percent_encode(&path, PATH_ENCODE_SET)) { (file) } }
     }
 
     /// The part on changes, with the text about all of them.

@@ -71,7 +71,7 @@ impl Run {
     }
 
     /// The names of settings that another run's file gives, and this run's file does not, for methods that both runs have.
-    pub(super) fn untold(&self, other: &Self) -> BTreeSet<String> {
+    pub(super) fn missing_settings(&self, other: &Self) -> BTreeSet<String> {
         let methods: BTreeSet<&str> = self.samples.iter().map(|s| s.subject.get("method")).collect();
         let lacking = |method: &&str| {
             let (mine, theirs) = (self.stated_names(method)?, other.stated_names(method)?);
@@ -96,7 +96,7 @@ pub(super) struct Samples {
 
 impl Samples {
     /// Whether a row belongs to these samples.
-    fn is(&self, row: &Row) -> bool {
+    fn has_row(&self, row: &Row) -> bool {
         self.pass == row.pass && self.part_of.as_deref() == row.part_of && self.counted == row.counted
     }
 
@@ -132,7 +132,7 @@ pub(super) fn groups(samples: &[TimeSample]) -> Vec<Group> {
         });
         let passes = &mut groups[place].1;
         for row in rows(frame) {
-            let known = passes.iter().position(|s| s.is(&row)).unwrap_or_else(|| {
+            let known = passes.iter().position(|s| s.has_row(&row)).unwrap_or_else(|| {
                 let (pass, part_of) = (row.pass.to_owned(), row.part_of.map(str::to_owned));
                 let (counted, noise_floor) = (row.counted, row.noise_floor);
                 passes.push(Samples { pass, part_of, counted, numbers: Vec::new(), ms: Vec::new(), noise_floor });

@@ -1,6 +1,6 @@
 //! The table of complaints: the complaint of users, the scene and frames that show it, and the number that measures it.
 
-use super::frames::{Frame, SeenFrame, Take};
+use super::frames::{CaseInput, Frame, SeenFrame};
 use super::measures::{
     beside_what_is_close, blackened, differing, error_at_last, everywhere, excess, inner, inner_and_shown, of_cells,
     of_pixels, off_change, off_change_at_rest, spread_of_wrong, wrong_at_last,
@@ -23,7 +23,7 @@ pub struct Complaint {
     /// Greatest number that counts as good.
     pub at_most: f64,
     /// Makes the scene and frames, at a size in pixels.
-    pub take: fn([u32; 2]) -> Take,
+    pub take: fn([u32; 2]) -> CaseInput,
     /// Computes the number of a variant, given by its index; `None` if the variant shows too little to be judged.
     pub number: fn(&[SeenFrame], usize) -> Option<f64>,
     /// Whether the frames are a film, instead of a view under several settings.
@@ -114,7 +114,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Surfaces that reflect are black in reflections.",
         measured: "pixels of the metal's reflection that are wrong with one bounce, %",
         at_most: 5.0,
-        take: |size| Take { bounces: 2, ..still(scenes::metal(), size, MIRROR_RAYS) },
+        take: |size| CaseInput { bounces: 2, ..still(scenes::metal(), size, MIRROR_RAYS) },
         number: |all, variant| Some(wrong_at_last(all, variant, on_metal)),
         is_film: false,
     },
@@ -123,7 +123,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Surfaces that reflect are black in reflections, even where several bounces are asked for.",
         measured: "pixels of the metal's reflection that are wrong with two bounces, %",
         at_most: 20.0,
-        take: |size| Take {
+        take: |size| CaseInput {
             bounces: 2,
             set: |setup| setup.with(|p: &mut EffectParams| p.bounces = 2),
             ..still(scenes::metal(), size, MIRROR_RAYS)
@@ -136,7 +136,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Reflections that are traced at half the resolution shimmer as the camera moves.",
         measured: "how far changes of a pixel from frame to frame are off the truth's, over the truth's own changes, %",
         at_most: 100.0,
-        take: |size| Take {
+        take: |size| CaseInput {
             set: |setup| setup.with(|p: &mut EffectParams| p.resolution_scale = 0.5),
             ..pan(scenes::blocks("blocks", 0.0), size)
         },
@@ -148,7 +148,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Black spots flicker where a pixel of the colour is no number.",
         measured: "pixels that are no number, or wrongly black, in the worst frame, %",
         at_most: 0.5,
-        take: |size| Take {
+        take: |size| CaseInput {
             spoil: Some(spoil_by_nan),
             ..repeated(scenes::blocks("blocks", 0.2), size, GLOSS_RAYS, FRAMES)
         },
@@ -205,7 +205,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "The colour of a pane, which has no depth, leaks into reflections that do not meet the pane.",
         measured: "pixels behind the pane whose reflection is wrong, %",
         at_most: 2.0,
-        take: |size| Take { spoil: Some(blend_pane), ..still(scenes::pane(), size, MIRROR_RAYS) },
+        take: |size| CaseInput { spoil: Some(blend_pane), ..still(scenes::pane(), size, MIRROR_RAYS) },
         number: |all, variant| {
             Some(wrong_at_last(all, variant, |seen, i| {
                 inner_and_shown(seen, i) && seen.place(i).z > PANE_Z && seen.place(i).x.abs() < 1.0
@@ -241,42 +241,42 @@ fn first_view(scene: &Scene) -> View {
 }
 
 /// A number of equal frames of a scene from its first view.
-fn repeated(scene: Scene, size: [u32; 2], rays: u32, frames: usize) -> Take {
+fn repeated(scene: Scene, size: [u32; 2], rays: u32, frames: usize) -> CaseInput {
     let frames = vec![Frame::still(&first_view(&scene), size); frames];
-    Take { scene, frames, set: |setup| setup, bounces: 1, rays, spoil: None }
+    CaseInput { scene, frames, set: |setup| setup, bounces: 1, rays, spoil: None }
 }
 
 /// One frame of a scene from its first view.
-fn still(scene: Scene, size: [u32; 2], rays: u32) -> Take {
+fn still(scene: Scene, size: [u32; 2], rays: u32) -> CaseInput {
     repeated(scene, size, rays, 1)
 }
 
 /// A film of a scene, in which `change` modifies each frame by its number.
-fn motion(scene: Scene, size: [u32; 2], rays: u32, change: fn(f32, &mut Frame)) -> Take {
+fn motion(scene: Scene, size: [u32; 2], rays: u32, change: fn(f32, &mut Frame)) -> CaseInput {
     let mut take = repeated(scene, size, rays, FRAMES);
     take.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n as f32, frame));
     take
 }
 
 /// A film with a camera that turns slowly.
-fn pan(scene: Scene, size: [u32; 2]) -> Take {
+fn pan(scene: Scene, size: [u32; 2]) -> CaseInput {
     motion(scene, size, MIRROR_RAYS, |n, frame| frame.view.look_at.x += 0.012 * n)
 }
 
 /// Turns the history on, which averages over frames.
-fn with_history(take: Take) -> Take {
-    Take { set: |setup| setup.with(|p: &mut EffectParams| p.history = HistoryUse::On), ..take }
+fn with_history(take: CaseInput) -> CaseInput {
+    CaseInput { set: |setup| setup.with(|p: &mut EffectParams| p.history = HistoryUse::On), ..take }
 }
 
 /// Frames of a scene of mirrors, in which `change` modifies each frame by its number.
-fn settings<const N: usize>(scene: Scene, size: [u32; 2], change: impl Fn(usize, &mut Frame)) -> Take {
+fn settings<const N: usize>(scene: Scene, size: [u32; 2], change: impl Fn(usize, &mut Frame)) -> CaseInput {
     let mut take = repeated(scene, size, MIRROR_RAYS, N);
     take.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n, frame));
     take
 }
 
 /// Frames with ratios of the far to the near plane from a thousand to a thousand million.
-fn planes(size: [u32; 2]) -> Take {
+fn planes(size: [u32; 2]) -> CaseInput {
     const PLANES: [[f32; 2]; 4] = [[0.1, 100.0], [0.1, 10_000.0], [0.01, 100_000.0], [0.001, 1_000_000.0]];
     settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| {
         let [near, far] = PLANES[n];
@@ -285,7 +285,7 @@ fn planes(size: [u32; 2]) -> Take {
 }
 
 /// Frames whose size is a power of two, and frames of other sizes.
-fn sizes(size: [u32; 2]) -> Take {
+fn sizes(size: [u32; 2]) -> CaseInput {
     let height = 1_i32 << size[1].ilog2();
     let width = 2 * height;
     let all = [[0, 0], [-1, -1], [1, 1], [height / 2 + 1, height / 4 + 1]]
@@ -294,18 +294,18 @@ fn sizes(size: [u32; 2]) -> Take {
 }
 
 /// Frames of a camera that moves away.
-fn distances(size: [u32; 2]) -> Take {
+fn distances(size: [u32; 2]) -> CaseInput {
     const BACK_M: [f32; 4] = [0.0, 4.0, 12.0, 28.0];
     settings::<4>(scenes::pillar(), size, |n, frame| frame.view.eye.z -= BACK_M[n])
 }
 
 /// A film with a camera at rest and another size of the image in each frame.
-fn resolutions(size: [u32; 2]) -> Take {
+fn resolutions(size: [u32; 2]) -> CaseInput {
     const SHARES: [f32; FRAMES] = [1.0, 0.9, 0.8, 0.95, 0.7, 0.85, 1.0, 0.75];
     let take = settings::<FRAMES>(scenes::blocks("blocks", 0.15), size, |n, frame| {
         frame.extent = size.map(|side| (side as f32 * SHARES[n]) as u32);
     });
-    with_history(Take { rays: GLOSS_RAYS, ..take })
+    with_history(CaseInput { rays: GLOSS_RAYS, ..take })
 }
 
 /// Whether a pixel shows the metal's reflection, without an edge.

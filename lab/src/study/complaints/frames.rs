@@ -21,7 +21,7 @@ use ssct_truth::reference::world_hits::world_hits;
 const SEED: u64 = 5;
 
 /// Scene and frames of a case.
-pub struct Take {
+pub struct CaseInput {
     /// The scene.
     pub scene: Scene,
     /// View and moved meshes of each frame.
@@ -84,12 +84,12 @@ pub struct SeenFrame {
 /// Errors of the device, and of `step`.
 pub fn show_frames(
     gpu: &Gpu,
-    take: &Take,
+    take: &CaseInput,
     variants: &[Variant],
     step: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<SeenFrame>> {
     let mut stage = Stage::new(gpu, &take.scene)?;
-    let mut lineup: Option<Lineup> = None;
+    let mut lineup: Option<CaseMethods> = None;
     let mut all = Vec::new();
     for (n, frame) in take.frames.iter().enumerate() {
         for (name, offset) in &frame.moved {
@@ -98,7 +98,7 @@ pub fn show_frames(
         // A renderer that changes its size makes new images, and loses the contents of earlier frames.
         let made = match lineup.take().filter(|made| made.extent == frame.extent) {
             Some(made) => made,
-            None => Lineup::new(&mut stage, take, frame, variants)?,
+            None => CaseMethods::new(&mut stage, take, frame, variants)?,
         };
         let made = lineup.insert(made);
         if n == 0 {
@@ -118,7 +118,7 @@ pub fn show_frames(
 }
 
 /// The variants, made for frames of one size.
-struct Lineup {
+struct CaseMethods {
     extent: [u32; 2],
     /// Variants as shots, which draw their own G-buffer.
     shots: Vec<Shot>,
@@ -126,10 +126,10 @@ struct Lineup {
     effects: Vec<Effect>,
 }
 
-impl Lineup {
+impl CaseMethods {
     /// Makes the variants for the size of a frame. If the G-buffer is changed on the host, one shot is made that draws
     /// it, and all variants are made as effects.
-    fn new(stage: &mut Stage, take: &Take, frame: &Frame, variants: &[Variant]) -> Result<Self> {
+    fn new(stage: &mut Stage, take: &CaseInput, frame: &Frame, variants: &[Variant]) -> Result<Self> {
         let camera = frame.camera(&take.scene);
         let materials = &take.scene.materials;
         let setup = |variant: &Variant| (take.set)(variant.setup.with_extent(frame.extent)).seen_by(camera.kind());
@@ -164,7 +164,7 @@ impl Lineup {
     }
 
     /// The reflection by each variant, on the G-buffer `on`, if one is given.
-    fn reflect(&self, stage: &mut Stage, take: &Take, on: Option<&GBufferData>) -> Result<Vec<Pixels>> {
+    fn reflect(&self, stage: &mut Stage, take: &CaseInput, on: Option<&GBufferData>) -> Result<Vec<Pixels>> {
         let mut all = Vec::new();
         let Some(data) = on else {
             for shot in &self.shots {
@@ -190,7 +190,7 @@ impl Lineup {
 }
 
 /// Compares the images of a frame with its true reflection.
-fn judge_frame(take: &Take, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
+fn judge_frame(take: &CaseInput, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
     let mut scene = take.scene.clone();
     for (name, offset) in &frame.moved {
         scene.meshes.iter_mut().filter(|mesh| mesh.name == *name).for_each(|mesh| mesh.translate(*offset));

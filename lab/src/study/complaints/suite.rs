@@ -1,7 +1,7 @@
 //! The study of complaints: each complaint is a cell, in which every method is tried.
 
 use super::cases::{COMPLAINTS, Complaint};
-use super::frames::{Take, show_frames};
+use super::frames::{CaseInput, show_frames};
 use super::pictures;
 use super::row::ComplaintRow;
 use crate::error::{Error, Result};
@@ -21,7 +21,7 @@ const SIZES: [[u32; 2]; 2] = [[240, 136], [120, 68]];
 
 /// Some complaints, and the variants that are tried on them.
 pub struct ComplaintStudy {
-    cases: Vec<(&'static Complaint, Take)>,
+    cases: Vec<(&'static Complaint, CaseInput)>,
     variants: Vec<(String, Variant)>,
 }
 
@@ -50,7 +50,7 @@ impl ComplaintStudy {
     fn row(
         &self,
         gpu: &Gpu,
-        (complaint, take): &(&Complaint, Take),
+        (complaint, take): &(&Complaint, CaseInput),
         variant: usize,
         value: Option<f64>,
     ) -> ComplaintRow {
@@ -97,7 +97,7 @@ impl Study for ComplaintStudy {
 
     /// Lists a cell for each complaint.
     fn cells(&self) -> Vec<Planned<usize>> {
-        let planned = |(n, (complaint, take)): (usize, &(&Complaint, Take))| {
+        let planned = |(n, (complaint, take)): (usize, &(&Complaint, CaseInput))| {
             let set = |(name, variant): &(String, Variant)| {
                 let setup = (take.set)(variant.setup.clone());
                 json!([name, setup.recorded(Some(variant.method))])

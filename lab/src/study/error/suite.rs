@@ -1,6 +1,6 @@
 //! The cells of the error study: scene, view, size and roughness. In a cell all variants are timed in turn.
 
-use super::{ErrorRecord, ErrorSpec, Studio, Variant, measure, pictures};
+use super::{ErrorRecord, ErrorSpec, LoadedScene, Variant, measure, pictures};
 use crate::error::Result;
 use crate::stage::Globals;
 use crate::study::engine::{Bench, LastMade, Planned, Study};
@@ -16,7 +16,7 @@ pub struct ErrorStudy {
     globals: Vec<Globals>,
     samples: usize,
     rays: u32,
-    studio: LastMade<usize, Studio>,
+    loaded_scene: LastMade<usize, LoadedScene>,
 }
 
 /// A scene of the study.
@@ -47,7 +47,7 @@ impl ErrorStudy {
             StudiedScene { digest: scene_digest(&scene), scene, views, variants }
         };
         let scenes = scenes.into_iter().map(studied).filter(|studied| !studied.variants.is_empty()).collect();
-        Self { scenes, sizes, globals, samples, rays, studio: LastMade::default() }
+        Self { scenes, sizes, globals, samples, rays, loaded_scene: LastMade::default() }
     }
 
     /// The inputs of a cell's measurement.
@@ -100,12 +100,12 @@ impl Study for ErrorStudy {
 
     /// Measures a cell, and keeps its pictures.
     fn measure(&mut self, cell: &ErrorCell, bench: &mut Bench) -> Result<Vec<ErrorRecord>> {
-        let mut studios = std::mem::take(&mut self.studio);
+        let mut loaded_scenes = std::mem::take(&mut self.loaded_scene);
         let spec = self.spec(cell);
-        let studio = studios.get_or_make(cell.0, || Studio::new(bench.gpu, spec.scene))?;
+        let loaded_scene = loaded_scenes.get_or_make(cell.0, || LoadedScene::new(bench.gpu, spec.scene))?;
         let go_on = bench.go_on;
-        let made = measure(bench.gpu, &spec, studio, bench.journal, &mut || go_on())?;
-        self.studio = studios;
+        let made = measure(bench.gpu, &spec, loaded_scene, bench.journal, &mut || go_on())?;
+        self.loaded_scene = loaded_scenes;
         pictures::files(&self.name(cell), &made).iter().try_for_each(|file| (bench.keep)(file))?;
         Ok(made.records)
     }

@@ -1,7 +1,7 @@
 //! Captures at unusual places: inside a wall, on a surface, with faces of one texel, moved in each frame. Methods that follow
 //! rays in captures must show a number in every pixel, and end every ray.
 
-use super::lineup::SceneLineup;
+use super::lineup::SceneMethods;
 use super::{JudgedFrame, StressRecord};
 use crate::error::Result;
 use crate::stage::Globals;
@@ -104,9 +104,9 @@ impl CaptureCase {
         scene: &Scene,
         extent: [u32; 2],
         methods: &[&'static MethodInfo],
-    ) -> Result<SceneLineup> {
+    ) -> Result<SceneMethods> {
         let setup = Setup::new(extent).with(|p: &mut EffectParams| p.captures = CaptureCount::Auto);
-        SceneLineup::with_hits(gpu, self.scenes(scene).remove(0), &setup, methods)
+        SceneMethods::with_hits(gpu, self.scenes(scene).remove(0), &setup, methods)
     }
 }
 
@@ -115,7 +115,7 @@ impl CaptureCase {
 ///
 /// # Errors
 /// Errors of the device.
-pub fn run(gpu: &Gpu, case: &CaptureCase, lineup: &mut SceneLineup) -> Result<Vec<StressRecord>> {
+pub fn run(gpu: &Gpu, case: &CaptureCase, lineup: &mut SceneMethods) -> Result<Vec<StressRecord>> {
     let mut view = case.view.clone();
     view.eye += case.offset;
     view.look_at += case.offset;
@@ -128,7 +128,7 @@ pub fn run(gpu: &Gpu, case: &CaptureCase, lineup: &mut SceneLineup) -> Result<Ve
             let places: Vec<Vec3> = places.iter().map(|p| *p + case.offset).collect();
             lineup.move_captures(&places)?;
             let Some(data) = lineup.draw(camera)? else { continue };
-            let made = lineup.made()?;
+            let made = lineup.read_images()?;
             let frame = if case.places.len() > 1 { format!(", frame {n}") } else { String::new() };
             let name = format!("{}, roughness {roughness}{frame}", case.name);
             let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };

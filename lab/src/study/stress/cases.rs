@@ -186,7 +186,7 @@ const ODD: [u32; 2] = [127, 61];
 const LARGE: u32 = 4_000_000;
 
 /// Pixels along a side of a tile.
-const PATCH: u32 = 16;
+const TILE_SIDE: u32 = 16;
 
 /// Every case; `quick` leaves the large images out.
 pub fn cases(quick: bool) -> Vec<Case> {
@@ -209,9 +209,9 @@ fn sizes(quick: bool) -> Vec<Case> {
         if extent[0] * extent[1] < LARGE {
             return Case::new(name, *extent, Lens::default(), |p: &Pixel| p.facet_texel(1));
         }
-        let name = format!("{name}, a quarter of its {PATCH}x{PATCH} tiles reflecting");
+        let name = format!("{name}, a quarter of its {TILE_SIDE}x{TILE_SIDE} tiles reflecting");
         Case::new(name, *extent, Lens::default(), |p: &Pixel| {
-            let tile = u64::from(p.x / PATCH) + (u64::from(p.y / PATCH) << 20);
+            let tile = u64::from(p.x / TILE_SIDE) + (u64::from(p.y / TILE_SIDE) << 20);
             let shown = p.facet_texel(1);
             if Stream::new(8, tile).uniform(0) < 0.25 { shown } else { Texel { reflectivity: 0.0, ..shown } }
         })

@@ -33,12 +33,12 @@ impl FrameImages {
 }
 
 /// The screen-space methods among some methods, made for G-buffers of one size.
-pub struct ScreenLineup {
+pub struct ScreenMethods {
     pub(super) context: FrameContext,
     effects: Vec<(&'static MethodInfo, Effect)>,
 }
 
-impl ScreenLineup {
+impl ScreenMethods {
     /// Makes the methods; those that see more than the screen are left out.
     pub fn new(gpu: &Gpu, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
         let mut context = FrameContext::new(gpu)?;
@@ -72,7 +72,7 @@ impl ScreenLineup {
 }
 
 /// Methods on a scene, for cameras of one size.
-pub struct SceneLineup {
+pub struct SceneMethods {
     /// Scene that the methods show.
     pub scene: Scene,
     /// Width and height in pixels.
@@ -87,7 +87,7 @@ pub struct SceneLineup {
     drawn: DrawnCounts,
 }
 
-impl SceneLineup {
+impl SceneMethods {
     /// Makes methods that also show hits, if they have them.
     pub fn with_hits(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
         Self::with(gpu, scene, setup, Wants::HITS, methods)
@@ -147,7 +147,7 @@ impl SceneLineup {
     }
 
     /// Images that each method makes from the last G-buffer drawn.
-    pub(super) fn made(&mut self) -> Result<Vec<FrameImages>> {
+    pub(super) fn read_images(&mut self) -> Result<Vec<FrameImages>> {
         self.each(Mode::Timed, FrameImages::read)
     }
 

@@ -1,6 +1,6 @@
 //! Stability in motion: how much a reflection changes from frame to frame, where its surface only moved on the screen.
 
-use super::lineup::SceneLineup;
+use super::lineup::SceneMethods;
 use crate::error::Result;
 use crate::stage::Globals;
 use crate::study::columns::{AsDatum, Datum, columns, figure};
@@ -214,7 +214,7 @@ pub struct MotionStudy {
     /// Rays per pixel in the references.
     pub rays: u32,
     /// The methods on the scene, once they are made.
-    pub lineup: Option<SceneLineup>,
+    pub lineup: Option<SceneMethods>,
 }
 
 /// A cell: a view, by its index in the study, with a roughness and a motion.
@@ -260,7 +260,7 @@ impl Study for MotionStudy {
             Some(made) => made,
             None => {
                 let scene = Scene { views: vec![view.clone()], ..self.scene.clone() };
-                SceneLineup::new(bench.gpu, scene, &self.setup, &self.methods)?
+                SceneMethods::new(bench.gpu, scene, &self.setup, &self.methods)?
             }
         };
         let mut lineup = made;
@@ -271,7 +271,7 @@ impl Study for MotionStudy {
 }
 
 /// Moves the camera, and compares the changes of the methods' images with those of the references.
-pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineup) -> Result<Vec<MotionRecord>> {
+pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMethods) -> Result<Vec<MotionRecord>> {
     let globals = Globals { roughness: Some(spec.roughness), ..Globals::default() };
     let materials = globals.materials(&lineup.scene, spec.view);
     lineup.set_materials(&materials)?;

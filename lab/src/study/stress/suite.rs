@@ -2,7 +2,7 @@
 
 use super::captures::{self, CaptureCase};
 use super::cases::{Case, cases};
-use super::lineup::{SceneLineup, ScreenLineup};
+use super::lineup::{SceneMethods, ScreenMethods};
 use super::motion::{self, MOTIONS, Motion, MotionSpec};
 use super::row::StressRow;
 use super::trees::{self, TreeCase};
@@ -44,8 +44,8 @@ pub struct StressStudy {
     /// Motions in the first scene: the index of the view, the roughness and the motion.
     motions: Vec<(usize, f32, Motion)>,
     /// The methods that were made last, for G-buffers and for scenes, which later cells share.
-    screen: LastMade<[u32; 2], ScreenLineup>,
-    scene: LastMade<String, SceneLineup>,
+    screen: LastMade<[u32; 2], ScreenMethods>,
+    scene: LastMade<String, SceneMethods>,
 }
 
 /// A cell of the suite, by its index among cells of its kind.
@@ -155,7 +155,7 @@ impl Study for StressStudy {
         if let StressCell::Case(n) = *cell {
             let Self { cases, methods, screen, .. } = self;
             let extent = cases[n].extent();
-            let lineup = screen.get_or_make(extent, || ScreenLineup::new(gpu, extent, methods))?;
+            let lineup = screen.get_or_make(extent, || ScreenMethods::new(gpu, extent, methods))?;
             return Ok(of_cases(run(gpu, &cases[n], lineup)?));
         }
         // Methods for G-buffers are dropped, since those for scenes need their memory.
@@ -166,7 +166,7 @@ impl Study for StressStudy {
                 let (scene_index, place) = &self.places[n];
                 let scene = &self.scenes[*scene_index];
                 let make = || {
-                    SceneLineup::with_hits(
+                    SceneMethods::with_hits(
                         gpu,
                         moved(scene, place),
                         &Setup::on_screen(self.scene_size()),
@@ -192,7 +192,7 @@ impl Study for StressStudy {
             }
             StressCell::Motion(n) => {
                 let (spec, scene) = (self.motion_spec(n), &self.scenes[0]);
-                let make = || SceneLineup::new(gpu, scene.clone(), &Setup::on_screen(spec.extent), &self.methods);
+                let make = || SceneMethods::new(gpu, scene.clone(), &Setup::on_screen(spec.extent), &self.methods);
                 let lineup = scene_lineup.get_or_make(format!("motion {:?}", spec.extent), make)?;
                 let records = motion::run(gpu, &spec, self.motions[n].2, lineup)?;
                 records.into_iter().map(|record| StressRow::Motion(Box::new(record))).collect()

@@ -2,7 +2,7 @@
 //! box, behind holes, and planes a millimetre apart. Methods that follow rays among triangles must show a number in every
 //! pixel, end every ray, and end it where the world does.
 
-use super::lineup::{FrameImages, SceneLineup};
+use super::lineup::{FrameImages, SceneMethods};
 use super::{ComparedRays, JudgedFrame, StressRecord};
 use crate::error::Result;
 use crate::stage::Globals;
@@ -84,9 +84,9 @@ impl TreeCase {
         extent: [u32; 2],
         first: FirstTraced,
         methods: &[&'static MethodInfo],
-    ) -> Result<SceneLineup> {
+    ) -> Result<SceneMethods> {
         let setup = Setup::new(extent).with(|p: &mut UnifiedParams| p.first = first);
-        SceneLineup::with_hits(gpu, (self.make)(), &setup, methods)
+        SceneMethods::with_hits(gpu, (self.make)(), &setup, methods)
     }
 }
 
@@ -107,7 +107,7 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
             let materials = globals.materials(&lineup.scene, &view);
             lineup.set_materials(&materials)?;
             let Some(data) = lineup.draw(camera)? else { continue };
-            let made = lineup.made()?;
+            let made = lineup.read_images()?;
             // On a device that does not number triangles, rays begin at points that follow from depth, which are too inexact to
             // compare.
             let is_known =

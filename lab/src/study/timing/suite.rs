@@ -1,6 +1,6 @@
 //! The cells and rows of the time study, their table, bars and raw samples.
 
-use super::{TimeSpec, Timer, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
+use super::{LastShots, TimeSpec, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
 use crate::error::Result;
 use crate::stage::Globals;
 use crate::study::captions::{self, ReferenceTime};
@@ -80,7 +80,7 @@ pub struct TimeStudy {
     settings: TimeSettings,
     warmup: usize,
     reference_rays: u32,
-    timer: Timer,
+    timer: LastShots,
 }
 
 /// A size and a set of factors of a job, given by its index: all variants, or the reference.
@@ -96,7 +96,7 @@ impl TimeStudy {
     /// world reference.
     pub fn new(jobs: Vec<TimeJob>, settings: TimeSettings, warmup: usize, reference_rays: u32) -> Self {
         let digests = jobs.iter().map(|job| scene_digest(&job.scene)).collect();
-        Self { jobs, digests, settings, warmup, reference_rays, timer: Timer::default() }
+        Self { jobs, digests, settings, warmup, reference_rays, timer: LastShots::default() }
     }
 }
 

@@ -4,7 +4,7 @@ use super::VideoStudy;
 use ssct_scenes::{Camera, Placement};
 
 /// Number of frames after which the jitter of the image, by parts of a pixel, repeats.
-const JITTERED: u32 = 8;
+const JITTER_PERIOD: u32 = 8;
 
 impl VideoStudy {
     /// The camera of a frame, for a size in pixels.
@@ -41,7 +41,7 @@ fn carried_placement(first: &Camera, now: &Camera) -> Placement {
 /// The shift of a frame in pixels, x to the right and y down.
 fn shift(frame: u32) -> [f32; 2] {
     // The sequence begins at 1, since its element 0 is 0.
-    [2, 3].map(|base| radical_inverse(frame % JITTERED + 1, base) - 0.5)
+    [2, 3].map(|base| radical_inverse(frame % JITTER_PERIOD + 1, base) - 0.5)
 }
 
 /// The digits of a number to a base, mirrored behind the point: the sequence of Halton (1960), in one dimension.
@@ -77,9 +77,9 @@ mod tests {
 
     #[test]
     fn shifted_frames_cover_a_pixel() {
-        let shifts: Vec<[f32; 2]> = (0..JITTERED).map(shift).collect();
+        let shifts: Vec<[f32; 2]> = (0..JITTER_PERIOD).map(shift).collect();
         for axis in [0, 1] {
-            let mean: f32 = shifts.iter().map(|shift| shift[axis]).sum::<f32>() / JITTERED as f32;
+            let mean: f32 = shifts.iter().map(|shift| shift[axis]).sum::<f32>() / JITTER_PERIOD as f32;
             assert!(mean.abs() < 0.1 && shifts.iter().all(|shift| shift[axis].abs() < 0.5), "{shifts:?}");
         }
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 2.0);

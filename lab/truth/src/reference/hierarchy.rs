@@ -56,7 +56,7 @@ impl<'a> Hierarchy<'a> {
     /// block, and up a level where the ray left the parent cell.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let sides = [self.levels[0].width, self.levels[0].height];
-        let mut lanes = [0, 1].map(|axis| Lane::new(segment, axis, sides[axis]));
+        let mut lanes = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
         let mut steps = 0;
         // The starting pixel itself is not tested.
         let mut entry = lanes[0].exit(0).min(lanes[1].exit(0));
@@ -107,7 +107,7 @@ impl<'a> Hierarchy<'a> {
     }
 
     /// The cell that contains the current pixel; `None` off screen.
-    fn cell(&self, lanes: &[Lane; 2], level: usize) -> Option<DepthBlock> {
+    fn cell(&self, lanes: &[AxisWalk; 2], level: usize) -> Option<DepthBlock> {
         let [x, y] = lanes.map(|lane| u32::try_from(lane.pixel).ok());
         let (x, y, finest) = (x?, y?, &self.levels[0]);
         (x < finest.width && y < finest.height).then(|| {
@@ -118,13 +118,13 @@ impl<'a> Hierarchy<'a> {
 
     /// The cosine of the angle between a ray and the reversed normal of the current pixel; negative if the ray runs along the
     /// normal.
-    fn inward(&self, lanes: &[Lane; 2], segment: &Segment) -> f64 {
+    fn inward(&self, lanes: &[AxisWalk; 2], segment: &Segment) -> f64 {
         let [x, y] = lanes.map(|lane| lane.pixel as u32);
         segment.direction.dot(-self.rays.normal(x, y).unwrap_or(DVec3::ZERO))
     }
 
     /// Whether a ray that enters a pixel's block at `entry` comes from behind it (`oracle`, version 2).
-    fn is_behind(&self, lanes: &[Lane; 2], segment: &Segment, entry: f64, block: DepthBlock) -> bool {
+    fn is_behind(&self, lanes: &[AxisWalk; 2], segment: &Segment, entry: f64, block: DepthBlock) -> bool {
         let depth = segment.depth_at(entry);
         let before = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(DepthBlock::EMPTY);
         let is_torn = block.front - before.front > JOINED * (block.thickness() + before.thickness());
@@ -133,7 +133,7 @@ impl<'a> Hierarchy<'a> {
     }
 
     /// The result for a ray that ends at `end`, in the pixel where the ray is just before its end.
-    fn miss(&self, lanes: &[Lane; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
+    fn miss(&self, lanes: &[AxisWalk; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
         let before = lanes.map(|lane| lane.before(end));
         let behind = self.cell(&before, 0).is_some_and(|b| b.front >= b.back && segment.depth_at(end) < b.back);
         Trace { outcome: Outcome::Miss { reason: segment.end, behind }, steps }
@@ -153,7 +153,13 @@ fn coarser(below: &Level<DepthBlock>) -> Option<Level<DepthBlock>> {
 }
 
 /// The hit of a ray in a pixel. The ray's depth is between `far` and `near` from `entry` to `exit`.
-fn hit(segment: &Segment, lanes: &[Lane; 2], front: f64, [entry, exit]: [f64; 2], [near, far]: [f64; 2]) -> Outcome {
+fn hit(
+    segment: &Segment,
+    lanes: &[AxisWalk; 2],
+    front: f64,
+    [entry, exit]: [f64; 2],
+    [near, far]: [f64; 2],
+) -> Outcome {
     let s = if far <= front && front <= near && near > far {
         ((front - segment.start.z) / segment.delta.z).max(entry).min(exit)
     } else {
@@ -164,7 +170,7 @@ fn hit(segment: &Segment, lanes: &[Lane; 2], front: f64, [entry, exit]: [f64; 2]
 
 /// The walk along one axis; `pixel` is the column (or row) in which the ray is.
 #[derive(Debug, Clone, Copy)]
-struct Lane<'s> {
+struct AxisWalk<'s> {
     segment: &'s Segment,
     axis: usize,
     /// 1, −1, or 0 if the ray does not move along this axis.
@@ -176,7 +182,7 @@ struct Lane<'s> {
     side: i32,
 }
 
-impl<'s> Lane<'s> {
+impl<'s> AxisWalk<'s> {
     /// The walk at the start of a segment, along axis 0 (x) or 1 (y) of an image with `side` pixels along this axis.
     fn new(segment: &'s Segment, axis: usize, side: u32) -> Self {
         let delta = segment.delta[axis];
@@ -203,7 +209,7 @@ impl<'s> Lane<'s> {
         self.pixel = self.pixel_at(s, |crossing| crossing <= s);
     }
 
-    /// The lane at the pixel in which the ray is just before s, past every boundary that it crosses before s.
+    /// The walk along the axis, at the pixel in which the ray is just before s, past every boundary that it crosses before s.
     fn before(&self, s: f64) -> Self {
         Self { pixel: self.pixel_at(s, |crossing| crossing < s), ..*self }
     }

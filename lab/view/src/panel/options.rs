@@ -108,7 +108,7 @@ fn list(ui: &mut Ui, row: &Parameter, now: &mut Value) {
         _ => "",
     };
     ComboBox::from_id_salt(row.name).selected_text(now.to_string()).show_ui(ui, |ui| {
-        for value in row.domain.few().unwrap_or_default() {
+        for value in row.domain.all_if_few().unwrap_or_default() {
             ui.selectable_value(now, value, value.to_string()).on_hover_text(help(&value).trim());
         }
     });

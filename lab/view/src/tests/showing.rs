@@ -5,7 +5,7 @@ use super::super::fly_camera::FlyMotion;
 use super::super::input::Action;
 use super::super::state::{InnerImage, STEPS, Tab};
 use super::super::viewer::ViewerInput;
-use super::{Bench, EXTENT};
+use super::{EXTENT, TestViewer};
 use egui::RawInput;
 use ssct::gpu::Pixels;
 use ssct::methods::METHODS;
@@ -21,7 +21,7 @@ fn colors(pixels: &Pixels, columns: std::ops::Range<u32>) -> usize {
 
 #[test]
 fn every_part_of_the_panel_opens_and_every_method_is_shown() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.extent = [540, 400];
     let mut panels = HashSet::new();
     for (tab, title) in Tab::SHOWN {
@@ -60,7 +60,7 @@ fn every_part_of_the_panel_opens_and_every_method_is_shown() {
 
 #[test]
 fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.viewer.state.tab = Tab::Inside;
     bench.settle();
     let images = bench.viewer.images();
@@ -88,7 +88,7 @@ fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
 
 #[test]
 fn captures_are_shown_as_crosses_at_every_level() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.with_captures("1");
     bench.viewer.state.tab = Tab::Inside;
     bench.settle();
@@ -121,7 +121,7 @@ fn captures_are_shown_as_crosses_at_every_level() {
 
 #[test]
 fn at_rest_nothing_is_submitted_and_a_change_renders_one_frame() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     // Tall enough for both tables of a comparison.
     bench.extent = [540, 900];
     let parts = Tab::SHOWN.map(|(tab, title)| (tab, Compare::One, title));
@@ -143,7 +143,7 @@ fn at_rest_nothing_is_submitted_and_a_change_renders_one_frame() {
 
 #[test]
 fn a_storm_of_sizes_leaves_the_picture_of_the_last() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.settle();
     let before = bench.screen();
     for extent in [[1, 1], [1000, 3], [3, 700], [421, 2], [641, 479], [2, 2], [420, 419], [1, 333]] {
@@ -166,7 +166,7 @@ fn a_storm_of_sizes_leaves_the_picture_of_the_last() {
 
 #[test]
 fn larger_points_move_the_picture_and_change_nothing_in_it() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.settle();
     let small = bench.viewer.read_picture().unwrap().unwrap();
     // Another monitor, on which a point is two pixels: the window keeps its size in points.
@@ -186,7 +186,7 @@ fn larger_points_move_the_picture_and_change_nothing_in_it() {
 
 #[test]
 fn another_scene_is_loaded_and_the_first_comes_back() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.extent = [64, 40];
     bench.settle();
     let first = bench.viewer.read_picture().unwrap().unwrap();

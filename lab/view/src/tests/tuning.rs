@@ -5,7 +5,7 @@ use super::super::input::Action;
 use super::super::reload::ShaderWatch;
 use super::super::state::{InnerImage, Side, Tab};
 use super::super::viewer::Shaders;
-use super::{Bench, copied_shaders};
+use super::{TestViewer, copied_shaders};
 use egui::{Event, Modifiers, vec2};
 use glam::Vec2;
 use ssct::methods::{METHODS, MethodInfo, parameters};
@@ -17,7 +17,7 @@ use std::path::Path;
 
 #[test]
 fn rows_are_shown_of_the_options_that_a_method_reads() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [96, 60]);
     bench.viewer.state.globals.roughness = Some(0.6);
     let another = [
@@ -108,7 +108,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     ];
     let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
     assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
-    let frame = |bench: &mut Bench, info, options: &[(&str, &str)]| {
+    let frame = |bench: &mut TestViewer, info, options: &[(&str, &str)]| {
         let options = options.iter().map(|(flag, value)| ((*flag).to_owned(), (*value).to_owned()));
         let side = Side::new(info, options.collect());
         assert_eq!(side.fault, None, "{}", info.name);
@@ -212,7 +212,7 @@ fn not_refused(info: &MethodInfo, options: Vec<(&'static str, &'static str)>) ->
 
 #[test]
 fn the_mouse_turns_the_camera_moves_the_split_and_picks_a_ray() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.viewer.state.compare = Compare::Split;
     bench.settle();
     let camera = bench.viewer.state.camera;
@@ -256,7 +256,7 @@ fn the_mouse_turns_the_camera_moves_the_split_and_picks_a_ray() {
 
 #[test]
 fn the_drawn_walk_is_the_shaders() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.viewer.state.tab = Tab::Ray;
     // Where a ray of the thesis passes a cell's corner within rounding, the device may take another way. The
     // twin of `unified` is exact to the bit.
@@ -299,11 +299,11 @@ fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
     let root = copied_shaders(folder.path());
     let mut watch = ShaderWatch::new(&root).unwrap();
     let (sender, changes) = std::sync::mpsc::channel();
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.viewer.watch(Shaders { folder: "shaders".into(), changes, statuses: Vec::new() });
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [200, 120]);
     bench.settle();
-    let mut edit = |bench: &mut Bench, from: &str, to: &str| {
+    let mut edit = |bench: &mut TestViewer, from: &str, to: &str| {
         let path = root.join("common/composite.frag");
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.contains(from));
@@ -329,7 +329,7 @@ fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
 #[test]
 fn key_frames_are_recorded_saved_and_played() {
     let folder = tempfile::tempdir().unwrap();
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.extent = [32, 20];
     bench.viewer.path.file = folder.path().join("way.toml").display().to_string();
     bench.viewer.path.play_or_stop();
@@ -362,7 +362,7 @@ fn key_frames_are_recorded_saved_and_played() {
 
 #[test]
 fn captures_are_put_where_the_eye_is_moved_and_removed() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.viewer.state.tab = Tab::Captures;
     bench.settle();
     bench.viewer.act(Action::MoveCapture);
@@ -377,7 +377,7 @@ fn captures_are_put_where_the_eye_is_moved_and_removed() {
     bench.viewer.act(Action::AddCapture);
     bench.settle();
     let eye = bench.viewer.state.camera.place().0;
-    let places = |bench: &Bench| bench.viewer.captures_shown().iter().map(|c| c.position).collect::<Vec<_>>();
+    let places = |bench: &TestViewer| bench.viewer.captures_shown().iter().map(|c| c.position).collect::<Vec<_>>();
     assert_eq!(places(&bench), [placed[0].position, eye], "the captures that rays go on in");
     assert_eq!(bench.viewer.state.sides[0].options["captures"], "auto");
     bench.viewer.state.steer(|camera| {
@@ -405,7 +405,7 @@ fn captures_are_put_where_the_eye_is_moved_and_removed() {
 
 #[test]
 fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
-    let mut bench = Bench::new();
+    let mut bench = TestViewer::new();
     bench.with_captures("1");
     bench.viewer.state.tab = Tab::Ray;
     bench.settle();

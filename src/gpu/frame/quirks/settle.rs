@@ -37,7 +37,7 @@ impl Settling {
 
 impl Frame<'_> {
     /// Whether a pipeline must be settled now: at its first draw, on a driver with the bug. The caller then calls
-    /// [`Self::take_in`], draws zero vertices, and pushes its values again. The pipeline counts as settled afterwards.
+    /// [`Self::consume_pushed_values`], draws zero vertices, and pushes its values again. The pipeline counts as settled afterwards.
     pub(in crate::gpu::frame) fn must_settle(&mut self, settled: &Arc<AtomicBool>) -> bool {
         let is_new = !settled.load(Ordering::Relaxed) && self.settled.iter().all(|other| !Arc::ptr_eq(other, settled));
         if self.context.settling.is_none() || !is_new {
@@ -48,7 +48,11 @@ impl Frame<'_> {
     }
 
     /// Pushes the values that a graphics pipeline reads, and lets another pipeline consume them, outside of rendering.
-    pub(in crate::gpu::frame) fn take_in(&mut self, pipeline: &SharedPipeline, inputs: &ProgramInputs) -> Result<()> {
+    pub(in crate::gpu::frame) fn consume_pushed_values(
+        &mut self,
+        pipeline: &SharedPipeline,
+        inputs: &ProgramInputs,
+    ) -> Result<()> {
         let Some(other) = self.context.settling.as_ref().map(|s| s.0.graphics.handle) else { return Ok(()) };
         self.rendering(&[], None, View::Down, |frame| {
             frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, inputs)?;

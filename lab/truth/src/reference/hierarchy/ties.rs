@@ -1,7 +1,7 @@
 //! The set of places where a ray can end if its coordinates are only known up to rounding. A traversal that
 //! ends at one of these places does not contradict the oracle.
 
-use super::{Hierarchy, Lane, hit};
+use super::{AxisWalk, Hierarchy, hit};
 use crate::reference::ray::{Outcome, Segment};
 use crate::reference::thickness::DepthBlock;
 
@@ -16,7 +16,7 @@ impl Hierarchy<'_> {
     /// [`Trace::position_px`](crate::reference::Trace::position_px).
     pub fn possible_ends(&self, segment: &Segment, rounding: f64) -> Vec<Option<[f64; 2]>> {
         let sides = [self.levels[0].width, self.levels[0].height];
-        let mut lanes = [0, 1].map(|axis| Lane::new(segment, axis, sides[axis]));
+        let mut lanes = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
         let mut ends = Vec::new();
         // The starting pixel itself is not tested.
         let mut block = None;
@@ -62,7 +62,7 @@ impl Hierarchy<'_> {
 }
 
 /// Where a ray hits the block of the pixel in which it is from `entry` to `exit`; `None` if it does not hit.
-fn meets(segment: &Segment, lanes: &[Lane; 2], block: DepthBlock, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
+fn meets(segment: &Segment, lanes: &[AxisWalk; 2], block: DepthBlock, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
     let (a, b) = (segment.depth_at(entry), segment.depth_at(exit));
     let (near, far) = (a.max(b), a.min(b));
     let is_met = far <= block.front && near >= block.back;
