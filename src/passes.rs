@@ -195,7 +195,7 @@ impl Reflectors {
         }
     }
 
-    /// Combines two partial descriptions of a frame: a kind may occur only if both allow it.
+    /// Combines two partial descriptions of a frame: a kind of reflector may occur only if both allow it.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {

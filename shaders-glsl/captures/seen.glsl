@@ -25,7 +25,7 @@ void PushPixelRay(uvec2 pixel, Ray ray, float spread) {
 }
 #endif
 
-// Puts the ray of a pixel or cell on the list if the screen lost it. `before` says over how many metres the footprint
+// Puts the ray of a pixel or cell on the list if the screen lost it, from the place where the screen lost it. `before` says over how many metres the footprint
 // widened before the ray's beginning, and `spread` by how much it widens with each metre.
 void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
 #ifndef LOSES_NOTHING
@@ -33,9 +33,9 @@ void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
         return;
     precise float depth = ray.depth + hit.s * ray.rate.z;
     precise vec2 position = ray.start + hit.s * ray.rate.xy;
-    precise vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
-    precise vec3 start = ViewPoint(position, max(depth, 0.0)) * captures.view_unit;
-    PushLostRay(pixel, start, ray.direction, before + distance(begin, start), spread, NO_TRIANGLE);
+    precise vec3 ray_begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
+    precise vec3 lost_at = ViewPoint(position, max(depth, 0.0)) * captures.view_unit;
+    PushLostRay(pixel, lost_at, ray.direction, before + distance(ray_begin, lost_at), spread, NO_TRIANGLE);
 #endif
 }
 

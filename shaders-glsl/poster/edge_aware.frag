@@ -1,8 +1,8 @@
 #version 460
 #pragma program(EdgeAware)
 #pragma in_either_stage
-// Makes a level of the poster's G-buffer from the level below it, edge-aware as the poster's conclusion asks for. Only
-// the texels below that lie on the surface that most of them lie on count, so that no depth is a mean of two surfaces.
+// Makes a level of the poster's G-buffer from the level below it, edge-aware as the poster's conclusion asks for. Of
+// the texels below, only those on the surface that most of them show count, so that no depth is a mean of two surfaces.
 
 #include "common/either_stage.glsl"
 

@@ -79,7 +79,7 @@ bool OutOfTextureSpace(vec3 currentSamplePosition) {
 
 // Print: listing 4.
 // 20-25: Ray trace: the initial step is one pixel; pixelStepSize describes how much pixel at once are ray marched
-// Erratum: both listings declare pixelStepSize and use it nowhere.
+// Erratum: both listings declare pixelStepSize and never use it; here it scales the step.
 void UnoptimizedRayTrace(vec3 ssPosition, vec3 ssReflectionVector) {
     float initialStep = min(pixelSize.x, pixelSize.y);
     float pixelStepSize = schmidt.user_pixelStepSize;

@@ -166,7 +166,8 @@ ivec2 Ahead(Ray ray) {
 
 #ifndef FACES
 
-// Walks over the pyramid until the ray hits a block or ends.
+// Walks over the pyramid until the ray hits a block or ends. With FOLLOWED, a ray that passes wholly behind a block ends there, with the code
+// PATH_MISS_BEHIND; without FOLLOWED the walk goes on.
 Hit Traverse(Ray ray) {
     Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, ray.end);
     ivec2 ahead = Ahead(ray);
@@ -189,6 +190,7 @@ Hit Traverse(Ray ray) {
     Advance(ray, ahead, leaves, walk);
     hit.steps = walk.steps;
     hit.code = walk.entry < ray.end ? PATH_UNFINISHED : PATH_MISS;
+    // The walk stops below level 0 in the pixel whose block the ray hit.
     if (walk.level < 0) {
         vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
         float s = FrontCrossing(ray, walk, ahead, block.x);
@@ -202,7 +204,7 @@ Hit Traverse(Ray ray) {
         hit.s = s;
         bool is_behind = ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
             && IsBehind(ray, walk.entry_depth, walk.pixel, block, NORMAL_AT(walk.pixel), ahead);
-        // A ray that lies wholly behind the block has not hit it: without FOLLOWED the walk would go on.
+        // A ray that lies wholly behind the block has not hit it.
         precise float exit_depth = ray.depth + PixelExit(ray, walk, ahead) * ray.rate.z;
         if (is_behind || (FOLLOWED && max(walk.entry_depth, exit_depth) < block.y)) {
             hit.code = PATH_MISS_BEHIND;

@@ -269,15 +269,15 @@ impl Image {
         Self::bare(gpu, "swapchain", handle, (format, extent))
     }
 
-    /// Wraps one level of a caller's image, seen through the caller's view; image and view outlive this object.
+    /// Wraps one level, with one layer or the six of a cube, of a caller's image. Image and view must outlive this object.
     pub fn of_others(
         gpu: &Gpu,
         name: &str,
         (handle, view): (vk::Image, vk::ImageView),
         part: vk::ImageSubresourceRange,
-        like: (vk::Format, [u32; 2]),
+        (format, extent): (vk::Format, [u32; 2]),
     ) -> Self {
-        let mut image = Self::bare(gpu, name, handle, like);
+        let mut image = Self::bare(gpu, name, handle, (format, extent));
         (image.whole_view, image.part) = (view, Some(part));
         if part.layer_count == 6 {
             image.faces_view = view;

@@ -336,7 +336,7 @@ impl Renewal {
     }
 }
 
-/// Filters the sky, which looks the same from every place.
+/// Makes the sky's cube map, with a level for each width of lobe. One map serves all places, since the sky is infinitely far.
 pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Image> {
     let gpu: Gpu = context.gpu().clone();
     let filter = CubeFilterPass::new(&gpu)?;

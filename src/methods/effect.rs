@@ -413,8 +413,8 @@ impl Effect {
         Ok(Output { traced, composite })
     }
 
-    /// Records one bounce: the passes of the method, then those that scale its reflection to full size, displace it, and add the
-    /// fallback. `shading` has the normals of shading.
+    /// Records one bounce: the passes of the method, then those that scale its reflection to full size, shift it, and add the
+    /// fallback. `shading` has the normals that light a surface, and `input.gbuffer` has those that rays leave by.
     fn reflect<'a>(
         &'a self,
         frame: &mut Frame,

@@ -9,7 +9,7 @@ pub enum PathCode {
     None = constants::PATH_NONE as isize,
     /// The Hi-Z traversal found a hit.
     HiZ = constants::PATH_HI_Z as isize,
-    /// A linear march found a hit: the fallback's, or the method's own.
+    /// A linear march found a hit: that of `ssct` for rays towards the camera, or that of a method that only marches.
     Linear = constants::PATH_LINEAR as isize,
     /// The Hi-Z traversal left the screen.
     Miss = constants::PATH_MISS as isize,

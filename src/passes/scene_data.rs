@@ -341,7 +341,7 @@ impl SceneData {
 /// Checks that a scene has no more of something than a method can take.
 ///
 /// # Errors
-/// [`Error::Usage`] if the scene has more.
+/// [`Error::Usage`] if `count` is above `most`.
 pub(super) fn check_at_most(what: &str, count: usize, most: usize, method: &str) -> Result<()> {
     if count > most {
         return Err(Error::Usage(format!("the scene has {count} {what}; the method {method} takes at most {most}")));

@@ -37,8 +37,8 @@ pub struct TraceInput<'a> {
 }
 
 impl ThesisTracePass {
-    /// Makes the pass with a linear march as the fallback or without, combined or split, with an image of the hits or without. A
-    /// split pass always has that image.
+    /// Makes the pass. Three things are chosen: a linear march for rays towards the camera, ray and cone trace in one pass or in two,
+    /// and an image of the hits, which two passes always have.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,

@@ -56,7 +56,7 @@ impl UnlitTriangles {
         Ok(())
     }
 
-    /// Returns how shaders read the triangles. Walks have room for any tree, since the next triangles may be more than these.
+    /// Returns how shaders read the triangles. The stack of a walk is deep enough for any tree, since later triangles may be more.
     pub fn reading(&self) -> TriangleReading {
         TriangleReading { unlit: true, walk_room: TREE_DEPTH, ..self.geometry.reading(&self.images, 0) }
     }

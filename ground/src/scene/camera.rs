@@ -138,7 +138,7 @@ impl Camera {
             && self.view_to_clip_reversed().as_dmat4().inverse().is_finite()
     }
 
-    /// Makes a camera of a projection that is known by its numbers alone.
+    /// Makes a camera from the numbers of a projection matrix, from which its lens and aspect ratio are computed.
     pub fn of_projection(world_to_view: Mat4, projection: Projection) -> Self {
         let [near, far] = projection.planes();
         let lens = Lens { opening: projection.opening(), near_m: near, far_m: far };

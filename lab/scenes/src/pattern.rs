@@ -52,7 +52,7 @@ pub enum Dye {
     Blue,
 }
 
-/// A surface that can be generated.
+/// A material whose texture can be generated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pattern {
     /// Irregular stone wall with mortar.

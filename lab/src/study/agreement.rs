@@ -96,9 +96,9 @@ columns! {
         pub plain_normals: bool = figure("no maps"),
         /// Share of the pixels that show another surface: sky on one of the two, or depths that are more than 1 % apart.
         pub other_surface: f64 = figure("surface %").share().digits(3),
-        /// Share of the other pixels whose normals are more than 2 degrees apart.
+        /// Share of the pixels with one surface whose normals are more than 2 degrees apart.
         pub other_normal: f64 = figure("normal %").share().digits(3),
-        /// Share of the other pixels whose lit colour differs by more than 0.02 in a channel.
+        /// Share of the pixels with one surface whose lit colour differs by more than 0.02 in a channel.
         pub other_color: f64 = figure("colour %").share().digits(3),
         /// Root mean square difference of the lit colour over the pixels that show the same surface.
         pub rmse: f64 = figure("RMSE").digits(5),

@@ -108,3 +108,35 @@ pub fn interleave(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ssct::gpu::{DeviceQuery, Gpu};
+    use ssct::methods::{METHODS, Setup, Wants};
+    use ssct_scenes::library;
+
+    #[test]
+    fn each_round_draws_the_scene_once_for_all_shots() {
+        let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");
+        let scene = library::scene("corridor").expect("built in");
+        let (view, setup) = (&scene.views[0], Setup::new([32, 18]));
+        let (camera, materials) = (view.camera(&scene, setup.extent), scene.materials_in(view));
+        let mut stage = Stage::new(&gpu, &scene).expect("a stage");
+        let mut gbuffers = SharedGBuffers::default();
+        let methods = METHODS[..2].iter().map(|method| (method, setup.clone()));
+        let mut shots = gbuffers.shots(&mut stage, methods, Wants::IMAGE, camera, &materials).expect("shots");
+        let mut journal = Journal::resume([].into_iter(), None);
+        let key = |shot: usize, label: &str| format!("{shot} {label}");
+        let both = (&mut gbuffers, &mut shots[..]);
+        interleave(&mut stage, both, &Round::timed(0, 2), &key, &mut journal, &mut || Ok(())).expect("samples");
+        let scene_ms = |shot, round| {
+            let sample = kept(&journal, &key(shot, round)).expect("a sample");
+            sample.report.passes.iter().filter(|p| !p.counted).map(|p| p.ms).collect::<Vec<_>>()
+        };
+        assert!(!scene_ms(0, "0").is_empty());
+        assert_eq!(scene_ms(0, "0"), scene_ms(1, "0"), "one drawing");
+        assert_eq!(scene_ms(0, "1"), scene_ms(1, "1"), "one drawing");
+        assert_ne!(scene_ms(0, "0"), scene_ms(0, "1"), "each round draws anew");
+    }
+}

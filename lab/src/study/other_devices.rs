@@ -43,7 +43,7 @@ fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> 
 /// Compares the images that devices make from the G-buffer that `base` draws with the images that `base` makes from it.
 ///
 /// # Errors
-/// Errors of the devices.
+/// The error of the first device that fails.
 pub fn compare<'g>(
     base: &Gpu,
     others: impl IntoIterator<Item = &'g Gpu>,

@@ -271,7 +271,7 @@ impl FrameImages {
 
 /// A camera at an unusual place.
 pub struct Place {
-    /// Name of the place in records.
+    /// Name of the camera's place in records, such as "rooms: camera on the floor".
     pub name: String,
     /// The camera in the scene before the offset moves both.
     view: View,

@@ -76,7 +76,7 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
         path.load(file)?;
     }
     let way = options.path.as_deref().map(path_file::load).transpose()?;
-    let shaders = shaders(options)?;
+    let shaders = watched_folder(options)?;
     let scene = resolve::scene(&common.place, "rooms")?;
     let view = resolve::view(&scene, &common.place, None)?;
 
@@ -204,8 +204,9 @@ fn state(options: &ViewOptions, scene: &Scene, view: View, globals: stage::Globa
     }
 }
 
-/// The folder whose shaders are watched.
-fn shaders(options: &ViewOptions) -> Result<Option<PathBuf>> {
+/// The folder whose shaders are watched: that of the option, which must be one that can be watched, or the repository's; `None` if the
+/// repository is not here.
+fn watched_folder(options: &ViewOptions) -> Result<Option<PathBuf>> {
     match &options.shaders {
         Some(folder) => reload::ShaderWatch::new(folder).map(|_| Some(folder.clone())),
         None => Ok(Some(PathBuf::from(gpu::glsl::FOLDER)).filter(|f| f.is_dir())),

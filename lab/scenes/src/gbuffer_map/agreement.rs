@@ -58,7 +58,7 @@ pub(super) struct LensMapping {
 }
 
 impl LensMapping {
-    /// The mapping of a camera, from its projection matrix.
+    /// How a camera maps x and y of view space to its image: a scale and a shift, which a perspective multiplies by z.
     pub(super) fn new(camera: &Camera) -> Self {
         let clip = camera.view_to_clip_reversed().as_dmat4();
         let is_orthographic = camera.kind().is_orthographic();

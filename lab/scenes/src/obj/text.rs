@@ -366,13 +366,13 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// The number that a word states, which need not be finite; `None` if the word is no number. Some programs write NaN as Windows
-/// prints it, like `-1.#IND`.
+/// The number that a word states, which need not be finite; `None` if the word is no number. Words by which Windows prints what is
+/// not finite, such as `-1.#IND` and `1.#INF`, give NaN.
 pub(super) fn stated_number(word: &str) -> Option<f64> {
     let number = word.parse().ok();
     number.or_else(|| {
         let word = word.to_ascii_lowercase();
-        let is_none = ["#ind", "#qnan", "#snan", "#inf", "nan(", "-nan"].iter().any(|mark| word.contains(mark));
-        is_none.then_some(f64::NAN)
+        let is_not_finite = ["#ind", "#qnan", "#snan", "#inf", "nan(", "-nan"].iter().any(|mark| word.contains(mark));
+        is_not_finite.then_some(f64::NAN)
     })
 }

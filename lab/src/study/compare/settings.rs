@@ -115,8 +115,8 @@ impl Selection {
         names.into_iter().map(shown).collect()
     }
 
-    /// The selected group among some groups of one place: the one in which the fewest parameters that the selection does not name
-    /// differ from the preset.
+    /// Picks one of the groups that were measured at one place: the one that differs from the preset in the fewest parameters, not
+    /// counting those that the selection names.
     ///
     /// # Errors
     /// A sentence with two of the groups, if several fit.

@@ -13,7 +13,7 @@ pub struct ShaderComparison {
     pub a: String,
     /// Name of the second run.
     pub b: String,
-    /// Variant, roughness, when the program runs, program and stage. A sixth text numbers programs of a run that agree in all
+    /// Five texts: variant, roughness, the kind of frame in which the program runs, program and stage. A sixth text numbers programs of a run that agree in all
     /// of these; it is empty for the first.
     pub program: Vec<String>,
     /// The driver's name of the statistic.

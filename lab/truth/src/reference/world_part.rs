@@ -111,7 +111,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     Ok(MergedParts { merged, missing })
 }
 
-/// The numbers of some samples, in words.
+/// Text that names samples by their indices, such as "samples 3 to 7".
 pub fn named(samples: &Range<u32>) -> String {
     format!("samples {} to {}", samples.start, samples.end.saturating_sub(1))
 }

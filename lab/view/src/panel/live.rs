@@ -1,4 +1,5 @@
-//! Times of recent frames as stacked bars, counted work, and the error against a cached reference.
+//! Shows the times of recent frames as stacked bars, the work that the device counted in a frame, and the error against a cached
+//! reference.
 
 use super::shared::{PanelData, heading};
 use crate::history::{History, StageTime};

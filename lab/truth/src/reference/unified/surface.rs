@@ -15,7 +15,8 @@ impl Traversal<'_> {
         p.view_ray(position) - (depth + p.depth_offset) * point
     }
 
-    /// `ShowsReflector`: whether a pixel shows the surface that reflects, which has a point and a normal.
+    /// `ShowsReflector`: whether a pixel lies at most [`STANDS_ABOVE`] pixel widths above the plane through a point of the reflecting
+    /// surface, whose normal may have any length. Both sides of the comparison are divided by the depth.
     pub(super) fn shows_reflector(&self, [point, normal]: [Vec3; 2], pixel: IVec2) -> bool {
         // An empty block, which shows sky, has a depth below 0.
         let depth = self.block(pixel).front;
