@@ -198,9 +198,10 @@ view: build
 	$(CARGO) build --profile $(PROFILE) --bin ssct-view
 	"$(BIN)" view
 
-# The tables and numbers in README.md and docs/, from the records under benches/runs, and the header for C.
+# The tables and numbers in README.md and docs/, from the records under benches/runs and the queries in lab/docs/queries, and the header
+# for C.
 docs: setup
-	SSCT_WRITE_DOCS=1 $(CARGO) test --test suite docs::
+	$(CARGO) run --quiet --package ssct-docs
 	SSCT_WRITE_DOCS=1 $(CARGO) test --package ssct-c --features compile-shaders --test header
 
 doc: setup

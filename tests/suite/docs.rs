@@ -1,48 +1,16 @@
-//! The pages that people read: their links lead somewhere, their citations name sections that exist, and their quoted
-//! measurements are those of the records under `benches/runs/`. `make docs` writes the quotations anew.
+//! The pages that people read: they are what `make docs` makes of records and tables, their links lead somewhere, and their
+//! citations name sections that exist.
 
-mod against_world;
-mod beside;
-mod beyond;
-mod captions;
-mod claims;
-mod complaints;
 mod coverage;
-mod dda;
-mod devices;
-mod embedding;
-mod ends;
 mod errata;
-mod figures;
-mod films;
-mod follow;
-mod gpu;
-mod headline;
-mod large_gltf;
-mod layers;
-mod league;
-mod listings;
-mod measured;
-mod motion;
-mod outlook;
-mod own_rays;
 mod published;
-mod readme_numbers;
-mod records;
 mod sentences;
-mod stochastic;
-mod stress;
-mod thesis;
 mod visible;
-mod waits;
-mod world;
 
 use crate::common::repository;
-use ssct::methods::METHODS;
-use ssct::methods::exclusions::EXCLUSIONS;
-use std::collections::BTreeMap;
+use ssct_docs::pages::{definitions, outside_code};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The greatest number of lines of the README, which fits on a few screens.
 const README_LINES: usize = 150;
@@ -111,33 +79,10 @@ fn headings(text: &str) -> Vec<String> {
     titles.map(|t| t.replace(['`', '*'], "")).collect()
 }
 
-/// Lines that do not stand in a fenced block.
-fn outside_code(text: &str) -> Vec<&str> {
-    let mut inside = false;
-    let mut lines = Vec::new();
-    for line in text.lines() {
-        if line.trim_start().starts_with("```") {
-            inside = !inside;
-        } else if !inside {
-            lines.push(line);
-        }
-    }
-    lines
-}
-
 /// The anchor that GitHub makes of a heading.
 fn anchor(heading: &str) -> String {
     let kept = heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || "- _".contains(*c)).collect::<String>();
     kept.replace(' ', "-")
-}
-
-/// A page's link definitions: `[name]: target`.
-fn definitions(text: &str) -> BTreeMap<String, String> {
-    let definition = |line: &str| {
-        let (name, target) = line.strip_prefix('[')?.split_once("]: ")?;
-        Some((name.to_owned(), target.trim().to_owned()))
-    };
-    outside_code(text).into_iter().filter_map(definition).collect()
 }
 
 #[test]
@@ -323,137 +268,11 @@ fn nothing_cites_a_page_that_is_not_in_the_repository() {
     assert!(wrong.is_empty(), "cited, but not in the repository:\n{}", wrong.join("\n"));
 }
 
-/// Whether the pages are to be written instead of checked.
-fn writes() -> bool {
-    std::env::var_os("SSCT_WRITE_DOCS").is_some_and(|v| v == "1")
-}
-
-/// Compares a generated text with its file, or writes it.
-fn keep(path: &Path, text: &str) {
-    let old = fs::read_to_string(path).unwrap_or_default();
-    if old == text {
-        return;
-    }
-    if writes() {
-        fs::write(path, text).unwrap();
-        return;
-    }
-    let line = old.lines().zip(text.lines()).position(|(a, b)| a != b).unwrap_or(0);
-    let [is, should] = [&old, text].map(|t| t.lines().nth(line).unwrap_or(""));
-    panic!(
-        "{}, line {}, is not what the records say (`make docs` writes it anew):\n{is}\n{should}",
-        path.display(),
-        line + 1
-    );
-}
-
-/// A page as it should be, and the number of its markers. Between `<!-- show: QUERY of RECORDS -->` and `<!-- end -->`
-/// stands the answer of the records, a table or a number. RECORDS are link definitions of the page, with commas between
-/// them.
-fn shown(name: &str, text: &str) -> (String, usize) {
-    const BEGIN: &str = "<!-- show: ";
-    const END: &str = "<!-- end -->";
-    let folder = root().join(name).parent().unwrap().to_owned();
-    let defined = definitions(text);
-    let (mut result, mut rest, mut count) = (String::new(), text, 0);
-    while let Some((before, after)) = rest.split_once(BEGIN) {
-        let (marker, after) = after.split_once(" -->").unwrap_or_else(|| panic!("{name}: a marker without an end"));
-        let (_, after) = after.split_once(END).unwrap_or_else(|| panic!("{name}: no end of what is shown of {marker}"));
-        let (query, labels) = marker.split_once(" of ").unwrap_or_else(|| panic!("{name}: {marker} of which records?"));
-        let folders = labels.split(", ").map(|label| {
-            let target = defined.get(label).unwrap_or_else(|| panic!("{name}: no link definition [{label}]"));
-            folder.join(target)
-        });
-        let folders: Vec<_> = folders.collect();
-        let answer = records::show(query, &folders).unwrap_or_else(|e| panic!("{name}: {marker}: {e}"));
-        let is_table = answer.contains('\n');
-        // Markdown does not format a line that begins with an HTML comment, so that a number may not begin a line.
-        assert_eq!(is_table, before.ends_with('\n'), "{name}: {marker}: a table begins a line, and a number does not");
-        let measured = || devices::line(query, &folders, &answer).unwrap_or_else(|e| panic!("{name}: {marker}: {e}"));
-        let answer = if is_table { format!("\n{answer}\n{}\n", measured()) } else { answer };
-        result += &format!("{before}{BEGIN}{marker} -->{answer}{END}");
-        (rest, count) = (after, count + 1);
-    }
-    (result + rest, count)
-}
-
-/// On each page, the text behind each `show` marker is what the records answer.
+/// Each file that `make docs` writes is as it writes it.
 #[test]
-fn pages_say_what_the_records_say() {
-    let mut shows = 0;
-    // The page of options has no markers; another test writes it.
-    for (name, text) in pages().into_iter().filter(|(_, text)| text.contains("<!-- show:")) {
-        let (should, count) = shown(&name, &text);
-        keep(&root().join(&name), &should);
-        shows += count;
-    }
-    assert!(shows > 10, "only {shows} tables and numbers");
-}
-
-#[test]
-fn the_headline_plot_shows_what_the_records_say() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
-    let links = definitions(&readme);
-    let [timed, judged] = ["bars", "bars-errors"].map(|name| root().join(&links[name]));
-    keep(&root().join("docs/headline.svg"), &headline::plot(&timed, &judged).unwrap());
-}
-
-#[test]
-fn the_world_plot_shows_what_the_records_say() {
-    let links = definitions(&fs::read_to_string(root().join("README.md")).unwrap());
-    keep(&root().join("docs/world.svg"), &world::plot(&root().join(&links["world"])).unwrap());
-}
-
-/// The options of all methods, as the methods' own tables declare them.
-fn options() -> String {
-    let mut page =
-        "# Parameters of the methods\n\nEvery parameter is an option of the commands that run methods, such as `render`, \
-                    `error` and `view` (`--cone-samples 3`), a row of the window's panel, and a value in the \
-                    `setup` of every record (`cone_samples`). A method that is not named does not read it. \
-                    A switch takes `on` or `off` (`--split on`, `--fade off`), and alone it means on (`--split`). \
-                    `--captures` of `gbuffer reflect` takes a folder instead \
-                    ([what is in it](definitions.md#captures)). `--preset` \
-                    chooses between the published values and those of the author's own program. This page is made from \
-                    the tables in the code (`make docs`).\n\n\
-                    | parameter | methods | what it does | values | published | author | source |\n\
-                    |---|---|---|---|---|---|---|\n"
-            .to_owned();
-    for (parameter, methods) in ssct::methods::parameters() {
-        let screen: Vec<_> = METHODS.iter().filter(|m| m.is_screen_space()).map(|m| m.name).collect();
-        let names: Vec<_> = methods.iter().map(|m| m.name).collect();
-        let names = match names.len() {
-            n if n == METHODS.len() => "every method".to_owned(),
-            _ if names == screen => "every screen-space method".to_owned(),
-            _ => names.join(", "),
-        };
-        let unit = if parameter.unit.is_empty() { String::new() } else { format!(" ({})", parameter.unit) };
-        page += &format!(
-            "| `{}` | {names} | {} | {}{unit} | {} | {} | {} |\n",
-            parameter.typed_name(),
-            parameter.help,
-            parameter.domain,
-            parameter.published,
-            parameter.author,
-            parameter.source
-        );
-    }
-    page += "\n## What is refused\n\nAn effect refuses these requests with a sentence that names what was asked for.\n\n\
-             | parameter | is refused |\n|---|---|\n";
-    for exclusion in EXCLUSIONS {
-        page += &format!("| `{}` | {} |\n", exclusion.parameter.replace('_', "-"), exclusion.refused);
-    }
-    page
-}
-
-#[test]
-fn the_page_of_options_is_what_the_tables_declare() {
-    keep(&root().join("docs/options.md"), &options());
-}
-
-#[test]
-fn the_readme_s_numbers_stand_in_the_program() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
-    let (readme, _) = shown("README.md", &readme);
-    let folders = definitions(&readme).into_iter().map(|(name, target)| (name, root().join(target))).collect();
-    keep(&root().join("lab/src/study/readme.csv"), &readme_numbers::csv(&readme, &folders).unwrap());
+fn pages_are_current() {
+    let files = ssct_docs::files(repository()).unwrap();
+    let old: Vec<_> = files.iter().filter_map(|(name, text)| ssct_docs::difference(repository(), name, text)).collect();
+    assert!(old.is_empty(), "`make docs` writes these anew, from what is there to what should be:\n{}", old.join("\n"));
+    assert!(files.len() > 20, "only {} files are made", files.len());
 }

@@ -2,13 +2,11 @@
 //! number is left out, and every method, option, command, figure and erratum that the page names exists.
 
 use super::errata::kinds;
-use super::figures::Result;
 use super::root;
 use crate::common::folder::Folder;
 use ssct::methods::{METHODS, parameters};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
 
 /// A row of a document's table.
 struct Row {
@@ -136,16 +134,6 @@ fn every_row_says_where_it_is_and_its_erratum_exists() {
     assert!(errata > 40, "only {errata} errata");
 }
 
-/// The rows of the page whose state has a word.
-pub fn rows(page: &Path, word: &str) -> Result<String> {
-    let text = fs::read_to_string(page).map_err(|e| format!("{}: {e}", page.display()))?;
-    let states = text.lines().filter(|l| l.starts_with("| ")).filter_map(|l| l.trim_matches('|').split(" | ").last());
-    match states.filter(|state| state.contains(&format!("{word}: "))).count() {
-        0 => Err(format!("no row is called {word}")),
-        n => Ok(n.to_string()),
-    }
-}
-
 /// The part of a state that follows a word: the links of `erratum` in `erratum: [a](b); departure: [c](d)`.
 fn linked<'a>(state: &'a str, word: &str) -> Vec<(&'a str, &'a str)> {
     let parts = state.split("; ").filter_map(|part| part.strip_prefix(&format!("{word}: ")[..]));
@@ -161,7 +149,7 @@ fn an_erratum_and_a_departure_are_called_what_their_page_calls_them() {
         let of_words: Vec<_> =
             words.iter().flat_map(|word| linked(&state, word).into_iter().map(move |link| (*word, link))).collect();
         for (word, (name, target)) in &of_words {
-            let page = fs::read_to_string(root().join("docs").join(target)).unwrap();
+            let page = root().join("docs").join(target);
             let there: BTreeSet<String> =
                 kinds(&page).into_iter().filter(|(place, _)| place == name).map(|(_, kind)| kind).collect();
             assert!(there.contains(*word), "{place}: {target}, {name:?}, is {there:?} and no {word}");

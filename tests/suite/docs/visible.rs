@@ -1,15 +1,14 @@
 //! Nothing is judged where it cannot be seen: no verdict and no row of a table is of a method whose reflection is black
 //! everywhere in the records that are quoted for it. And no record against an older reference is quoted.
 
-use super::figures::{Made, of_todays_references};
-use super::{definitions, outside_code, pages, records, root};
-use serde_json::{Map, Value};
+use super::{pages, root};
 use ssct::methods::{METHODS, MethodInfo};
-use ssct_scenes::library;
+use ssct_docs::pages::{definitions, outside_code, quotations};
+use ssct_docs::records::{Row, read};
+use ssct_docs::scenes::{lacks, of_row};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
 
 /// Files of records in a folder and below it, or the one file.
 fn files(path: &Path) -> Vec<PathBuf> {
@@ -20,25 +19,10 @@ fn files(path: &Path) -> Vec<PathBuf> {
     entries.flat_map(|entry| files(&entry)).collect()
 }
 
-/// The objects of a file of records, or the rows of a CSV file; nothing of any other file.
-fn rows(path: &Path) -> Vec<Map<String, Value>> {
-    match path.extension().and_then(|e| e.to_str()) {
-        Some("json") => {
-            let text = fs::read_to_string(path).unwrap();
-            let all: Vec<Value> = serde_json::from_str(&text).unwrap_or_default();
-            all.into_iter().filter_map(|r| if let Value::Object(row) = r { Some(row) } else { None }).collect()
-        }
-        Some("csv") => {
-            let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
-            let head = reader.headers().unwrap().clone();
-            let row = |record: csv::StringRecord| {
-                let pairs = head.iter().zip(record.iter());
-                pairs.map(|(name, value)| (name.to_owned(), Value::from(value))).collect()
-            };
-            reader.records().map(|record| row(record.unwrap())).collect()
-        }
-        _ => Vec::new(),
-    }
+/// The rows of a file of records; nothing of any other file.
+fn rows(path: &Path) -> Vec<Row> {
+    let is_of_records = path.extension().is_some_and(|extension| extension == "json" || extension == "csv");
+    if is_of_records { read(path, "").unwrap_or_default() } else { Vec::new() }
 }
 
 /// What records say of a method: the scenes that they are of, and the shares of black pixels as far as they have them.
@@ -52,32 +36,13 @@ struct Quoted {
 fn quoted(folders: &[PathBuf]) -> BTreeMap<String, Quoted> {
     let mut all = BTreeMap::<String, Quoted>::new();
     for row in folders.iter().flat_map(|folder| files(folder)).flat_map(|file| rows(&file)) {
-        let text = |field: &str| row.get(field).and_then(Value::as_str);
+        let text = |field: &str| row.get(field).map(String::as_str);
         let Some(method) = text("method") else { continue };
         let quoted = all.entry(method.to_owned()).or_default();
-        quoted.scenes.extend(scene_of(text("scene"), text("case")).map(str::to_owned));
-        quoted.black.extend(row.get("black").and_then(Value::as_f64));
+        quoted.scenes.extend(of_row(text("scene"), text("case")).map(str::to_owned));
+        quoted.black.extend(text("black").and_then(|share| share.parse::<f64>().ok()));
     }
     all
-}
-
-/// The methods that lack what they need, by the built-in scene.
-static LACKING: LazyLock<BTreeMap<&'static str, Vec<&'static str>>> = LazyLock::new(|| {
-    let lacking = |name: &'static str| {
-        let scene = library::scene(name).unwrap();
-        (name, METHODS.iter().filter(|m| !m.lacks(&scene).is_empty()).map(|m| m.name).collect())
-    };
-    library::names().iter().copied().map(lacking).collect()
-});
-
-/// Whether a method lacks what it needs in a scene of the library.
-pub fn lacks(scene: &str, method: &str) -> bool {
-    LACKING.get(scene).is_some_and(|methods| methods.contains(&method))
-}
-
-/// The scene of a row: its own field, or the library's scene whose name its case begins with.
-pub fn scene_of<'a>(scene: Option<&'a str>, case: Option<&'a str>) -> Option<&'a str> {
-    scene.or_else(|| case?.split_once(": ").map(|(name, _)| name).filter(|name| LACKING.contains_key(name)))
 }
 
 /// Why a method's records show nothing; `None` if they show something, or if there are none.
@@ -100,29 +65,17 @@ fn methods_of(query: &str, answer: &str) -> Vec<&'static MethodInfo> {
     METHODS.iter().filter(|method| names.contains(method.name)).collect()
 }
 
-/// Each query of a page, with the folders that it is of.
-fn queries(name: &str, text: &str) -> Vec<(String, Vec<PathBuf>)> {
-    let (folder, defined) = (root().join(name).parent().unwrap().to_owned(), definitions(text));
-    let marker = |after: &str| {
-        let (query, names) = after.split_once(" -->")?.0.split_once(" of ")?;
-        Some((query.to_owned(), names.split(", ").map(|name| folder.join(&defined[name])).collect()))
-    };
-    text.split("<!-- show: ").skip(1).filter_map(marker).collect()
-}
-
 #[test]
 fn nothing_is_judged_that_is_black_everywhere() {
     let (mut black, mut judged) = (Vec::new(), 0);
     let mut known = BTreeMap::new();
     for (name, text) in pages() {
-        for (query, folders) in queries(&name, &text) {
-            // Another test fails where records do not answer.
-            let answer = records::show(&query, &folders).unwrap_or_default();
-            let quoted = known.entry(folders.clone()).or_insert_with(|| quoted(&folders));
-            for method in methods_of(&query, &answer) {
+        for shown in quotations(&root(), &name, &text).unwrap().0 {
+            let quoted = known.entry(shown.folders.clone()).or_insert_with(|| quoted(&shown.folders));
+            for method in methods_of(shown.query, shown.says.trim()) {
                 judged += 1;
                 let why = quoted.get(method.name).and_then(|quoted| nothing_shown(quoted, method.name));
-                black.extend(why.map(|why| format!("{name}: {query}: {}: {why}", method.name)));
+                black.extend(why.map(|why| format!("{name}: {}: {}: {why}", shown.query, method.name)));
             }
         }
     }
@@ -164,30 +117,22 @@ fn runs_named(name: &str, text: &str) -> Vec<PathBuf> {
     targets.into_iter().filter(is_run).collect()
 }
 
-/// What the rows of a file are held against, and by which definitions.
-fn judged<'a>(file: &'a Path, rows: &'a [Map<String, Value>]) -> impl Iterator<Item = (&'a str, Made<'a>)> {
-    rows.iter().filter_map(|row| {
-        let made = row.get("definitions").and_then(Value::as_u64).map_or(Made::OnDayOf(file), Made::By);
-        Some((row.get("against")?.as_str()?, made))
-    })
-}
-
 #[test]
 fn no_record_against_an_older_reference_is_quoted() {
-    let (mut older, mut read) = (Vec::new(), 0);
+    let (mut older, mut count) = (Vec::new(), 0);
     for (name, text) in pages() {
         for path in runs_named(&name, &text) {
             // A picture is of the records beside it.
             let folder = if path.is_dir() { path.clone() } else { path.parent().unwrap().to_owned() };
             for file in files(&folder) {
-                read += 1;
-                let rows = rows(&file);
-                older.extend(of_todays_references(&file, judged(&file, &rows)).err().map(|e| format!("{name}: {e}")));
+                count += 1;
+                let failure = read(&file, "").err().filter(|failure| failure.words.contains("older reference"));
+                older.extend(failure.map(|failure| format!("{name}: {failure}")));
             }
         }
     }
     older.sort();
     older.dedup();
     assert!(older.is_empty(), "quoted, but older than today's references:\n{}", older.join("\n"));
-    assert!(read > 100, "only {read} files of runs are quoted");
+    assert!(count > 100, "only {count} files of runs are quoted");
 }

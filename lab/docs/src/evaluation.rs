@@ -1,0 +1,312 @@
+//! What expressions are of rows.
+
+use crate::expression::{Choice, Condition, Expression};
+use crate::format::{self, greatest, least, median};
+use crate::records::{Failure, Library, Result, Row, Rows};
+use std::collections::{BTreeMap, HashMap};
+use std::path::PathBuf;
+use std::rc::Rc;
+
+/// What expressions are evaluated with: the folders of a query, and the fields by which rows are matched.
+pub(crate) struct Context<'a> {
+    pub(crate) library: &'a Library,
+    pub(crate) folders: &'a [PathBuf],
+    pub(crate) by: Vec<String>,
+}
+
+/// Numbers of rows, with the fields by which the rows are matched.
+#[derive(Debug, Clone)]
+pub(crate) struct Numbers {
+    by: Vec<String>,
+    items: Vec<(Rc<Row>, f64)>,
+}
+
+/// What an expression is.
+#[derive(Debug, Clone)]
+pub(crate) enum Value {
+    Number(f64),
+    Text(String),
+    Numbers(Numbers),
+}
+
+impl Value {
+    /// All numbers of a value.
+    pub(crate) fn numbers(&self) -> Result<Vec<f64>> {
+        match self {
+            Self::Number(number) => Ok(vec![*number]),
+            Self::Numbers(numbers) => Ok(numbers.items.iter().map(|(_, number)| *number).collect()),
+            Self::Text(text) => Err(format!("{text:?} is no number").into()),
+        }
+    }
+
+    /// The value as a number; of several rows, that of the only one.
+    pub(crate) fn number(&self) -> Result<f64> {
+        let numbers = self.numbers()?;
+        let [number] = numbers[..] else {
+            return Err(Failure::missing(format!("{} values where one is wanted", numbers.len())));
+        };
+        Ok(number)
+    }
+
+    /// The value as pages write it.
+    pub(crate) fn text(&self) -> Result<String> {
+        match self {
+            Self::Text(text) => Ok(text.clone()),
+            _ => self.number().map(|number| number.to_string()),
+        }
+    }
+}
+
+/// Whether two values of a field are the same, whatever number of digits they have.
+fn is_same(a: &str, b: &str) -> bool {
+    a == b || a.parse().ok().zip(b.parse().ok()).is_some_and(|(a, b): (f64, f64)| (a - b).abs() < 1e-6)
+}
+
+/// Whether a condition holds for a row. `*` is any value, and `~` none.
+fn holds(row: &Row, condition: &Condition) -> bool {
+    let found = row.get(&condition.field).map(String::as_str).filter(|value| !value.is_empty());
+    let any = |is: &dyn Fn(&str, &str) -> bool| {
+        condition.values.iter().any(|value| match (&**value, found) {
+            ("*", _) | ("~", None) => true,
+            (value, Some(found)) => is(found, value),
+            _ => false,
+        })
+    };
+    match condition.comparison {
+        "=" => any(&is_same),
+        "!=" => !any(&is_same),
+        "^=" => any(&|found, value| found.starts_with(value)),
+        "*=" => any(&|found, value| found.contains(value)),
+        _ => !any(&|found, value| found.contains(value)),
+    }
+}
+
+/// The key of a row: the values of some fields, without differences of case and digits.
+fn key(row: &Row, by: &[String]) -> Vec<String> {
+    let value = |field: &String| {
+        let value = row.get(field).map_or("", String::as_str);
+        value.parse::<f64>().map_or_else(|_| value.to_lowercase(), |number| number.to_string())
+    };
+    by.iter().map(value).collect()
+}
+
+/// The values of some fields of rows, each once, in the order of the rows.
+pub(crate) fn distinct(rows: &Rows, fields: &[String]) -> Vec<Vec<String>> {
+    let mut all = Vec::new();
+    for row in rows.iter().filter(|row| fields.iter().all(|field| row.contains_key(field))) {
+        let values: Vec<String> = fields.iter().map(|field| row[field].clone()).collect();
+        if !all.contains(&values) {
+            all.push(values);
+        }
+    }
+    all
+}
+
+impl Context<'_> {
+    /// The rows of a choice. The value `@first` of a condition is that of the first row.
+    pub(crate) fn chosen(&self, choice: &Choice, rows: &Rows) -> Result<Rows> {
+        let rows =
+            choice.files.as_ref().map_or_else(|| Ok(rows.clone()), |files| self.library.select(self.folders, files))?;
+        let mut conditions = choice.conditions.clone();
+        for condition in &mut conditions {
+            for value in condition.values.iter_mut().filter(|value| *value == "@first") {
+                *value = rows.first().and_then(|row| row.get(&condition.field)).cloned().unwrap_or("~".to_owned());
+            }
+        }
+        Ok(Rc::new(rows.iter().filter(|row| conditions.iter().all(|c| holds(row, c))).cloned().collect()))
+    }
+
+    /// What an expression is of some rows.
+    pub(crate) fn value(&self, expression: &Expression, rows: &Rows) -> Result<Value> {
+        match expression {
+            Expression::Number(number) => Ok(Value::Number(*number)),
+            Expression::Text(text) => Ok(Value::Text(text.clone())),
+            Expression::Field(field) => self.field(field, rows),
+            Expression::Holds(conditions) => {
+                let truth = |row: &Row| conditions.iter().all(|condition| holds(row, condition));
+                let items = rows.iter().map(|row| (row.clone(), f64::from(u8::from(truth(row))))).collect();
+                Ok(Value::Numbers(Numbers { by: self.by.clone(), items }))
+            }
+            Expression::In(choice, inner) => self.value(inner, &self.chosen(choice, rows)?),
+            Expression::Both(operator, sides) => {
+                self.both(*operator, self.value(&sides[0], rows)?, self.value(&sides[1], rows)?)
+            }
+            Expression::Call { function, by, arguments } => self.call(function, by, arguments, rows),
+        }
+    }
+
+    /// The numbers of a field in the rows that have it.
+    fn field(&self, field: &str, rows: &Rows) -> Result<Value> {
+        let mut items = Vec::new();
+        for row in rows.iter() {
+            let Some(text) = row.get(field).filter(|text| !text.is_empty()) else { continue };
+            let number = text.parse().map_err(|_| format!("{field} is {text:?}, not a number"))?;
+            items.push((row.clone(), number));
+        }
+        if items.is_empty() {
+            return Err(Failure::missing(format!("none of {} records has {field}", rows.len())));
+        }
+        Ok(Value::Numbers(Numbers { by: self.by.clone(), items }))
+    }
+
+    fn both(&self, operator: char, left: Value, right: Value) -> Result<Value> {
+        let truth = |is_true: bool| f64::from(u8::from(is_true));
+        let apply = |a: f64, b: f64| match operator {
+            '+' => a + b,
+            '-' => a - b,
+            '*' => a * b,
+            '<' => truth(a < b),
+            '>' => truth(a > b),
+            '=' => truth(a == b),
+            _ => a / b,
+        };
+        Ok(match (left, right) {
+            (Value::Text(a), Value::Text(b)) if operator == '=' => Value::Number(truth(a == b)),
+            (Value::Number(a), Value::Number(b)) => Value::Number(apply(a, b)),
+            (Value::Numbers(mut a), Value::Number(b)) => {
+                a.items.iter_mut().for_each(|(_, number)| *number = apply(*number, b));
+                Value::Numbers(a)
+            }
+            (Value::Number(a), Value::Numbers(mut b)) => {
+                b.items.iter_mut().for_each(|(_, number)| *number = apply(a, *number));
+                Value::Numbers(b)
+            }
+            // What has no partner is left out of a quotient that is written with ~.
+            (Value::Numbers(a), Value::Numbers(b)) => Value::Numbers(matched(a, &b, apply, operator == '~')?),
+            _ => return Err(format!("{operator} between texts").into()),
+        })
+    }
+
+    fn call(&self, function: &str, by: &[String], arguments: &[Expression], rows: &Rows) -> Result<Value> {
+        let argument =
+            |n: usize| arguments.get(n).ok_or_else(|| Failure::from(format!("{function} lacks an argument")));
+        let value = |n: usize| self.value(argument(n)?, rows);
+        let number = |n: usize| value(n)?.number();
+        match function {
+            "if" => return if number(0)? != 0.0 { value(1) } else { value(2) },
+            "or" => return value(0).or_else(|failure| if failure.is_missing { value(1) } else { Err(failure) }),
+            "count" if arguments.is_empty() => return Ok(Value::Number(rows.len() as f64)),
+            "some" if rows.is_empty() => return Err(Failure::missing("there is no such record")),
+            "some" => return Ok(Value::Number(rows.len() as f64)),
+            "join" => {
+                let texts = (0..arguments.len()).map(|n| value(n)?.text()).collect::<Result<Vec<_>>>()?;
+                return Ok(Value::Text(texts.concat()));
+            }
+            "text" => {
+                let Expression::Field(field) = argument(0)? else { return Err("text is of a field".into()) };
+                let found = rows.first().and_then(|row| row.get(field));
+                return found.cloned().map(Value::Text).ok_or_else(|| Failure::missing(format!("no {field}")));
+            }
+            "max" => return Ok(map(value(0)?, |a, b| a.max(b), number(1)?)),
+            _ => {}
+        }
+        if let Some(single) = single(function) {
+            return Ok(map(value(0)?, |a, _| single(a), 0.0));
+        }
+        let first = value(0)?;
+        if let (Some(function), Value::Numbers(numbers)) = (function.strip_suffix("_by"), &first) {
+            return grouped(function, by, numbers).map(Value::Numbers);
+        }
+        let numbers = first.numbers()?;
+        if function == "part" {
+            // From a place, negative ones from the end, to another, in steps.
+            let place = |n: f64| if n < 0.0 { numbers.len().saturating_sub(-n as usize) } else { n as usize };
+            let (from, to) = (place(number(1)?), arguments.get(2).map_or(Ok(numbers.len()), |_| number(2).map(place))?);
+            let step = arguments.get(3).map_or(Ok(1), |_| number(3).map(|step| step as usize))?;
+            let Value::Numbers(mut all) = first else { return Err("part is of several rows".into()) };
+            let whole =
+                all.items.get(from..to).ok_or_else(|| Failure::missing(format!("there is no part {from} to {to}")))?;
+            all.items = whole.iter().step_by(step.max(1)).cloned().collect();
+            return Ok(Value::Numbers(all));
+        }
+        if let Some(one) = summary(function, &numbers) {
+            return one.map(Value::Number);
+        }
+        let decimals = arguments.get(1).map_or(Ok(2.0), |_| number(1))? as usize;
+        let written = format::write(function, &numbers, decimals)?;
+        Ok(Value::Text(written.ok_or_else(|| format!("there is no function {function}"))?))
+    }
+}
+
+/// A function of a single number, by its name.
+fn single(function: &str) -> Option<fn(f64) -> f64> {
+    Some(match function {
+        "sqrt" => f64::sqrt,
+        "floor" => f64::floor,
+        "round" => f64::round,
+        _ => return None,
+    })
+}
+
+fn map(value: Value, function: impl Fn(f64, f64) -> f64, other: f64) -> Value {
+    match value {
+        Value::Number(number) => Value::Number(function(number, other)),
+        Value::Numbers(mut numbers) => {
+            numbers.items.iter_mut().for_each(|(_, number)| *number = function(*number, other));
+            Value::Numbers(numbers)
+        }
+        text => text,
+    }
+}
+
+/// One number of several, by the function's name.
+fn summary(function: &str, numbers: &[f64]) -> Option<Result<f64>> {
+    let sum = || numbers.iter().sum::<f64>();
+    let some = |number: f64| if numbers.is_empty() { Err(Failure::missing("there is no number")) } else { Ok(number) };
+    Some(match function {
+        "median" => median(numbers),
+        "mean" => some(sum() / numbers.len() as f64),
+        "sum" => Ok(sum()),
+        "least" => some(least(numbers)),
+        "greatest" => some(greatest(numbers)),
+        "first" => some(numbers.first().copied().unwrap_or_default()),
+        "last" => some(numbers.last().copied().unwrap_or_default()),
+        "count" => Ok(numbers.len() as f64),
+        _ => return None,
+    })
+}
+
+/// One number for each group of rows with the same key.
+fn grouped(function: &str, by: &[String], numbers: &Numbers) -> Result<Numbers> {
+    let mut groups: BTreeMap<Vec<String>, (usize, Vec<f64>)> = BTreeMap::new();
+    for (n, (row, number)) in numbers.items.iter().enumerate() {
+        groups.entry(key(row, by)).or_insert_with(|| (n, Vec::new())).1.push(*number);
+    }
+    let mut groups: Vec<_> = groups.into_values().collect();
+    groups.sort_by_key(|(first, _)| *first);
+    let one = |(first, group): (usize, Vec<f64>)| {
+        let number = summary(function, &group).ok_or_else(|| format!("there is no function {function}_by"))??;
+        Ok((numbers.items[first].0.clone(), number))
+    };
+    Ok(Numbers { by: by.to_vec(), items: groups.into_iter().map(one).collect::<Result<_>>()? })
+}
+
+/// Numbers of two selections, row by row: rows with the same key belong together, in the order in which they stand. If the rows on the
+/// right have fewer fields in their key, one of them belongs to several rows on the left.
+fn matched(left: Numbers, right: &Numbers, apply: impl Fn(f64, f64) -> f64, is_lenient: bool) -> Result<Numbers> {
+    let by: Vec<String> = left.by.iter().filter(|field| right.by.contains(field)).cloned().collect();
+    let mut there: HashMap<Vec<String>, Vec<f64>> = HashMap::new();
+    for (row, number) in &right.items {
+        there.entry(key(row, &by)).or_default().push(*number);
+    }
+    let mut seen: HashMap<Vec<String>, usize> = HashMap::new();
+    let mut items = Vec::new();
+    for (row, number) in &left.items {
+        let key = key(row, &by);
+        let place = seen.entry(key.clone()).or_default();
+        let partner = there
+            .get(&key)
+            .and_then(|numbers| if let [one] = numbers[..] { Some(one) } else { numbers.get(*place).copied() });
+        *place += 1;
+        match partner {
+            Some(other) => items.push((row.clone(), apply(*number, other))),
+            None if is_lenient => {}
+            None => return Err(Failure::missing(format!("the record of {} has no other beside it", key.join(", ")))),
+        }
+    }
+    let are_all = by.len() < left.by.len() || left.items.len() >= right.items.len();
+    if !is_lenient && !are_all {
+        return Err(format!("{} records beside {}", left.items.len(), right.items.len()).into());
+    }
+    Ok(Numbers { by: left.by, items })
+}

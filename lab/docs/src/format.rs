@@ -1,0 +1,71 @@
+//! How pages write numbers.
+
+use crate::records::{Failure, Result};
+
+/// Median; of an even number, the mean of the middle two.
+pub(crate) fn median(values: &[f64]) -> Result<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len() {
+        0 => Err(Failure::missing("nothing to take the median of")),
+        n => Ok((sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0),
+    }
+}
+
+/// The least of some values.
+pub(crate) fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// The greatest of some values.
+pub(crate) fn greatest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Two decimals, or three for what is small.
+pub(crate) fn ratio(value: f64) -> String {
+    if value < 0.02 { format!("{value:.3}") } else { format!("{value:.2}") }
+}
+
+/// A share in percent, with so many decimals.
+pub(crate) fn percent(share: f64, decimals: usize) -> String {
+    format!("{:.decimals$} %", 100.0 * share)
+}
+
+/// Digits in groups of three.
+pub(crate) fn grouped(n: f64) -> String {
+    let digits = format!("{n:.0}");
+    let parts = digits.as_bytes().rchunks(3).rev().map(|part| String::from_utf8_lossy(part).into_owned());
+    parts.collect::<Vec<_>>().join(",")
+}
+
+/// A wait in seconds, or in minutes and seconds.
+pub(crate) fn wait(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    if whole < 60 { format!("{whole} s") } else { format!("{}:{:02} min", whole / 60, whole % 60) }
+}
+
+/// A function that writes numbers, by its name: `middle` is the median and, in brackets, the greatest; `spread` and `ratios` have the
+/// least and the greatest in the brackets; `range` has these alone. `None` if there is no such function.
+pub(crate) fn write(function: &str, values: &[f64], decimals: usize) -> Result<Option<String>> {
+    let one = || match values {
+        [one] => Ok(*one),
+        _ => Err(Failure::missing(format!("{} values where {function} writes one", values.len()))),
+    };
+    let (middle, low, high) = (|| median(values), least(values), greatest(values));
+    Ok(Some(match function {
+        "fixed" => format!("{:.decimals$}", one()?),
+        "signed" => format!("{:+.decimals$}", one()?),
+        "ratio" => ratio(one()?),
+        "percent" => percent(one()?, decimals),
+        "grouped" => grouped(one()?),
+        "wait" => wait(one()?),
+        "middle" => format!("{} ({})", ratio(middle()?), ratio(high)),
+        "spread" => format!("{:.2} ({low:.2} to {high:.2})", middle()?),
+        "ratios" => format!("{} ({} to {})", ratio(middle()?), ratio(low), ratio(high)),
+        "range" if !values.is_empty() => format!("{low:.decimals$} to {high:.decimals$}"),
+        "range_of_ratios" if !values.is_empty() => format!("{} to {}", ratio(low), ratio(high)),
+        "range" | "range_of_ratios" => return Err(Failure::missing("nothing to take the range of")),
+        _ => return Ok(None),
+    }))
+}

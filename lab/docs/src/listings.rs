@@ -1,0 +1,285 @@
+//! The page that sets each printed step of the documents beside the lines of the shaders that follow it (`docs/listings.md`).
+//! It is made from marks in the shaders: `// Print: §4.2.7, Alg. 4.` names what is printed, and a comment that begins with
+//! printed lines, as `// 8, 9: …` or `// 10-13: …`, says of which lines the code below it is, up to the next mark, a blank
+//! line or the end of a function. Comments that begin with "Erratum" or "Departure" stand between print and code.
+
+use crate::pages::{shown, text};
+use crate::queries::Queries;
+use std::fs;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+/// A part of the page, or a sentence about why there is none.
+type Result<T> = std::result::Result<T, String>;
+
+/// What is printed: its name in the marks, and how many lines it has.
+type Item = (&'static str, u32);
+
+/// A document's title, the folder of its shaders, and what is printed in it.
+const DOCUMENTS: &[(&str, &str, &[Item])] = &[
+    (
+        "Hermanns 2015, the thesis",
+        "thesis",
+        &[
+            ("§4.2.2, first listing", 17),
+            ("§4.2.2, second listing", 54),
+            ("§4.2.2, Alg. 2", 17),
+            ("§4.2.4, Alg. 3", 7),
+            ("§4.2.5, Eq. 4.2", 1),
+            ("§4.2.5, listing", 26),
+            ("§4.2.7, Eq. 4.4", 2),
+            ("§4.2.7, Alg. 4", 12),
+            ("§4.2.7, listing", 49),
+            ("§4.2.8, Eq. 4.5", 3),
+            ("§4.2.8, Eq. 4.6", 2),
+            ("§4.2.8, Alg. 5", 12),
+            ("§4.2.9, Eq. 4.7", 4),
+            ("§4.2.10, Alg. 6", 5),
+            ("§4.3.2, listing", 8),
+            ("§4.3.3, listing", 10),
+        ],
+    ),
+    ("Hermanns and Franke 2014, the poster", "poster", &[("Technical Approach", 10)]),
+    (
+        "Schmidt 2013",
+        "schmidt",
+        &[
+            ("listing 1", 23),
+            ("listing 2", 53),
+            ("listing 3", 43),
+            ("§5.4.1, Eq. 28", 1),
+            ("listing 4", 93),
+            ("listing 5", 81),
+        ],
+    ),
+];
+
+/// A step: the printed lines and what they say, what differs, and the code.
+#[derive(Debug, Default, PartialEq)]
+struct Step {
+    lines: Vec<RangeInclusive<u32>>,
+    print: String,
+    differs: Vec<String>,
+    code: Vec<String>,
+}
+
+/// The printed lines at the beginning of a comment, and what follows: `8, 9-11: words`.
+fn marked(comment: &str) -> Option<(Vec<RangeInclusive<u32>>, &str)> {
+    let (lines, words) = comment.split_once(": ")?;
+    let range = |part: &str| {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        Some(first.parse().ok()?..=last.parse().ok()?)
+    };
+    Some((lines.split(", ").map(range).collect::<Option<_>>()?, words))
+}
+
+/// The steps of a shader, each with the name of what is printed.
+fn steps(shader: &str) -> Vec<(String, Step)> {
+    let (mut found, mut item, mut open): (Vec<(String, Step)>, Option<String>, Option<Step>) = (Vec::new(), None, None);
+    // What a comment line that goes on adds to: the printed words, or what differs.
+    let mut goes_on = "";
+    let end = |open: &mut Option<Step>, item: &Option<String>, found: &mut Vec<(String, Step)>| {
+        if let (Some(step), Some(item)) = (open.take(), item) {
+            found.push((item.clone(), step));
+        }
+    };
+    for line in shader.lines() {
+        let comment = line.trim_start().strip_prefix("// ");
+        let mark = comment.filter(|_| item.is_some()).and_then(marked);
+        if let Some(printed) = comment.and_then(|c| c.strip_prefix("Print: ")) {
+            end(&mut open, &item, &mut found);
+            item = Some(printed.trim_end_matches('.').to_owned());
+        } else if let Some((lines, words)) = mark {
+            end(&mut open, &item, &mut found);
+            open = Some(Step { lines, print: words.to_owned(), ..Step::default() });
+            goes_on = "print";
+        } else if comment.is_some_and(|c| ["Departure", "Erratum", "Errata"].iter().any(|w| c.starts_with(w)))
+            && item.is_some()
+        {
+            let step = open.get_or_insert_default();
+            step.differs.push(comment.unwrap_or_default().to_owned());
+            goes_on = "differs";
+        } else if let (Some(words), Some(step), "print" | "differs") = (comment, &mut open, goes_on) {
+            let text = if goes_on == "print" { Some(&mut step.print) } else { step.differs.last_mut() };
+            if let Some(text) = text {
+                *text += &format!(" {words}");
+            }
+        } else if line.trim().is_empty() {
+            end(&mut open, &item, &mut found);
+            goes_on = "";
+        } else if let Some(step) = &mut open {
+            step.code.push(line.to_owned());
+            goes_on = "";
+            if line == "}" {
+                end(&mut open, &item, &mut found);
+            }
+        }
+    }
+    end(&mut open, &item, &mut found);
+    found
+}
+
+/// Path below the root, and the steps, of each shader of a folder, by name.
+fn marks(root: &Path, folder: &str) -> Result<Vec<(String, Vec<(String, Step)>)>> {
+    let folder = format!("shaders-glsl/{folder}");
+    let entries = fs::read_dir(root.join(&folder)).map_err(|e| format!("{folder}: {e}"))?;
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+    paths.retain(|path| !path.ends_with("ERRATA.md"));
+    paths.sort();
+    let mut all = Vec::new();
+    for path in paths {
+        let name = format!("{folder}/{}", path.file_name().unwrap_or_default().to_string_lossy());
+        let steps = steps(&text(root, &name)?);
+        if !steps.is_empty() {
+            all.push((name, steps));
+        }
+    }
+    Ok(all)
+}
+
+/// The rows of the errata of the thesis about something printed, with links that lead on from `docs/`.
+fn errata(page: &str, item: &str) -> Vec<String> {
+    let (section, name) = item.split_once(", ").unwrap_or((item, ""));
+    let about = |place: &str| {
+        let mut parts = place.split(", ");
+        let both = name.ends_with("listing") && place.ends_with("both listings");
+        parts.next() == Some(section) && (both || parts.any(|part| part == name))
+    };
+    let link = |text: String| text.replace("](../../docs/", "](").replace("](../", "](../shaders-glsl/");
+    let row = |line: &str| {
+        let (place, rest) = line.strip_prefix("| ")?.split_once(" | ")?;
+        about(place).then(|| link(format!("| {}\n", without_comments(rest))))
+    };
+    page.lines().filter_map(row).collect()
+}
+
+/// A text without its comments of HTML, which mark what records say.
+fn without_comments(text: &str) -> String {
+    let mut parts = text.split("<!-- ");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |kept, part| kept + part.split_once("-->").map_or("", |(_, after)| after))
+}
+
+/// The columns that a line of a comment takes at most.
+const COLUMNS: usize = 140;
+
+/// A text as lines of a comment, indented.
+fn comment(text: &str, indentation: &str) -> String {
+    let mut lines = vec![format!("{indentation}//")];
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= COLUMNS => *line += &format!(" {word}"),
+            _ => lines.push(format!("{indentation}// {word}")),
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+/// The lines of the page for a step: its printed lines and what they say, what differs, and the code without a margin.
+fn written(step: &Step, margin: usize) -> String {
+    let code: Vec<&str> = step.code.iter().map(|line| &line[margin..]).collect();
+    let indentation: String = code.first().map_or("", |line| line).chars().take_while(|c| *c == ' ').collect();
+    let range = |r: &RangeInclusive<u32>| match (r.start(), r.end()) {
+        (a, b) if a == b => a.to_string(),
+        (a, b) => format!("{a} to {b}"),
+    };
+    let lines: Vec<String> = step.lines.iter().map(range).collect();
+    let print = match lines.is_empty() {
+        true => "not printed".to_owned(),
+        false => format!("[{}] {}", lines.join(", "), step.print),
+    };
+    let comments = [&print].into_iter().chain(&step.differs).map(|text| comment(text, &indentation));
+    comments.chain(code.iter().map(|line| format!("{line}\n"))).collect()
+}
+
+/// One thing that is printed, with its steps in the order of the lines.
+fn section(item: &str, shaders: &[(String, Vec<(String, Step)>)], errata: &[String]) -> String {
+    let mut files: Vec<String> = Vec::new();
+    let mut steps: Vec<&Step> = Vec::new();
+    for (file, found) in shaders {
+        let own: Vec<&Step> = found.iter().filter(|(name, _)| name == item).map(|(_, step)| step).collect();
+        if !own.is_empty() {
+            files.push(format!("`{file}`"));
+            steps.extend(own);
+        }
+    }
+    let code = steps.iter().flat_map(|step| &step.code);
+    let margin = code.map(|line| line.len() - line.trim_start().len()).min().unwrap_or(0);
+    // A step without printed lines stays behind the one that it follows.
+    let mut last = 0;
+    let mut keyed: Vec<(u32, &Step)> = Vec::new();
+    for step in steps {
+        last = step.lines.first().map_or(last, |range| *range.start());
+        keyed.push((last, step));
+    }
+    keyed.sort_by_key(|(line, _)| *line);
+    let steps: String = keyed.iter().map(|(_, step)| written(step, margin)).collect();
+    let mut text = format!("### {item}\n\nIn {}.\n\n```glsl\n{steps}```\n\n", files.join(", "));
+    if !errata.is_empty() {
+        text += &format!("| kind | printed | here | effect |\n|---|---|---|---|\n{}\n", errata.concat());
+    }
+    text
+}
+
+/// Refuses marks that name nothing printed, and printed lines without a mark.
+fn check(folder: &str, items: &[Item], shaders: &[(String, Vec<(String, Step)>)]) -> Result<()> {
+    let all: Vec<&(String, Step)> = shaders.iter().flat_map(|(_, steps)| steps).collect();
+    if let Some((name, _)) = all.iter().find(|(name, _)| !items.iter().any(|(item, _)| item == name)) {
+        return Err(format!("shaders-glsl/{folder}: {name} is not known to be printed"));
+    }
+    for (item, count) in items {
+        let steps = all.iter().filter(|(name, _)| name == item);
+        let mut lines: Vec<u32> = steps.flat_map(|(_, step)| step.lines.iter().cloned().flatten()).collect();
+        lines.sort_unstable();
+        lines.dedup();
+        // Listings have blank lines, two of them at most in a row.
+        let gap = if item.contains("listing") { 3 } else { 1 };
+        let is_whole = lines.windows(2).all(|pair| pair[1] - pair[0] <= gap);
+        if !is_whole || lines.first().zip(lines.last()) != Some((&1, count)) {
+            return Err(format!("shaders-glsl/{folder}: marks of {item} lack some of its {count} lines: {lines:?}"));
+        }
+    }
+    Ok(())
+}
+
+/// What stands above the documents.
+const HEAD: &str = "# Print and shader, step by step\n\nThis page sets each step of the printed listings, algorithms and equations \
+    beside the lines of the shaders that follow it. A comment with numbers in brackets names the printed lines that the code below it \
+    follows, and says what the print has there, often shortened. The comments behind it say what differs. Below each item of the \
+    thesis stand the rows of its [errata](../shaders-glsl/thesis/ERRATA.md); those of the others are \
+    [here](../shaders-glsl/schmidt/ERRATA.md) and [here](../shaders-glsl/poster/ERRATA.md). The poster has no listing: its numbers \
+    count the steps of its text. The page is made from marks in the shaders (`make docs`).\n\n";
+
+/// The page.
+pub(crate) fn page(queries: &Queries, root: &Path) -> Result<String> {
+    let mut page = HEAD.to_owned();
+    for (title, folder, items) in DOCUMENTS {
+        let name = format!("shaders-glsl/{folder}/ERRATA.md");
+        let shaders = marks(root, folder)?;
+        check(folder, items, &shaders)?;
+        page += &format!("## {title}\n\n");
+        let rows =
+            if *folder == "thesis" { shown(queries, root, &name, &text(root, &name)?)?.0 } else { String::new() };
+        page += &items.iter().map(|(item, _)| section(item, &shaders, &errata(&rows, item))).collect::<String>();
+    }
+    Ok(format!("{}\n", page.trim_end()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_read_as_they_are_meant() {
+        let shader = "// Print: Alg. 1.\n// 1, 2: begin\n// and more\nvoid f() {\n    // 3-5: loop\n    // Departure: none\n    \
+            // at all.\n    for (;;);\n\n    // Departure: alone.\n    g();\n}\nint unmarked;\n";
+        let found = steps(shader);
+        let [(item, one), (_, two), (_, three)] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((item.as_str(), one.print.as_str()), ("Alg. 1", "begin and more"));
+        assert_eq!((&one.lines[..], &one.code[..]), (&[1..=1, 2..=2][..], &["void f() {".to_owned()][..]));
+        assert_eq!((&two.lines[..], &two.differs[..]), (&[3..=5][..], &["Departure: none at all.".to_owned()][..]));
+        assert_eq!((&three.lines[..], three.code.len()), (&[][..], 2));
+        assert_eq!(marked("Eq. 4.4: direction"), None);
+        assert_eq!(written(two, 0), "    // [3 to 5] loop\n    // Departure: none at all.\n    for (;;);\n");
+    }
+}

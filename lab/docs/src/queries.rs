@@ -1,0 +1,271 @@
+//! The queries of the pages: what is declared in `lab/docs/queries/`, and what it says of records.
+
+use crate::devices;
+use crate::evaluation::{Context, distinct};
+use crate::expression::{Words, choice, fill, parse, split, word};
+use crate::records::{Failure, Library, Result, Rows};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// The variables of a query: its arguments, and what its loops have at the moment.
+type Variables = BTreeMap<String, String>;
+
+/// A declared query. It has an `answer`, or else the `rows` and `columns` of a table.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Query {
+    /// The files whose records expressions read.
+    from: String,
+    /// The conditions on these records.
+    r#where: String,
+    /// The fields by which records are matched, if they are others than [`BY`].
+    by: Option<String>,
+    /// A number or a sentence, with expressions between braces.
+    answer: Option<String>,
+    /// Loops, from the outer one to the inner one, that make the rows of the table.
+    rows: Vec<String>,
+    /// An expression without which a row is left out.
+    when: Option<String>,
+    /// A number by which rows are ordered, the greatest first.
+    order: Option<String>,
+    /// Each column: its caption, its cell, and loops that make several columns of it.
+    columns: Vec<Vec<String>>,
+    /// True if the table shows times alone, whatever its captions say.
+    times: bool,
+    /// What stands under the table in place of a sentence about times and devices.
+    note: Option<String>,
+    /// Where in the README a number stands that a study of a device does not measure, and the command that measures it.
+    pub(crate) readme: Option<[String; 2]>,
+}
+
+/// The fields by which records are matched.
+const BY: &str = "scene view roughness size";
+
+/// A table: captions and rows of cells.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+struct Table {
+    captions: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+/// All queries, with the records that they read.
+#[derive(Debug)]
+pub struct Queries {
+    /// By words: those that begin with `$` are arguments.
+    all: Vec<(Vec<String>, Query)>,
+    words: Words,
+    /// The values of variables that all queries have.
+    constants: Variables,
+    library: Library,
+}
+
+impl Queries {
+    /// Reads the queries of a repository.
+    pub fn read(root: &Path) -> std::result::Result<Self, String> {
+        let folder = root.join("lab/docs/queries");
+        let fails = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
+        let mut queries =
+            Self { all: Vec::new(), words: Words::new(), constants: Variables::new(), library: Library::default() };
+        for entry in fs::read_dir(&folder).map_err(|e| fails(&e))? {
+            let path = entry.map_err(|e| fails(&e))?.path();
+            let fails = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+            let text = fs::read_to_string(&path).map_err(|e| fails(&e))?;
+            if path.ends_with("words.toml") {
+                let words: BTreeMap<String, String> = toml::from_str(&text).map_err(|e| fails(&e))?;
+                let (constants, words): (Vec<_>, Vec<_>) =
+                    words.into_iter().partition(|(head, _)| head.starts_with('$'));
+                queries.words = words.iter().map(|(head, body)| word(head, body)).collect();
+                queries.constants = constants.into_iter().map(|(head, value)| (head[1..].to_owned(), value)).collect();
+            } else {
+                let read: BTreeMap<String, Query> = toml::from_str(&text).map_err(|e| fails(&e))?;
+                queries
+                    .all
+                    .extend(read.into_iter().map(|(n, query)| (n.split(' ').map(str::to_owned).collect(), query)));
+            }
+        }
+        Ok(queries)
+    }
+
+    /// The query that some words call, with the values of its arguments. More of its own words are a better fit.
+    pub(crate) fn find(&self, text: &str) -> Result<(&Query, Variables)> {
+        let words: Vec<&str> = text.split(' ').collect();
+        let fits = |(own, _): &&(Vec<String>, Query)| {
+            own.len() == words.len() && own.iter().zip(&words).all(|(own, word)| own.starts_with('$') || own == word)
+        };
+        let own_words = |(own, _): &&(Vec<String>, Query)| own.iter().filter(|word| !word.starts_with('$')).count();
+        let found = self.all.iter().filter(fits).max_by_key(own_words);
+        let (own, query) = found.ok_or_else(|| format!("nothing is called {text:?}"))?;
+        let mut variables = self.constants.clone();
+        for (name, word) in own.iter().zip(&words).filter_map(|(own, word)| Some((own.strip_prefix('$')?, word))) {
+            variables.insert(format!("{name}~"), word.replace('_', " "));
+            variables.insert(name.to_owned(), (*word).to_owned());
+        }
+        Ok((query, variables))
+    }
+
+    /// The answer to a query about some folders: a table in Markdown, which has several lines, or a number.
+    pub fn answer(&self, text: &str, folders: &[PathBuf]) -> std::result::Result<String, String> {
+        let answer = || {
+            let (query, variables) = self.find(text)?;
+            match &query.answer {
+                Some(answer) => self.cell(query, answer, folders, &variables),
+                None => self.table(text, folders).map(|table| table.markdown()),
+            }
+        };
+        answer().map_err(|failure: Failure| failure.words)
+    }
+
+    /// The rows of the table of a query.
+    pub(crate) fn rows(&self, text: &str, folders: &[PathBuf]) -> std::result::Result<Vec<Vec<String>>, String> {
+        self.table(text, folders).map(|table| table.rows).map_err(|failure| failure.words)
+    }
+
+    /// The line under a table from records of some folders.
+    pub(crate) fn line(&self, text: &str, folders: &[PathBuf], answer: &str) -> std::result::Result<String, String> {
+        let (query, _) = self.find(text).map_err(|failure| failure.words)?;
+        devices::line(folders, answer, query.times, query.note.as_deref())
+    }
+
+    /// The records that an expression of a query begins with.
+    fn records(&self, query: &Query, context: &Context, variables: &Variables) -> Result<Rows> {
+        if query.from.is_empty() && query.r#where.is_empty() {
+            return Ok(Rows::default());
+        }
+        let text = format!("{}:{}", fill(&query.from, variables)?, fill(&query.r#where, variables)?);
+        context.chosen(&choice(&text)?, &Rc::default())
+    }
+
+    fn context<'a>(&'a self, query: &Query, folders: &'a [PathBuf]) -> Context<'a> {
+        let by = query.by.as_deref().unwrap_or(BY).split(' ').map(str::to_owned).collect();
+        Context { library: &self.library, folders, by }
+    }
+
+    /// A text with its variables, and with its expressions between braces evaluated.
+    fn cell(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<String> {
+        let text = fill(text, variables)?;
+        let mut parts = text.split('{');
+        let mut written = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let (expression, after) = part.split_once('}').ok_or_else(|| format!("{text:?} lacks a brace"))?;
+            let context = self.context(query, folders);
+            let rows = self.records(query, &context, variables)?;
+            written += &context.value(&parse(expression, &self.words)?, &rows)?.text()?;
+            written += after;
+        }
+        Ok(written)
+    }
+
+    fn number(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<f64> {
+        let context = self.context(query, folders);
+        let rows = self.records(query, &context, variables)?;
+        context.value(&parse(&fill(text, variables)?, &self.words)?, &rows)?.number()
+    }
+
+    /// The variables of each round of some loops, from the outer one to the inner one.
+    fn rounds(&self, query: &Query, loops: &[String], folders: &[PathBuf], from: &Variables) -> Result<Vec<Variables>> {
+        let [first, rest @ ..] = loops else { return Ok(vec![from.clone()]) };
+        let mut all = Vec::new();
+        for own in self.round(query, &fill(first, from)?, folders, from)? {
+            let variables = from.clone().into_iter().chain(own).collect();
+            all.extend(self.rounds(query, rest, folders, &variables)?);
+        }
+        Ok(all)
+    }
+
+    /// What the variables of a loop are, round by round. `a b: 1|2; 3|4` has two variables and two rounds. `a b: distinct c d` has the
+    /// values of two fields as they first appear, and `sorted` has them in
+    /// order. An argument named `a` is also there as `a~`, with blanks in place of its underscores. `each` has all fields of each record. A condition in
+    /// brackets behind these words chooses records.
+    fn round(&self, query: &Query, text: &str, folders: &[PathBuf], from: &Variables) -> Result<Vec<Variables>> {
+        let (names, values) = text.split_once(':').map_or((text, ""), |(names, values)| (names, values.trim_start()));
+        let names: Vec<&str> = names.split(' ').collect();
+        let context = self.context(query, folders);
+        let chosen = |condition: &str| {
+            let choice = choice(condition.trim().trim_start_matches('[').trim_end_matches(']'))?;
+            let is_elsewhere = choice.files.is_some();
+            let rows = if is_elsewhere { Rc::default() } else { self.records(query, &context, from)? };
+            context.chosen(&choice, &rows)
+        };
+        if names[0] == "each" {
+            let rows = chosen(text.trim_start_matches("each"))?;
+            return Ok(rows.iter().map(|row| (**row).clone()).collect());
+        }
+        let is_sorted = values.starts_with("sorted ");
+        let tuples = match values.strip_prefix("distinct ").or(values.strip_prefix("sorted ")) {
+            Some(rest) => {
+                let (condition, fields) = rest.rsplit_once(']').unwrap_or(("", rest));
+                let fields: Vec<String> = fields.split_whitespace().map(str::to_owned).collect();
+                let mut found = distinct(&chosen(condition)?, &fields);
+                if is_sorted {
+                    found.sort();
+                }
+                found
+            }
+            // Arguments have commas between their items.
+            None => {
+                let separator = if values.contains(';') { ';' } else { ',' };
+                let parts = |item: &str| split(item, '|').into_iter().map(|part| part.trim().to_owned()).collect();
+                split(values, separator).into_iter().map(parts).collect()
+            }
+        };
+        let named = |values: Vec<String>| {
+            if values.len() == names.len() {
+                Ok(names.iter().map(|name| (*name).to_owned()).zip(values).collect())
+            } else {
+                Err(format!("{} values for {}", values.len(), names.join(" ")).into())
+            }
+        };
+        tuples.into_iter().map(named).collect()
+    }
+
+    /// The table of a query.
+    fn table(&self, text: &str, folders: &[PathBuf]) -> Result<Table> {
+        let (query, mut variables) = self.find(text)?;
+        for (n, folder) in folders.iter().enumerate() {
+            variables.insert(format!("kind{}", n + 1), devices::kind(folder).unwrap_or_default().to_owned());
+        }
+        let mut table = Table::default();
+        let mut order = Vec::new();
+        for round in self.rounds(query, &query.rows, folders, &variables)? {
+            if let Some(when) = &query.when {
+                match self.number(query, when, folders, &round) {
+                    Ok(number) if number != 0.0 => {}
+                    Err(failure) if !failure.is_missing => return Err(failure),
+                    _ => continue,
+                }
+            }
+            let mut captions = Vec::new();
+            let mut cells = Vec::new();
+            for column in &query.columns {
+                let [caption, cell, loops @ ..] = &column[..] else { return Err("a column lacks its cell".into()) };
+                for round in self.rounds(query, loops, folders, &round)? {
+                    captions.push(fill(caption, &round)?);
+                    cells.push(self.cell(query, cell, folders, &round)?);
+                }
+            }
+            if let Some(text) = &query.order {
+                order.push(self.number(query, text, folders, &round)?);
+            }
+            table.captions = captions;
+            table.rows.push(cells);
+        }
+        if !order.is_empty() {
+            let mut places: Vec<usize> = (0..order.len()).collect();
+            places.sort_by(|a, b| order[*b].total_cmp(&order[*a]));
+            table.rows = places.iter().map(|place| table.rows[*place].clone()).collect();
+        }
+        if table.rows.is_empty() { Err("the table would be empty".into()) } else { Ok(table) }
+    }
+}
+
+impl Table {
+    /// The table in Markdown.
+    fn markdown(&self) -> String {
+        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+        let rule = format!("|{}\n", "---|".repeat(self.captions.len()));
+        line(&self.captions) + &rule + &self.rows.iter().map(|row| line(row)).collect::<String>()
+    }
+}

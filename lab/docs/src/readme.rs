@@ -1,0 +1,52 @@
+//! The README's numbers by view, for `ssct gpu-study`, which holds a device against them (`lab/src/study/readme.csv`).
+
+use crate::devices::kind;
+use crate::pages::{definitions, quotations, text};
+use crate::queries::Queries;
+use std::path::Path;
+
+/// The columns of the file.
+const HEAD: [&str; 13] = [
+    "place",
+    "row",
+    "column",
+    "says",
+    "measured_on",
+    "figure",
+    "variant",
+    "over",
+    "command",
+    "roughness",
+    "scene",
+    "view",
+    "value",
+];
+
+/// The tables of numbers, and the links of the README that name the folders of their records.
+const TABLES: [(&str, &[&str]); 3] = [
+    ("readme triangles", &["triangles"]),
+    ("readme screen", &["bars", "bars-errors"]),
+    ("readme hits", &["bars-errors"]),
+];
+
+/// The file: numbers of views that the study measures, and then those that stand in the README's text alone.
+pub(crate) fn csv(queries: &Queries, root: &Path) -> Result<String, String> {
+    let readme = text(root, "README.md")?;
+    let links = definitions(&readme);
+    let folder =
+        |name: &&str| Ok(root.join(links.get(*name).ok_or_else(|| format!("the README has no link [{name}]"))?));
+    let mut rows = vec![HEAD.map(str::to_owned).to_vec()];
+    for (name, labels) in TABLES {
+        rows.extend(queries.rows(name, &labels.iter().map(folder).collect::<Result<Vec<_>, String>>()?)?);
+    }
+    for shown in quotations(root, "README.md", &readme)?.0 {
+        let (query, _) = queries.find(shown.query).map_err(|e| e.words)?;
+        let (Some([place, command]), [folder]) = (&query.readme, &shown.folders[..]) else { continue };
+        let says = queries.answer(shown.query, &shown.folders)?;
+        let cells = [place, "", shown.query, &says, kind(folder)?, "elsewhere", "", "", command, "", "", "", ""];
+        rows.push(cells.map(str::to_owned).to_vec());
+    }
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.write_record(row)).map_err(|e| e.to_string())?;
+    String::from_utf8(writer.into_inner().map_err(|e| e.to_string())?).map_err(|e| e.to_string())
+}

@@ -1,0 +1,258 @@
+//! Reads records of measurements: files of JSON, CSV, Markdown tables and plain text all become rows with named fields.
+
+use crate::scenes;
+use serde_json::Value;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// Why a query has no answer, in a sentence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// True if records or fields are missing, so that a query may say something else in their place.
+    pub is_missing: bool,
+    /// The sentence.
+    pub words: String,
+}
+
+impl Failure {
+    /// A failure for want of a file, a record or a field.
+    pub fn missing(words: impl Into<String>) -> Self {
+        Self { is_missing: true, words: words.into() }
+    }
+}
+
+impl<W: Into<String>> From<W> for Failure {
+    fn from(words: W) -> Self {
+        Self { is_missing: false, words: words.into() }
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.words)
+    }
+}
+
+/// An answer, or why there is none.
+pub type Result<T> = std::result::Result<T, Failure>;
+
+/// A record by its fields. A field of an object in it is called `object.field`.
+pub type Row = BTreeMap<String, String>;
+
+/// The rows of a file.
+pub type Rows = Rc<Vec<Rc<Row>>>;
+
+/// The first day of records that are held against today's references, and the version of the definitions that records of JSON
+/// have since then. Before it, the rays of a reference left the centre of a pixel.
+const FIRST: (&str, u64) = ("2026-11-23", 2);
+
+/// First day and version of the screen reference of today, which version 3 of the definitions changed along edges and behind poles.
+const FIRST_OF_SCREEN: (&str, u64) = ("2026-11-28", 3);
+
+/// The name of the run that a path lies in.
+pub fn run(path: &Path) -> Option<&str> {
+    path.components().skip_while(|c| c.as_os_str() != "runs").nth(1)?.as_os_str().to_str()
+}
+
+/// Refuses a file of records of which one is held against an older reference. A record of JSON names the version of the definitions
+/// that it was made by; any other was made on the day of the run that its file lies in.
+fn of_todays_references(path: &Path, rows: &[Row]) -> Result<()> {
+    let day = run(path).and_then(|run| run.get(..FIRST.0.len()));
+    let is_json = path.extension().is_some_and(|extension| extension == "json");
+    let is_older = |row: &Row| {
+        let version = row.get("definitions").and_then(|version| version.parse::<u64>().ok()).filter(|_| is_json);
+        let is_before = |(first_day, first): (&str, u64)| {
+            version.map_or_else(|| day.is_some_and(|day| day < first_day), |version| version < first)
+        };
+        match row.get("against").map(String::as_str) {
+            Some("screen") => is_before(FIRST_OF_SCREEN),
+            Some(_) => is_before(FIRST),
+            None => version.is_some() && is_before(FIRST),
+        }
+    };
+    if rows.iter().any(is_older) {
+        Err(format!("{} is against an older reference", path.display()).into())
+    } else {
+        Ok(())
+    }
+}
+
+/// Adds the fields of a value of JSON to a row. An object is there as a whole, too; arrays are left out.
+fn flatten(row: &mut Row, name: &str, value: &Value) {
+    match value {
+        Value::Null | Value::Array(_) => {}
+        Value::String(text) => drop(row.insert(name.to_owned(), text.clone())),
+        Value::Object(fields) => {
+            let before = if name.is_empty() { String::new() } else { format!("{name}.") };
+            fields.iter().for_each(|(field, value)| flatten(row, &format!("{before}{field}"), value));
+            row.insert(name.to_owned(), value.to_string());
+        }
+        other => drop(row.insert(name.to_owned(), other.to_string())),
+    }
+}
+
+/// The records of a file of JSON; with the name of an array, a row for each element of the array of each record.
+fn json(text: &str, array: &str) -> std::result::Result<Vec<Row>, String> {
+    let records: Vec<Value> = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    let mut rows = Vec::new();
+    for record in records {
+        let mut row = Row::new();
+        flatten(&mut row, "", &record);
+        row.remove("");
+        if array.is_empty() {
+            rows.push(row);
+            continue;
+        }
+        for element in record[array].as_array().into_iter().flatten() {
+            let mut row = row.clone();
+            flatten(&mut row, array, element);
+            rows.push(row);
+        }
+    }
+    Ok(rows)
+}
+
+/// The rows of a CSV file; lines that begin with # are comments.
+fn comma_separated(text: &str) -> std::result::Result<Vec<Row>, String> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let head = reader.headers().map_err(|e| e.to_string())?.clone();
+    let row = |record: csv::StringRecord| {
+        head.iter().map(str::to_owned).zip(record.iter().map(str::to_owned)).collect::<Row>()
+    };
+    reader.records().map(|record| record.map(row).map_err(|e| e.to_string())).collect()
+}
+
+/// The rows of all tables of a page, by the names in their heads; `row` is the whole line.
+fn tables(text: &str) -> Vec<Row> {
+    let cells = |line: &str| line.trim_matches('|').split(" | ").map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    let lines: Vec<&str> = text.lines().collect();
+    let (mut head, mut rows) = (Vec::new(), Vec::new());
+    for (n, line) in lines.iter().enumerate().filter(|(_, line)| line.starts_with("| ")) {
+        if lines.get(n + 1).is_some_and(|next| next.starts_with("|---")) {
+            head = cells(line);
+        } else {
+            rows.push(head.iter().cloned().zip(cells(line)).chain([("row".to_owned(), (*line).to_owned())]).collect());
+        }
+    }
+    rows
+}
+
+/// The lines of a plain text, by their words and numbers between blanks and commas: `w1` is the first, `e1` the last.
+fn words(text: &str) -> Vec<Row> {
+    let row = |line: &str| {
+        let words: Vec<_> = line.split([' ', ',']).filter(|word| !word.is_empty()).map(str::to_owned).collect();
+        let count = words.len();
+        let both =
+            |(n, word): (usize, String)| [(format!("w{}", n + 1), word.clone()), (format!("e{}", count - n), word)];
+        let mut row: Row = words.into_iter().enumerate().flat_map(both).collect();
+        row.extend([("text".to_owned(), line.to_owned()), ("words".to_owned(), count.to_string())]);
+        row
+    };
+    text.lines().map(row).collect()
+}
+
+/// What tables call the method of a row with its options, if the row has them.
+fn name(row: &Row) -> Option<String> {
+    let [method, beyond, fallback, captures] = ["method", "beyond", "fallback", "captures"].map(|field| row.get(field));
+    let (method, beyond, fallback, captures) = (method?, beyond?, fallback?, captures?);
+    let alone = if beyond == "none" { ", screen alone" } else { "" };
+    let behind = if fallback == "none" { String::new() } else { format!(" + {fallback}") };
+    let captured = if captures == "none" { String::new() } else { format!(", {captures} captures") };
+    Some(format!("{method}{alone}{behind}{captured}"))
+}
+
+/// Adds fields that follow from others: `size`, `name`, and for cases of stress whether the method `lacks` what it needs.
+fn complete(row: &mut Row) {
+    if let (Some(width), Some(height), None) = (row.get("width"), row.get("height"), row.get("size")) {
+        row.insert("size".to_owned(), format!("{width}x{height}"));
+    }
+    if let Some(name) = name(row).filter(|_| !row.contains_key("name")) {
+        row.insert("name".to_owned(), name);
+    }
+    if let (Some(case), Some(method)) = (row.get("case"), row.get("method")) {
+        let lacks = scenes::of_row(None, Some(case)).is_some_and(|scene| scenes::lacks(scene, method));
+        row.insert("lacks".to_owned(), if lacks { "yes" } else { "no" }.to_owned());
+    }
+}
+
+/// The rows of a file, whatever its kind. `array` names an array of the records of JSON whose elements are wanted.
+pub fn read(path: &Path, array: &str) -> Result<Vec<Row>> {
+    let fails = |e: String| Failure::from(format!("{}: {e}", path.display()));
+    if path.ends_with("built-in-scenes") {
+        return Ok(scenes::counts());
+    }
+    let text = fs::read_to_string(path).map_err(|e| Failure::missing(format!("{}: {e}", path.display())))?;
+    let mut rows = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("json") => json(&text, array).map_err(fails)?,
+        Some("csv") => comma_separated(&text).map_err(fails)?,
+        Some("md") => tables(&text),
+        _ => words(&text),
+    };
+    rows.iter_mut().for_each(complete);
+    of_todays_references(path, &rows)?;
+    Ok(rows)
+}
+
+/// The names that a pattern stands for: `(a|b)/c` is `a/c` and `b/c`.
+fn each_name(pattern: &str) -> Vec<String> {
+    let parts = pattern.split_once('(').and_then(|(before, rest)| Some((before, rest.split_once(')')?)));
+    let Some((before, (names, after))) = parts else { return vec![pattern.to_owned()] };
+    names.split('|').flat_map(|name| each_name(&format!("{before}{name}{after}"))).collect()
+}
+
+/// Files that were read already.
+#[derive(Debug, Default)]
+pub struct Library {
+    read: RefCell<HashMap<(PathBuf, String), Rows>>,
+}
+
+impl Library {
+    /// The rows of a file.
+    fn rows(&self, path: PathBuf, array: &str) -> Result<Rows> {
+        let key = (path, array.to_owned());
+        if let Some(rows) = self.read.borrow().get(&key) {
+            return Ok(rows.clone());
+        }
+        let rows: Rows = Rc::new(read(&key.0, array)?.into_iter().map(Rc::new).collect());
+        self.read.borrow_mut().insert(key, rows.clone());
+        Ok(rows)
+    }
+
+    /// The rows of files below some folders: `a/b.json` is of the first folder, `@2/b.json` of the second, and `@*/b.json` of each
+    /// that has the file. `(a|b)/c.json` names two files. `b.json#passes` has the elements of the array `passes`. An empty name is
+    /// the folder itself, which is then a file.
+    pub fn select(&self, folders: &[PathBuf], files: &str) -> Result<Rows> {
+        let (files, array) = files.split_once('#').unwrap_or((files, ""));
+        let (from, files) = match files.strip_prefix('@').map(|rest| rest.split_once('/').unwrap_or((rest, ""))) {
+            Some(("*", files)) => (folders, files),
+            Some((number, files)) => {
+                let number: usize = number.parse().map_err(|_| format!("@{number} is no folder"))?;
+                let folder =
+                    folders.get(number.wrapping_sub(1)..number).ok_or(format!("there is no folder {number}"))?;
+                (folder, files)
+            }
+            None => (folders.get(..1).ok_or("no records are named")?, files),
+        };
+        let names = each_name(files);
+        let mut paths = Vec::new();
+        for folder in from {
+            paths.extend(names.iter().map(|name| if name.is_empty() { folder.clone() } else { folder.join(name) }));
+        }
+        if from.len() > 1 {
+            paths.retain(|path| path.exists());
+        }
+        match &mut paths[..] {
+            [path] => self.rows(std::mem::take(path), array),
+            _ => {
+                let mut all = Vec::new();
+                for path in paths {
+                    all.extend(self.rows(path, array)?.iter().cloned());
+                }
+                Ok(Rc::new(all))
+            }
+        }
+    }
+}
