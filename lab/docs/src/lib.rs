@@ -1,7 +1,37 @@
 //! Makes what the pages of the repository quote from records of measurements, and the pages that are made of tables in the code.
 //!
-//! A page names a query between two marks: `<!-- show: QUERY of RECORDS -->` and `<!-- end -->`. The queries are declared in
-//! `lab/docs/queries/`, in the language of [`queries`]; `make docs` writes what they say between the marks.
+//! A page names a query between two marks: `<!-- show: QUERY of RECORDS -->` and `<!-- end -->`. `make docs` writes what the query
+//! says between them. RECORDS are link definitions of the page. The queries are declared in `lab/docs/queries/`:
+//!
+//! ```toml
+//! ["claim-error $method $other $against $roughness"]
+//! from = "error.json"
+//! where = "against=$against, roughness=$roughness"
+//! answer = "{ratio(median([method=$method] rmse / [method=$other] rmse))}"
+//! ```
+//!
+//! Words of the name that begin with `$` are arguments. A query has an `answer`, or else `rows` and `columns` of a table; what stands
+//! between braces in an answer or a cell is an expression. These are its parts:
+//!
+//! - **A field**, such as `rmse` or `setup.own_rays`, is its numbers in all rows that have it. A name with blanks, or one that a
+//!   function or a word has, stands between single quotes.
+//! - **A choice** of rows, `[a=1|2, b!=x] rmse`. Conditions are `=`, `!=`, `^=` (begins with), `*=` (contains) and `!*` (does not).
+//!   `*` is any value, `~` none, and `@first` that of the first row. `[time.csv: a=1]` has the rows of another file, `@2/time.csv` is
+//!   in the second folder, `(a|b)/time.csv` is two files, and `path.json#frames` has a row for each element of an array.
+//! - **Arithmetic**: `+ - * / < > =`. Two choices are matched row by row, by the fields of `by` (scene, view, roughness and size, if
+//!   the query does not say otherwise). A row without a partner is an error; `~` divides, and leaves such rows out.
+//! - **One number of many**: `median`, `mean`, `sum`, `least`, `greatest`, `first`, `last` and `count`. `median_by(scene view, x)` has
+//!   a number for each group of rows, and so have the others. `part(x, 8, 16)` is some of the numbers; `some()` counts rows, of which
+//!   there must be one.
+//! - **A printed number**: `fixed(x, 4)`, `signed`, `percent`, `ratio` (two or three decimals), `grouped` (digits), `wait`, and of
+//!   several numbers `middle` (median and greatest), `spread` and `ratios` (median, least and greatest), `range` and
+//!   `range_of_ratios`. `text(field)` is the text of a field, and `join` puts texts together.
+//! - **Cases**: `if(condition, a, b)`; `or(a, b)` is `b` where records or fields of `a` are missing; `holds(a=1)` is 1 or 0 by row.
+//! - **Words**: expressions with a name, and constants, in `words.toml`.
+//!
+//! A loop of `rows`, or behind the cell of a column, gives variables their values: `a b: 1|2; 3|4` has two rounds. `a: distinct method`
+//! takes the values of a field from the records, `sorted` sorts them, and `each [a.csv:]` makes a round of each record, with all of its
+//! fields. `when` leaves rows out, and `order` sorts them by a number.
 
 mod devices;
 mod evaluation;
@@ -15,6 +45,8 @@ pub mod queries;
 mod readme;
 pub mod records;
 pub mod scenes;
+#[cfg(test)]
+mod tests;
 
 use std::path::Path;
 

@@ -54,6 +54,9 @@ const DOCUMENTS: &[(&str, &str, &[Item])] = &[
     ),
 ];
 
+/// A shader's path, and its steps with the names of what is printed.
+type Shader = (String, Vec<(String, Step)>);
+
 /// A step: the printed lines and what they say, what differs, and the code.
 #[derive(Debug, Default, PartialEq)]
 struct Step {
@@ -120,7 +123,7 @@ fn steps(shader: &str) -> Vec<(String, Step)> {
 }
 
 /// Path below the root, and the steps, of each shader of a folder, by name.
-fn marks(root: &Path, folder: &str) -> Result<Vec<(String, Vec<(String, Step)>)>> {
+fn marks(root: &Path, folder: &str) -> Result<Vec<Shader>> {
     let folder = format!("shaders-glsl/{folder}");
     let entries = fs::read_dir(root.join(&folder)).map_err(|e| format!("{folder}: {e}"))?;
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
@@ -193,7 +196,7 @@ fn written(step: &Step, margin: usize) -> String {
 }
 
 /// One thing that is printed, with its steps in the order of the lines.
-fn section(item: &str, shaders: &[(String, Vec<(String, Step)>)], errata: &[String]) -> String {
+fn section(item: &str, shaders: &[Shader], errata: &[String]) -> String {
     let mut files: Vec<String> = Vec::new();
     let mut steps: Vec<&Step> = Vec::new();
     for (file, found) in shaders {
@@ -222,7 +225,7 @@ fn section(item: &str, shaders: &[(String, Vec<(String, Step)>)], errata: &[Stri
 }
 
 /// Refuses marks that name nothing printed, and printed lines without a mark.
-fn check(folder: &str, items: &[Item], shaders: &[(String, Vec<(String, Step)>)]) -> Result<()> {
+fn check(folder: &str, items: &[Item], shaders: &[Shader]) -> Result<()> {
     let all: Vec<&(String, Step)> = shaders.iter().flat_map(|(_, steps)| steps).collect();
     if let Some((name, _)) = all.iter().find(|(name, _)| !items.iter().any(|(item, _)| item == name)) {
         return Err(format!("shaders-glsl/{folder}: {name} is not known to be printed"));

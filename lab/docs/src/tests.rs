@@ -1,0 +1,83 @@
+//! Tests of the language of queries, on records of a few lines.
+
+use crate::queries::Queries;
+use std::fs;
+use std::path::PathBuf;
+
+const QUERIES: &str = r#"
+["over $method $other"]
+from = "a.csv"
+answer = "{ratio(median(over(ms, $method, $other)))}"
+
+[table]
+rows = ["method: distinct [a.csv:] method"]
+from = "a.csv"
+where = "method=$method"
+when = "some()"
+columns = [["method", "`$method`"], ["$view", "{or(fixed([view=$view] ms, 1), \"–\")}", "view: x; y"]]
+
+[empty]
+rows = ["each [a.csv: method=none]"]
+columns = [["method", "$method"]]
+
+[grouped]
+from = "a.csv"
+answer = "{range(greatest_by(method, ms), 0)} of {count()}, {sum(ms * holds(view=x))}"
+
+[frames]
+from = "b.json#frames"
+answer = "{mean([method=a] frames.ms)} in {text(size)}"
+
+[screen]
+from = "c.csv"
+answer = "{median(rmse)}"
+"#;
+
+/// A repository with these queries, and a run of a day with records.
+fn repository(run: &str) -> (tempfile::TempDir, Queries, Vec<PathBuf>) {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    };
+    write("lab/docs/queries/all.toml", QUERIES);
+    write("lab/docs/queries/words.toml", "'over(x, a, b)' = '[method=$a] $x / [method=$b] $x'");
+    write(&format!("{run}/a.csv"), "method,view,ms\na,x,1\na,y,3\nb,y,2\nb,x,4\nc,x,5\n");
+    write(
+        &format!("{run}/b.json"),
+        r#"[{"method": "a", "width": 4, "height": 3, "frames": [{"ms": 1.5}, {"ms": 2.5}]}]"#,
+    );
+    write(&format!("{run}/c.csv"), "against,rmse\nscreen,1\n");
+    let queries = Queries::read(folder.path()).unwrap();
+    let folders = vec![folder.path().join(run)];
+    (folder, queries, folders)
+}
+
+#[test]
+fn queries_say_what_records_say() {
+    let (_folder, queries, run) = repository("runs/2026-11-30-lavapipe");
+    let says = |query: &str| queries.answer(query, &run);
+    // Rows are matched by their views, in whatever order they stand.
+    assert_eq!(says("over a b").unwrap(), "0.88");
+    assert_eq!(says("grouped").unwrap(), "3 to 5 of 5, 10");
+    assert_eq!(says("frames").unwrap(), "2 in 4x3");
+    let table = "| method | x | y |\n|---|---|---|\n| `a` | 1.0 | 3.0 |\n| `b` | 4.0 | 2.0 |\n| `c` | 5.0 | – |\n";
+    assert_eq!(says("table").unwrap(), table);
+    assert_eq!(says("screen").unwrap(), "1");
+}
+
+#[test]
+fn what_records_do_not_say_is_an_error() {
+    let (_folder, queries, run) = repository("runs/2026-11-27-lavapipe");
+    for (query, words) in [
+        ("over a c", "has no other beside it"),
+        ("over a none", "none of 0 records has ms"),
+        ("empty", "the table would be empty"),
+        ("screen", "is against an older reference"),
+        ("unknown", "nothing is called \"unknown\""),
+    ] {
+        let said = queries.answer(query, &run).unwrap_err();
+        assert!(said.contains(words), "{query}: {said}");
+    }
+}
