@@ -197,6 +197,15 @@ impl Context<'_> {
                 let found = rows.first().and_then(|row| row.get(field));
                 return found.cloned().map(Value::Text).ok_or_else(|| Failure::missing(format!("no {field}")));
             }
+            "within" => {
+                let (one, low, high) = (number(0)?, number(1)?, number(2)?);
+                let is_within = (low..=high).contains(&one);
+                return if is_within {
+                    Ok(Value::Number(one))
+                } else {
+                    Err(format!("{one} is not within {low} and {high}").into())
+                };
+            }
             "max" => return Ok(map(value(0)?, |a, b| a.max(b), number(1)?)),
             _ => {}
         }
@@ -232,6 +241,7 @@ impl Context<'_> {
 fn single(function: &str) -> Option<fn(f64) -> f64> {
     Some(match function {
         "sqrt" => f64::sqrt,
+        "ln" => f64::ln,
         "floor" => f64::floor,
         "round" => f64::round,
         _ => return None,

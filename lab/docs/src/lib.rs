@@ -10,8 +10,8 @@
 //! answer = "{ratio(median([method=$method] rmse / [method=$other] rmse))}"
 //! ```
 //!
-//! Words of the name that begin with `$` are arguments. A query has an `answer`, or else `rows` and `columns` of a table; what stands
-//! between braces in an answer or a cell is an expression. These are its parts:
+//! Words of the name that begin with `$` are arguments. A query has an `answer`, or `rows` and `columns` of a table, or `rows` and
+//! `lines`, as plots have. What stands between braces in an answer, a cell or a line is an expression. These are its parts:
 //!
 //! - **A field**, such as `rmse` or `setup.own_rays`, is its numbers in all rows that have it. A name with blanks, or one that a
 //!   function or a word has, stands between single quotes.
@@ -26,12 +26,13 @@
 //! - **A printed number**: `fixed(x, 4)`, `signed`, `percent`, `ratio` (two or three decimals), `grouped` (digits), `wait`, and of
 //!   several numbers `middle` (median and greatest), `spread` and `ratios` (median, least and greatest), `range` and
 //!   `range_of_ratios`. `text(field)` is the text of a field, and `join` puts texts together.
-//! - **Cases**: `if(condition, a, b)`; `or(a, b)` is `b` where records or fields of `a` are missing; `holds(a=1)` is 1 or 0 by row.
+//! - **Cases**: `if(condition, a, b)`; `or(a, b)` is `b` where records or fields of `a` are missing; `holds(a=1)` is 1 or 0 by row;
+//!   `within(x, 0, 1)` fails where a number lies outside of bounds.
 //! - **Words**: expressions with a name, and constants, in `words.toml`.
 //!
 //! A loop of `rows`, or behind the cell of a column, gives variables their values: `a b: 1|2; 3|4` has two rounds. `a: distinct method`
 //! takes the values of a field from the records, `sorted` sorts them, and `each [a.csv:]` makes a round of each record, with all of its
-//! fields. `when` leaves rows out, and `order` sorts them by a number.
+//! fields. `when` leaves rows out, and `order` sorts them by a number; `$nth` is then the number of a row.
 
 mod devices;
 mod evaluation;
@@ -40,7 +41,6 @@ mod format;
 mod listings;
 mod options;
 pub mod pages;
-mod plots;
 pub mod queries;
 mod readme;
 pub mod records;
@@ -60,14 +60,9 @@ pub fn files(root: &Path) -> Result<Vec<(String, String)>, String> {
             Err(failure) => failures.push(failure),
         }
     }
-    let links = pages::definitions(&pages::text(root, "README.md")?);
-    let folder =
-        |name: &str| links.get(name).map(|target| root.join(target)).ok_or(format!("README.md has no link [{name}]"));
     let made = [
         ("docs/listings.md", listings::page(&queries, root)),
         ("docs/options.md", Ok(options::page())),
-        ("docs/headline.svg", plots::headline(&queries, &folder("bars")?, &folder("bars-errors")?)),
-        ("docs/world.svg", plots::world(&queries, folder("world")?)),
         ("lab/src/study/readme.csv", readme::csv(&queries, root)),
     ];
     for (name, text) in made {
@@ -79,13 +74,16 @@ pub fn files(root: &Path) -> Result<Vec<(String, String)>, String> {
     if failures.is_empty() { Ok(files) } else { Err(failures.join("\n")) }
 }
 
-/// What differs between a file and the text that it should have: the number of its first other line, and what both say there.
+/// What differs between a file and the text that it should have: the number of its first other line, and what both say there, from a
+/// little before the difference on.
 pub fn difference(root: &Path, name: &str, should: &str) -> Option<String> {
     let is = pages::text(root, name).unwrap_or_default();
     if is == should {
         return None;
     }
     let count = is.lines().zip(should.lines()).take_while(|(a, b)| a == b).count();
-    let line = |text: &str| text.lines().nth(count).unwrap_or_default().to_owned();
-    Some(format!("{name}, line {}:\n{}\n{}", count + 1, line(&is), line(should)))
+    let [is, should] = [&*is, should].map(|text| text.lines().nth(count).unwrap_or_default());
+    let same = is.chars().zip(should.chars()).take_while(|(a, b)| a == b).count().saturating_sub(60);
+    let [is, should] = [is, should].map(|line| line.chars().skip(same).take(160).collect::<String>());
+    Some(format!("{name}, line {}:\n{is}\n{should}", count + 1))
 }

@@ -1,4 +1,4 @@
-//! The pages of the repository, and what they quote from records between their marks.
+//! The pages and plots of the repository, and what they quote from records between their marks.
 
 use crate::queries::Queries;
 use std::collections::BTreeMap;
@@ -94,23 +94,19 @@ pub fn shown(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<(
 
 /// What a page should say between a mark and its end.
 fn answer(queries: &Queries, Shown { query, folders, before, .. }: &Shown) -> Result<String> {
-    let answer = queries.answer(query, folders)?;
-    let is_table = answer.contains('\n');
+    let answer = queries.shown(query, folders)?;
     // Markdown does not format a line that begins with an HTML comment, so that a number may not begin a line.
-    if is_table != before.ends_with('\n') {
-        return Err("a table begins a line, and a number does not".to_owned());
+    if answer.starts_with('\n') == before.ends_with('\n') {
+        Ok(answer)
+    } else {
+        Err("a table begins a line, and a number does not".to_owned())
     }
-    if !is_table {
-        return Ok(answer);
-    }
-    let line = queries.line(query, folders, &answer)?;
-    Ok(format!("\n{answer}\n{line}\n"))
 }
 
 /// Folders that no page lies in.
 const NO_PAGES: [&str; 4] = ["target", "out", "fuzz/corpus", "benches/runs/2"];
 
-/// The names below the root of all pages in Markdown that quote records.
+/// The names below the root of all pages and plots that quote records.
 pub fn quoting(root: &Path) -> Result<Vec<String>> {
     let mut left = vec![root.to_owned()];
     let mut found = Vec::new();
@@ -123,7 +119,7 @@ pub fn quoting(root: &Path) -> Result<Vec<String>> {
         if path.is_dir() {
             let entries = fs::read_dir(&path).map_err(|e| format!("{name}: {e}"))?;
             left.extend(entries.filter_map(|entry| entry.ok().map(|entry| entry.path())));
-        } else if name.ends_with(".md") && text(root, &name)?.contains(BEGIN) {
+        } else if (name.ends_with(".md") || name.ends_with(".svg")) && text(root, &name)?.contains(BEGIN) {
             found.push(name);
         }
     }

@@ -13,7 +13,7 @@ use std::rc::Rc;
 /// The variables of a query: its arguments, and what its loops have at the moment.
 type Variables = BTreeMap<String, String>;
 
-/// A declared query. It has an `answer`, or else the `rows` and `columns` of a table.
+/// A declared query. It has an `answer`, the `rows` and `columns` of a table, or `rows` and `lines`.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Query {
@@ -25,6 +25,12 @@ pub struct Query {
     by: Option<String>,
     /// A number or a sentence, with expressions between braces.
     answer: Option<String>,
+    /// The text of each row of what is no table.
+    lines: Option<String>,
+    /// What stands between these texts, if it is no line break.
+    between: Option<String>,
+    /// What stands around them, with `$lines` in their place.
+    frame: Option<String>,
     /// Loops, from the outer one to the inner one, that make the rows of the table.
     rows: Vec<String>,
     /// An expression without which a row is left out.
@@ -43,13 +49,6 @@ pub struct Query {
 
 /// The fields by which records are matched.
 const BY: &str = "scene view roughness size";
-
-/// A table: captions and rows of cells.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-struct Table {
-    captions: Vec<String>,
-    rows: Vec<Vec<String>>,
-}
 
 /// All queries, with the records that they read.
 #[derive(Debug)]
@@ -106,27 +105,31 @@ impl Queries {
         Ok((query, variables))
     }
 
-    /// The answer to a query about some folders: a table in Markdown, which has several lines, or a number.
-    pub fn answer(&self, text: &str, folders: &[PathBuf]) -> std::result::Result<String, String> {
-        let answer = || {
+    /// What pages show of a query about some folders: a number or a sentence, or lines or a table, which have lines of their own.
+    pub fn shown(&self, text: &str, folders: &[PathBuf]) -> std::result::Result<String, String> {
+        let shown = || {
             let (query, variables) = self.find(text)?;
-            match &query.answer {
-                Some(answer) => self.cell(query, answer, folders, &variables),
-                None => self.table(text, folders).map(|table| table.markdown()),
+            if let Some(answer) = &query.answer {
+                return self.cell(query, answer, folders, &variables);
             }
+            let Some(lines) = &query.lines else {
+                let rows = self.table(text, folders)?;
+                let line = |cells: &Vec<String>| format!("| {} |\n", cells.join(" | "));
+                let rule = format!("|{}\n", "---|".repeat(rows[0].len()));
+                let [head, rest] = [&rows[..1], &rows[1..]].map(|rows| rows.iter().map(line).collect::<String>());
+                let measured = devices::line(folders, &head, query.times, query.note.as_deref())?;
+                return Ok(format!("\n{head}{rule}{rest}\n{measured}\n"));
+            };
+            let rounds = self.kept(query, folders, &variables)?;
+            let lines =
+                rounds.iter().map(|round| self.cell(query, lines, folders, round)).collect::<Result<Vec<_>>>()?;
+            let joined = lines.join(query.between.as_deref().unwrap_or("\n"));
+            Ok(format!(
+                "\n{}\n",
+                query.frame.as_deref().map_or(joined.clone(), |frame| frame.replace("$lines", &joined))
+            ))
         };
-        answer().map_err(|failure: Failure| failure.words)
-    }
-
-    /// The rows of the table of a query.
-    pub(crate) fn rows(&self, text: &str, folders: &[PathBuf]) -> std::result::Result<Vec<Vec<String>>, String> {
-        self.table(text, folders).map(|table| table.rows).map_err(|failure| failure.words)
-    }
-
-    /// The line under a table from records of some folders.
-    pub(crate) fn line(&self, text: &str, folders: &[PathBuf], answer: &str) -> std::result::Result<String, String> {
-        let (query, _) = self.find(text).map_err(|failure| failure.words)?;
-        devices::line(folders, answer, query.times, query.note.as_deref())
+        shown().map_err(|failure: Failure| failure.words)
     }
 
     /// The records that an expression of a query begins with.
@@ -221,24 +224,40 @@ impl Queries {
         tuples.into_iter().map(named).collect()
     }
 
-    /// The table of a query.
-    fn table(&self, text: &str, folders: &[PathBuf]) -> Result<Table> {
+    /// The rounds of the rows of a query: those that its `when` keeps, in its order, and numbered by `$nth` from 0.
+    fn kept(&self, query: &Query, folders: &[PathBuf], variables: &Variables) -> Result<Vec<Variables>> {
+        let mut kept = Vec::new();
+        for round in self.rounds(query, &query.rows, folders, variables)? {
+            let number =
+                |text: &Option<String>| text.as_ref().map(|text| self.number(query, text, folders, &round)).transpose();
+            match number(&query.when) {
+                Ok(Some(0.0)) => {}
+                Ok(_) => kept.push((number(&query.order)?.unwrap_or_default(), round)),
+                Err(failure) if failure.is_missing => {}
+                Err(failure) => return Err(failure),
+            }
+        }
+        if kept.is_empty() {
+            return Err("the table would be empty".into());
+        }
+        kept.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let numbered = |(nth, (_, mut round)): (usize, (f64, Variables))| {
+            round.insert("nth".to_owned(), nth.to_string());
+            round
+        };
+        Ok(kept.into_iter().enumerate().map(numbered).collect())
+    }
+
+    /// The captions of the table of a query, and its rows.
+    pub(crate) fn table(&self, text: &str, folders: &[PathBuf]) -> Result<Vec<Vec<String>>> {
         let (query, mut variables) = self.find(text)?;
         for (n, folder) in folders.iter().enumerate() {
             variables.insert(format!("kind{}", n + 1), devices::kind(folder).unwrap_or_default().to_owned());
         }
-        let mut table = Table::default();
-        let mut order = Vec::new();
-        for round in self.rounds(query, &query.rows, folders, &variables)? {
-            if let Some(when) = &query.when {
-                match self.number(query, when, folders, &round) {
-                    Ok(number) if number != 0.0 => {}
-                    Err(failure) if !failure.is_missing => return Err(failure),
-                    _ => continue,
-                }
-            }
-            let mut captions = Vec::new();
+        let (mut captions, mut rows) = (Vec::new(), Vec::new());
+        for round in self.kept(query, folders, &variables)? {
             let mut cells = Vec::new();
+            captions.clear();
             for column in &query.columns {
                 let [caption, cell, loops @ ..] = &column[..] else { return Err("a column lacks its cell".into()) };
                 for round in self.rounds(query, loops, folders, &round)? {
@@ -246,26 +265,9 @@ impl Queries {
                     cells.push(self.cell(query, cell, folders, &round)?);
                 }
             }
-            if let Some(text) = &query.order {
-                order.push(self.number(query, text, folders, &round)?);
-            }
-            table.captions = captions;
-            table.rows.push(cells);
+            rows.push(cells);
         }
-        if !order.is_empty() {
-            let mut places: Vec<usize> = (0..order.len()).collect();
-            places.sort_by(|a, b| order[*b].total_cmp(&order[*a]));
-            table.rows = places.iter().map(|place| table.rows[*place].clone()).collect();
-        }
-        if table.rows.is_empty() { Err("the table would be empty".into()) } else { Ok(table) }
-    }
-}
-
-impl Table {
-    /// The table in Markdown.
-    fn markdown(&self) -> String {
-        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-        let rule = format!("|{}\n", "---|".repeat(self.captions.len()));
-        line(&self.captions) + &rule + &self.rows.iter().map(|row| line(row)).collect::<String>()
+        rows.insert(0, captions);
+        Ok(rows)
     }
 }

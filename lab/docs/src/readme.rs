@@ -5,23 +5,6 @@ use crate::pages::{definitions, quotations, text};
 use crate::queries::Queries;
 use std::path::Path;
 
-/// The columns of the file.
-const HEAD: [&str; 13] = [
-    "place",
-    "row",
-    "column",
-    "says",
-    "measured_on",
-    "figure",
-    "variant",
-    "over",
-    "command",
-    "roughness",
-    "scene",
-    "view",
-    "value",
-];
-
 /// The tables of numbers, and the links of the README that name the folders of their records.
 const TABLES: [(&str, &[&str]); 3] = [
     ("readme triangles", &["triangles"]),
@@ -35,14 +18,17 @@ pub(crate) fn csv(queries: &Queries, root: &Path) -> Result<String, String> {
     let links = definitions(&readme);
     let folder =
         |name: &&str| Ok(root.join(links.get(*name).ok_or_else(|| format!("the README has no link [{name}]"))?));
-    let mut rows = vec![HEAD.map(str::to_owned).to_vec()];
+    let mut rows = Vec::new();
     for (name, labels) in TABLES {
-        rows.extend(queries.rows(name, &labels.iter().map(folder).collect::<Result<Vec<_>, String>>()?)?);
+        let folders = labels.iter().map(folder).collect::<Result<Vec<_>, String>>()?;
+        let table = queries.table(name, &folders).map_err(|e| e.words)?;
+        // All tables have the same captions, which are the columns of the file.
+        rows.extend(table.into_iter().skip(usize::from(!rows.is_empty())));
     }
     for shown in quotations(root, "README.md", &readme)?.0 {
         let (query, _) = queries.find(shown.query).map_err(|e| e.words)?;
         let (Some([place, command]), [folder]) = (&query.readme, &shown.folders[..]) else { continue };
-        let says = queries.answer(shown.query, &shown.folders)?;
+        let says = queries.shown(shown.query, &shown.folders)?;
         let cells = [place, "", shown.query, &says, kind(folder)?, "elsewhere", "", "", command, "", "", "", ""];
         rows.push(cells.map(str::to_owned).to_vec());
     }
