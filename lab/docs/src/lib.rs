@@ -71,6 +71,7 @@ pub fn files(root: &Path) -> Result<Vec<(String, String)>, String> {
             Err(failure) => failures.push(format!("{name}: {failure}")),
         }
     }
+    failures.extend(queries.all_asked().err());
     if failures.is_empty() { Ok(files) } else { Err(failures.join("\n")) }
 }
 

@@ -5,7 +5,8 @@ use crate::evaluation::{Context, distinct};
 use crate::expression::{Words, choice, fill, parse, split, word};
 use crate::records::{Failure, Library, Result, Rows};
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -51,7 +52,7 @@ pub struct Query {
 const BY: &str = "scene view roughness size";
 
 /// All queries, with the records that they read.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Queries {
     /// By words: those that begin with `$` are arguments.
     all: Vec<(Vec<String>, Query)>,
@@ -59,6 +60,8 @@ pub struct Queries {
     /// The values of variables that all queries have.
     constants: Variables,
     library: Library,
+    /// The places of the queries that were asked for.
+    asked: RefCell<BTreeSet<usize>>,
 }
 
 impl Queries {
@@ -66,8 +69,7 @@ impl Queries {
     pub fn read(root: &Path) -> std::result::Result<Self, String> {
         let folder = root.join("lab/docs/queries");
         let fails = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
-        let mut queries =
-            Self { all: Vec::new(), words: Words::new(), constants: Variables::new(), library: Library::default() };
+        let mut queries = Self::default();
         for entry in fs::read_dir(&folder).map_err(|e| fails(&e))? {
             let path = entry.map_err(|e| fails(&e))?.path();
             let fails = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
@@ -91,18 +93,29 @@ impl Queries {
     /// The query that some words call, with the values of its arguments. More of its own words are a better fit.
     pub(crate) fn find(&self, text: &str) -> Result<(&Query, Variables)> {
         let words: Vec<&str> = text.split(' ').collect();
-        let fits = |(own, _): &&(Vec<String>, Query)| {
+        let fits = |(_, (own, _)): &(usize, &(Vec<String>, Query))| {
             own.len() == words.len() && own.iter().zip(&words).all(|(own, word)| own.starts_with('$') || own == word)
         };
-        let own_words = |(own, _): &&(Vec<String>, Query)| own.iter().filter(|word| !word.starts_with('$')).count();
-        let found = self.all.iter().filter(fits).max_by_key(own_words);
-        let (own, query) = found.ok_or_else(|| format!("nothing is called {text:?}"))?;
+        let own_words =
+            |(_, (own, _)): &(usize, &(Vec<String>, Query))| own.iter().filter(|word| !word.starts_with('$')).count();
+        let found = self.all.iter().enumerate().filter(fits).max_by_key(own_words);
+        let (place, (own, query)) = found.ok_or_else(|| format!("nothing is called {text:?}"))?;
+        self.asked.borrow_mut().insert(place);
         let mut variables = self.constants.clone();
         for (name, word) in own.iter().zip(&words).filter_map(|(own, word)| Some((own.strip_prefix('$')?, word))) {
             variables.insert(format!("{name}~"), word.replace('_', " "));
             variables.insert(name.to_owned(), (*word).to_owned());
         }
         Ok((query, variables))
+    }
+
+    /// Refuses queries that nothing asked for.
+    pub(crate) fn all_asked(&self) -> std::result::Result<(), String> {
+        let asked = self.asked.borrow();
+        match self.all.iter().enumerate().find(|(place, _)| !asked.contains(place)) {
+            Some((_, (name, _))) => Err(format!("no page asks for {:?} of lab/docs/queries", name.join(" "))),
+            None => Ok(()),
+        }
     }
 
     /// What pages show of a query about some folders: a number or a sentence, or lines or a table, which have lines of their own.
