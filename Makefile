@@ -199,9 +199,9 @@ view: build
 	"$(BIN)" view
 
 # The tables and numbers in README.md and docs/, from the records under benches/runs and the queries in lab/docs/queries, and the header
-# for C.
+# for C. The program is a binary of the whole workspace, as in `build`.
 docs: setup
-	$(CARGO) run --quiet --package ssct-docs
+	$(CARGO) run --quiet --bin ssct-docs
 	SSCT_WRITE_DOCS=1 $(CARGO) test --package ssct-c --features compile-shaders --test header
 
 doc: setup

@@ -56,7 +56,7 @@ pub fn files(root: &Path) -> Result<Vec<(String, String)>, String> {
     let (mut files, mut failures) = (Vec::new(), Vec::new());
     for name in pages::quoting(root)? {
         match pages::text(root, &name).and_then(|text| pages::shown(&queries, root, &name, &text)) {
-            Ok((text, _)) => files.push((name, text)),
+            Ok(text) => files.push((name, text)),
             Err(failure) => failures.push(failure),
         }
     }

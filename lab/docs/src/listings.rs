@@ -261,8 +261,7 @@ pub(crate) fn page(queries: &Queries, root: &Path) -> Result<String> {
         let shaders = marks(root, folder)?;
         check(folder, items, &shaders)?;
         page += &format!("## {title}\n\n");
-        let rows =
-            if *folder == "thesis" { shown(queries, root, &name, &text(root, &name)?)?.0 } else { String::new() };
+        let rows = if *folder == "thesis" { shown(queries, root, &name, &text(root, &name)?)? } else { String::new() };
         page += &items.iter().map(|(item, _)| section(item, &shaders, &errata(&rows, item))).collect::<String>();
     }
     Ok(format!("{}\n", page.trim_end()))

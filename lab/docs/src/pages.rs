@@ -79,8 +79,8 @@ pub fn quotations<'a>(root: &Path, name: &str, text: &'a str) -> Result<(Vec<Sho
     Ok((found, rest))
 }
 
-/// A page as it should be, and the number of its marks.
-pub fn shown(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<(String, usize)> {
+/// A page as it should be.
+pub fn shown(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<String> {
     let (all, rest) = quotations(root, name, text)?;
     let (mut result, mut failures) = (String::new(), Vec::new());
     for shown in &all {
@@ -89,7 +89,7 @@ pub fn shown(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<(
             Err(failure) => failures.push(format!("{name}: {}: {failure}", shown.mark)),
         }
     }
-    if failures.is_empty() { Ok((result + rest, all.len())) } else { Err(failures.join("\n")) }
+    if failures.is_empty() { Ok(result + rest) } else { Err(failures.join("\n")) }
 }
 
 /// What a page should say between a mark and its end.

@@ -54,14 +54,14 @@ const BY: &str = "scene view roughness size";
 /// All queries, with the records that they read.
 #[derive(Debug, Default)]
 pub struct Queries {
-    /// By words: those that begin with `$` are arguments.
-    all: Vec<(Vec<String>, Query)>,
+    /// By names: words that begin with `$` are arguments.
+    all: BTreeMap<String, Query>,
     words: Words,
     /// The values of variables that all queries have.
     constants: Variables,
     library: Library,
-    /// The places of the queries that were asked for.
-    asked: RefCell<BTreeSet<usize>>,
+    /// The names of the queries that were asked for.
+    asked: RefCell<BTreeSet<String>>,
 }
 
 impl Queries {
@@ -82,9 +82,7 @@ impl Queries {
                 queries.constants = constants.into_iter().map(|(head, value)| (head[1..].to_owned(), value)).collect();
             } else {
                 let read: BTreeMap<String, Query> = toml::from_str(&text).map_err(|e| fails(&e))?;
-                queries
-                    .all
-                    .extend(read.into_iter().map(|(n, query)| (n.split(' ').map(str::to_owned).collect(), query)));
+                queries.all.extend(read);
             }
         }
         Ok(queries)
@@ -93,29 +91,27 @@ impl Queries {
     /// The query that some words call, with the values of its arguments. More of its own words are a better fit.
     pub(crate) fn find(&self, text: &str) -> Result<(&Query, Variables)> {
         let words: Vec<&str> = text.split(' ').collect();
-        let fits = |(_, (own, _)): &(usize, &(Vec<String>, Query))| {
+        let fits = |name: &&String| {
+            let own: Vec<&str> = name.split(' ').collect();
             own.len() == words.len() && own.iter().zip(&words).all(|(own, word)| own.starts_with('$') || own == word)
         };
-        let own_words =
-            |(_, (own, _)): &(usize, &(Vec<String>, Query))| own.iter().filter(|word| !word.starts_with('$')).count();
-        let found = self.all.iter().enumerate().filter(fits).max_by_key(own_words);
-        let (place, (own, query)) = found.ok_or_else(|| format!("nothing is called {text:?}"))?;
-        self.asked.borrow_mut().insert(place);
+        let own_words = |name: &&String| name.split(' ').filter(|word| !word.starts_with('$')).count();
+        let found = self.all.keys().filter(fits).max_by_key(own_words);
+        let name = found.ok_or_else(|| format!("nothing is called {text:?}"))?;
+        self.asked.borrow_mut().insert(name.clone());
         let mut variables = self.constants.clone();
-        for (name, word) in own.iter().zip(&words).filter_map(|(own, word)| Some((own.strip_prefix('$')?, word))) {
+        for (name, word) in name.split(' ').zip(&words).filter_map(|(own, word)| Some((own.strip_prefix('$')?, word))) {
             variables.insert(format!("{name}~"), word.replace('_', " "));
             variables.insert(name.to_owned(), (*word).to_owned());
         }
-        Ok((query, variables))
+        Ok((&self.all[name], variables))
     }
 
     /// Refuses queries that nothing asked for.
     pub(crate) fn all_asked(&self) -> std::result::Result<(), String> {
         let asked = self.asked.borrow();
-        match self.all.iter().enumerate().find(|(place, _)| !asked.contains(place)) {
-            Some((_, (name, _))) => Err(format!("no page asks for {:?} of lab/docs/queries", name.join(" "))),
-            None => Ok(()),
-        }
+        let other = self.all.keys().find(|name| !asked.contains(*name));
+        other.map_or(Ok(()), |name| Err(format!("no page asks for {name:?} of lab/docs/queries")))
     }
 
     /// What pages show of a query about some folders: a number or a sentence, or lines or a table, which have lines of their own.
@@ -137,10 +133,8 @@ impl Queries {
             let lines =
                 rounds.iter().map(|round| self.cell(query, lines, folders, round)).collect::<Result<Vec<_>>>()?;
             let joined = lines.join(query.between.as_deref().unwrap_or("\n"));
-            Ok(format!(
-                "\n{}\n",
-                query.frame.as_deref().map_or(joined.clone(), |frame| frame.replace("$lines", &joined))
-            ))
+            let frame = query.frame.as_deref().unwrap_or("$lines");
+            Ok(format!("\n{}\n", frame.replace("$lines", &joined)))
         };
         shown().map_err(|failure: Failure| failure.words)
     }
