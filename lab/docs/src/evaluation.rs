@@ -199,12 +199,8 @@ impl Context<'_> {
             }
             "within" => {
                 let (one, low, high) = (number(0)?, number(1)?, number(2)?);
-                let is_within = (low..=high).contains(&one);
-                return if is_within {
-                    Ok(Value::Number(one))
-                } else {
-                    Err(format!("{one} is not within {low} and {high}").into())
-                };
+                let fails = || Failure::from(format!("{one} is not within {low} and {high}"));
+                return (low..=high).contains(&one).then_some(Value::Number(one)).ok_or_else(fails);
             }
             "max" => return Ok(map(value(0)?, |a, b| a.max(b), number(1)?)),
             _ => {}
@@ -216,18 +212,11 @@ impl Context<'_> {
         if let (Some(function), Value::Numbers(numbers)) = (function.strip_suffix("_by"), &first) {
             return grouped(function, by, numbers).map(Value::Numbers);
         }
-        let numbers = first.numbers()?;
-        if function == "part" {
-            // From a place, negative ones from the end, to another, in steps.
-            let place = |n: f64| if n < 0.0 { numbers.len().saturating_sub(-n as usize) } else { n as usize };
-            let (from, to) = (place(number(1)?), arguments.get(2).map_or(Ok(numbers.len()), |_| number(2).map(place))?);
-            let step = arguments.get(3).map_or(Ok(1), |_| number(3).map(|step| step as usize))?;
-            let Value::Numbers(mut all) = first else { return Err("part is of several rows".into()) };
-            let whole =
-                all.items.get(from..to).ok_or_else(|| Failure::missing(format!("there is no part {from} to {to}")))?;
-            all.items = whole.iter().step_by(step.max(1)).cloned().collect();
-            return Ok(Value::Numbers(all));
+        if let ("part", Value::Numbers(numbers)) = (function, &first) {
+            let places = (1..arguments.len()).map(number).collect::<Result<Vec<_>>>()?;
+            return part(numbers, &places).map(Value::Numbers);
         }
+        let numbers = first.numbers()?;
         if let Some(one) = summary(function, &numbers) {
             return one.map(Value::Number);
         }
@@ -235,6 +224,17 @@ impl Context<'_> {
         let written = format::write(function, &numbers, decimals)?;
         Ok(Value::Text(written.ok_or_else(|| format!("there is no function {function}"))?))
     }
+}
+
+/// The numbers from a place, which is counted from the end if it is negative, to another place, in steps.
+fn part(numbers: &Numbers, places: &[f64]) -> Result<Numbers> {
+    let count = numbers.items.len();
+    let place = |n: f64| if n < 0.0 { count.saturating_sub(-n as usize) } else { n as usize };
+    let (from, to) = (places.first().map_or(0, |n| place(*n)), places.get(1).map_or(count, |n| place(*n)));
+    let step = places.get(2).map_or(1, |step| (*step as usize).max(1));
+    let items =
+        numbers.items.get(from..to).ok_or_else(|| Failure::missing(format!("there is no part {from} to {to}")))?;
+    Ok(Numbers { by: numbers.by.clone(), items: items.iter().step_by(step).cloned().collect() })
 }
 
 /// A function of a single number, by its name.

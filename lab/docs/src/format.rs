@@ -48,6 +48,9 @@ pub(crate) fn wait(seconds: f64) -> String {
 /// A function that writes numbers, by its name: `middle` is the median and, in brackets, the greatest; `spread` and `ratios` have the
 /// least and the greatest in the brackets; `range` has these alone. `None` if there is no such function.
 pub(crate) fn write(function: &str, values: &[f64], decimals: usize) -> Result<Option<String>> {
+    if values.iter().any(|value| !value.is_finite()) {
+        return Err(format!("{function} is of what is no number").into());
+    }
     let one = || match values {
         [one] => Ok(*one),
         _ => Err(Failure::missing(format!("{} values where {function} writes one", values.len()))),
