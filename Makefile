@@ -202,7 +202,7 @@ view: build
 # for C. The program is a binary of the whole workspace, as in `build`.
 docs: setup
 	$(CARGO) run --quiet --bin ssct-docs
-	SSCT_WRITE_DOCS=1 $(CARGO) test --package ssct-c --features compile-shaders --test header
+	SSCT_WRITE_DOCS=1 $(CARGO) test --test header
 
 doc: setup
 	$(CARGO) doc --no-deps
