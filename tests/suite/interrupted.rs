@@ -170,7 +170,7 @@ fn a_lost_device_leaves_what_was_measured() {
     let faulty = |fault: &str| {
         ended(command(&TIME, &["--samples", "50", "--resume", "-o", out]).env("SSCT_FAULT", fault).output().unwrap())
     };
-    let (status, said) = faulty("submission:260");
+    let (status, said) = faulty("submission:300");
     assert_eq!(status, Some(1), "{said}");
     assert!(said.contains("device has been lost"), "{said}");
     let first = journal(folder.path());
