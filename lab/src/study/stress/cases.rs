@@ -185,8 +185,8 @@ const ODD: [u32; 2] = [127, 61];
 /// them would take minutes on a CPU.
 const LARGE: u32 = 4_000_000;
 
-/// Pixels along a side of a tile that reflects or does not.
-const REFLECTING_SIDE: u32 = 16;
+/// Pixels along a side of a square that reflects as a whole, or not at all.
+const SQUARE_PIXELS: u32 = 16;
 
 /// Every case; `quick` leaves the large images out.
 pub fn cases(quick: bool) -> Vec<Case> {
@@ -209,9 +209,9 @@ fn sizes(quick: bool) -> Vec<Case> {
         if extent[0] * extent[1] < LARGE {
             return Case::new(name, *extent, Lens::default(), |p: &Pixel| p.facet_texel(1));
         }
-        let name = format!("{name}, a quarter of its {REFLECTING_SIDE}x{REFLECTING_SIDE} tiles reflecting");
+        let name = format!("{name}, a quarter of its {SQUARE_PIXELS}x{SQUARE_PIXELS} tiles reflecting");
         Case::new(name, *extent, Lens::default(), |p: &Pixel| {
-            let tile = u64::from(p.x / REFLECTING_SIDE) + (u64::from(p.y / REFLECTING_SIDE) << 20);
+            let tile = u64::from(p.x / SQUARE_PIXELS) + (u64::from(p.y / SQUARE_PIXELS) << 20);
             let shown = p.facet_texel(1);
             if Stream::new(8, tile).uniform(0) < 0.25 { shown } else { Texel { reflectivity: 0.0, ..shown } }
         })
