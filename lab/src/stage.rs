@@ -5,7 +5,7 @@ pub mod image;
 mod shared;
 
 pub use image::{Intermediates, RenderedImage};
-pub use shared::SharedGBuffers;
+pub use shared::{SharedGBuffers, span_ms};
 
 use glam::Vec3;
 use ssct::error::Result;
@@ -101,9 +101,7 @@ impl Stage {
     /// Draws one frame of a shot: the scene, and the method on it. Returns the report of the frame, and the counts of
     /// drawn meshes.
     pub fn run(&mut self, shot: &Shot, mode: Mode) -> Result<(FrameReport, DrawnCounts)> {
-        let (mut frame, data) = self.begin(shot, mode)?;
-        let (drawn, _) = shot.record(&mut frame, data)?;
-        Ok((frame.finish()?, drawn))
+        self.output_in(mode, shot).map(|(report, drawn, _)| (report, drawn))
     }
 
     /// Draws the scene of a shot into its G-buffer, without running the method.
@@ -111,7 +109,7 @@ impl Stage {
         Ok(self.draw_in(Mode::Plain, shot)?.1)
     }
 
-    /// Draws the scene of a shot in a mode without reflecting it.
+    /// Draws the scene of a shot in a mode into its G-buffer, without running the method.
     fn draw_in(&mut self, mode: Mode, shot: &Shot) -> Result<(FrameReport, DrawnCounts)> {
         let mut frame = self.context.begin(mode)?;
         let drawn = shot.draw(&mut frame, &self.data)?;
@@ -130,25 +128,14 @@ impl Stage {
         Ok((frame.finish()?, drawn, output))
     }
 
-    /// Draws the image of a camera at rest. With a history, the history begins anew, and the image is the last of the frames that it
-    /// averages.
+    /// Draws the image of a camera at rest ([`SharedGBuffers::output_at_rest`]).
     pub fn output_at_rest<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
-        self.settle(shot)?;
-        self.output(shot)
+        SharedGBuffers::default().output_at_rest(self, shot)
     }
 
     /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes.
     pub fn settle(&mut self, shot: &Shot) -> Result<()> {
-        shot.effect.restart_history();
-        let before_last = shot.effect.frames_at_rest() - 1;
-        if before_last > 0 {
-            let (_, drawn) = self.run(shot, Mode::Plain)?;
-            // Nothing moves, so that the first frame drew what the others see.
-            for _ in 1..before_last {
-                self.output_on(Mode::Plain, shot, (shot, &drawn))?;
-            }
-        }
-        Ok(())
+        SharedGBuffers::default().settle(self, shot)
     }
 
     /// Runs the method of a shot alone, on the G-buffer that another shot of its scene and size drew last. `drawn` has

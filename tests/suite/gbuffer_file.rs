@@ -119,10 +119,12 @@ fn an_image_of_a_file_gets_the_most_own_rays_unless_a_number_is_given() {
     assert!(image(&["--own-rays", "auto"]) == image(&["--own-rays", "none"]));
 }
 
-/// Scenes with their views and numbers of captures: mirrors and both kinds of lobes, windows that show the sky, and sky
-/// beyond the roof of the atrium.
-const CAPTURED: [(&str, &str, CaptureCount); 2] =
-    [("rooms", "window", CaptureCount::Number(2)), ("atrium", "hall", CaptureCount::Number(1))];
+/// Scenes with their views, numbers of captures and roughness values. The rooms have windows that show the sky; their three values run the
+/// programs of mirrors, narrow lobes and wide lobes. The atrium adds sky beyond its roof.
+const CAPTURED: [(&str, &str, CaptureCount, &[f32]); 2] = [
+    ("rooms", "window", CaptureCount::Number(2), &[0.0, 0.1, 0.6]),
+    ("atrium", "hall", CaptureCount::Number(1), &[0.1]),
+];
 
 /// Texels along a side of the captures.
 const SIDE: CaptureSide = CaptureSide::Side128;
@@ -131,7 +133,7 @@ const SIDE: CaptureSide = CaptureSide::Side128;
 const CUBES: &str = "SSCT_TEST_CUBES";
 
 /// By the command, the image of a G-buffer beside a folder of captures equals that of the scene with the same captures, byte by
-/// byte. [`child`] tries every method, fallback and roughness without the command.
+/// byte. [`child`] tries the other methods, fallbacks and roughness values without the command.
 #[test]
 fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     let folder = Folder::new();
@@ -148,14 +150,14 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
         succeed(command);
     };
     let side = SIDE.name();
-    for (scene, view, captures) in CAPTURED {
+    for (scene, view, captures, _) in CAPTURED {
         let captures = &captures.value().to_string();
         for cubes in ["cubes", scene] {
             run(&["captures", scene, "--captures", captures, "--capture-side", side, "--view", view, "-o", cubes]);
         }
     }
     // The command tries the scene's own materials, and `child` tries even ones.
-    let (scene, view, captures) = CAPTURED[1];
+    let (scene, view, captures, _) = CAPTURED[1];
     let place = ["--scene", scene, "--view", view, "--size", "97x61"];
     run(&[&["gbuffer", "export", "g.exr"], &place[..]].concat());
     let method = ["--method", "unified", "--fallback", "captures"];
@@ -178,19 +180,17 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     assert_eq!(folder.image("cubes/1/color.png").dimensions(), (512, 384));
 }
 
-/// In a process of one thread: for every combination of scene, roughness, method and fallback, a G-buffer beside
-/// captures from files gives the direct image, to the bit.
+/// In a process of one thread: for every scene of [`CAPTURED`] with each of its roughness values, and for four pairs of method and
+/// fallback, a G-buffer beside captures from files gives the direct image, to the bit.
 #[test]
 #[ignore = "a process that the test above starts"]
 fn child() {
     let folder = std::path::PathBuf::from(std::env::var_os(CUBES).unwrap());
     let gpu = gpu();
-    for (name, view, captures) in CAPTURED {
+    for (name, view, captures, roughnesses) in CAPTURED {
         let scene = crate::common::built_in(name);
         let (mut stage, view) = (Stage::new(&gpu, &scene).unwrap(), scene.view(view).unwrap());
         let cubes = CaptureFolder::open(&folder.join(name)).unwrap();
-        // Mirrors, narrow lobes and wide lobes have programs of their own; the second scene adds the sky in captures.
-        let roughnesses = if captures == CaptureCount::Number(1) { &[0.1][..] } else { &[0.0, 0.1, 0.6] };
         for roughness in roughnesses.iter().copied() {
             let globals = Globals { roughness: Some(roughness), ..Globals::default() };
             for (method, fallback) in [

@@ -1,6 +1,7 @@
 //! Timed frames as a trace for Chrome (chrome://tracing) and Perfetto: the Trace Event Format, with one process for the
 //! host and one for the device, and in each a thread for every method.
 
+use crate::stage::span_ms;
 use crate::study::timing::TimedFrame;
 use serde_json::{Value, json};
 
@@ -41,12 +42,10 @@ pub fn json(frames: &[TimedFrame]) -> String {
         event(HOST, "record", "host", start, host.record_ms);
         event(HOST, "wait", "host", submitted, host.wait_ms);
         // A scene that was drawn for several methods was drawn before this frame, so that its passes begin below zero.
-        let passes = &frame.report.passes;
-        let first_ms = passes.iter().map(|pass| pass.start_ms).fold(0.0, f64::min);
-        let end_ms = passes.iter().map(|pass| pass.start_ms + pass.ms).fold(0.0, f64::max);
+        let [first_ms, end_ms] = span_ms(&frame.report);
         let on_device = submitted + 1e3 * (host.wait_ms - end_ms).max(0.0);
         event(DEVICE, &frame.label, "frame", on_device + 1e3 * first_ms, end_ms - first_ms);
-        for pass in passes {
+        for pass in &frame.report.passes {
             let category = if pass.counted { "effect" } else { "scene" };
             event(DEVICE, &pass.name, category, on_device + 1e3 * pass.start_ms, pass.ms);
         }
@@ -84,5 +83,24 @@ mod tests {
         // Submitted after 1 ms, done after 7: the last pass ends there, 4.5 ms after the frame's first timestamp.
         assert_eq!(starts("a"), [3000.0, 13000.0]);
         assert_eq!(starts("record"), [0.0, 10000.0]);
+    }
+
+    #[test]
+    fn a_scene_that_was_drawn_for_another_method_is_shown_when_it_was_drawn() {
+        let pass =
+            |name: &str, start_ms: f64| PassTime { name: name.into(), ms: 2.0, start_ms, counted: start_ms >= 0.0 };
+        let report = FrameReport {
+            passes: vec![pass("scene", -4.0), pass("a", 0.5)],
+            host: Some(HostTime { begun_us: 1_000_000, record_ms: 1.0, wait_ms: 6.0 }),
+            ..FrameReport::default()
+        };
+        let text = json(&[TimedFrame { method: "ssct".to_owned(), label: "sample 0".into(), report }]);
+        let trace: Value = serde_json::from_str(&text).unwrap();
+        let event = |name: &str| trace["traceEvents"].as_array().unwrap().iter().find(|e| e["name"] == name).unwrap();
+        let times = |name: &str| ["ts", "dur"].map(|field| event(name)[field].as_f64().unwrap());
+        // The device is done 7 ms after the frame was begun, and the method's pass ends then, 2.5 ms after the first timestamp.
+        assert_eq!(times("a"), [5000.0, 2000.0]);
+        assert_eq!(times("scene"), [500.0, 2000.0]);
+        assert_eq!(times("sample 0"), [500.0, 6500.0]);
     }
 }

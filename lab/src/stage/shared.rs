@@ -43,16 +43,11 @@ impl SharedGBuffers {
         let fits =
             |known: &&SharedGBuffer| known.pass.albedo().extent() == setup.extent && known.is_numbered == is_numbered;
         let known = self.0.iter().find(fits).map(|known| Rc::clone(&known.pass));
-        let gbuffer = match known {
-            Some(pass) => pass,
-            None => {
-                let new = if is_numbered { GBufferPass::numbered } else { GBufferPass::new };
-                let pass = Rc::new(new(gpu, setup.extent)?);
-                self.0.push(SharedGBuffer { pass: Rc::clone(&pass), is_numbered, drawn: None });
-                pass
-            }
-        };
-        Ok(Shot { gbuffer, lighting: LightingPass::new(gpu)?, effect, camera, materials })
+        let new = if is_numbered { GBufferPass::numbered } else { GBufferPass::new };
+        let gbuffer = known.map_or_else(|| new(gpu, setup.extent).map(Rc::new), Ok)?;
+        let shot = Shot { gbuffer, lighting: LightingPass::new(gpu)?, effect, camera, materials };
+        self.of_shot(&shot);
+        Ok(shot)
     }
 
     /// Makes shots of several methods, each with its setup.
@@ -76,8 +71,31 @@ impl SharedGBuffers {
         self.0.iter_mut().for_each(|known| known.drawn = None);
     }
 
-    /// Runs one frame of a shot made by these G-buffers. The scene passes run before it in a frame of their own, unless they ran for
-    /// another shot already; the report lists them with their times and work of then.
+    /// The G-buffer of a shot. That of a shot made elsewhere is added.
+    fn of_shot(&mut self, shot: &Shot) -> &mut SharedGBuffer {
+        let is_its = |known: &SharedGBuffer| Rc::ptr_eq(&known.pass, &shot.gbuffer);
+        let index = self.0.iter().position(is_its).unwrap_or_else(|| {
+            let is_numbered = shot.effect.wants_triangles();
+            self.0.push(SharedGBuffer { pass: Rc::clone(&shot.gbuffer), is_numbered, drawn: None });
+            self.0.len() - 1
+        });
+        &mut self.0[index]
+    }
+
+    /// Draws the scene into the G-buffer of a shot, unless it was drawn for another shot already. Returns the report of the frame that
+    /// drew it, and its counts.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn draw(&mut self, stage: &mut Stage, mode: Mode, shot: &Shot) -> Result<&(FrameReport, DrawnCounts)> {
+        match &mut self.of_shot(shot).drawn {
+            Some(drawn) => Ok(drawn),
+            none => Ok(none.insert(stage.draw_in(mode, shot)?)),
+        }
+    }
+
+    /// Runs one frame of a shot on its G-buffer, which is drawn before if it must be. The report lists the scene passes with their times
+    /// and work of when they ran.
     ///
     /// # Errors
     /// Errors of the device.
@@ -87,18 +105,22 @@ impl SharedGBuffers {
         mode: Mode,
         shot: &'s Shot,
     ) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
-        let Some(known) = self.0.iter_mut().find(|known| Rc::ptr_eq(&known.pass, &shot.gbuffer)) else {
-            return stage.output_in(mode, shot);
-        };
-        let (scene, drawn) = match &known.drawn {
-            Some(drawn) => drawn,
-            None => known.drawn.insert(stage.draw_in(mode, shot)?),
-        };
+        let (scene, drawn) = self.draw(stage, mode, shot)?;
         let (report, output) = stage.output_on(mode, shot, (shot, drawn))?;
         Ok((whole_frame(scene, report), *drawn, output))
     }
 
-    /// Draws the image of a camera at rest, as [`Stage::output_at_rest`] does.
+    /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes.
+    ///
+    /// # Errors
+    /// Errors of the device.
+    pub fn settle(&mut self, stage: &mut Stage, shot: &Shot) -> Result<()> {
+        shot.effect.restart_history();
+        (1..shot.frames_at_rest()).try_for_each(|_| self.output(stage, Mode::Plain, shot).map(drop))
+    }
+
+    /// Draws the image of a camera at rest. With a history, the history begins anew, and the image is the last of the frames that it
+    /// averages. Nothing moves, so that all frames see one drawing of the scene.
     ///
     /// # Errors
     /// Errors of the device.
@@ -107,12 +129,17 @@ impl SharedGBuffers {
         stage: &mut Stage,
         shot: &'s Shot,
     ) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
-        shot.effect.restart_history();
-        for _ in 1..shot.frames_at_rest() {
-            self.output(stage, Mode::Plain, shot)?;
-        }
+        self.settle(stage, shot)?;
         self.output(stage, Mode::Plain, shot)
     }
+}
+
+/// When the first pass of a frame begins and when the last one ends, in milliseconds from the first timestamp of the method's frame. The
+/// beginning is negative if the scene passes ran in an earlier frame.
+pub fn span_ms(report: &FrameReport) -> [f64; 2] {
+    let begins = report.passes.iter().map(|pass| pass.start_ms);
+    let ends = report.passes.iter().map(|pass| pass.start_ms + pass.ms);
+    [begins.fold(0.0, f64::min), ends.fold(0.0, f64::max)]
 }
 
 /// The report of a frame whose scene passes ran in a frame of their own, `scene`, before those of the method. The scene passes begin before

@@ -171,7 +171,7 @@ fn measure(
     let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
     // If the journal has all times, no frame was drawn yet, and the G-buffer below needs one.
-    stage.draw(first)?;
+    gbuffers.draw(stage, Mode::Plain, first)?;
     let shot = |stage: &mut Stage, gbuffers: &mut SharedGBuffers, setup: &Setup, wants, method| {
         gbuffers.shot(stage, method, &setup.with_extent(spec.extent), wants, camera, materials.clone())
     };

@@ -69,7 +69,8 @@ fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
 }
 
 /// Draws the frames of every shot that the journal lacks; `key` gives the key of a shot's frame with a label. A shot whose
-/// frames are all in the journal is not warmed up either. The shots were made by `gbuffers`. `progress` is called after each frame; its error ends the loop.
+/// frames are all in the journal is not warmed up either. `gbuffers` are those of the shots. `progress` is called after each
+/// frame; its error ends the loop.
 ///
 /// # Errors
 /// Errors of the device, of the journal and of `progress`.

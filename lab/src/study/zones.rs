@@ -11,6 +11,9 @@ pub struct Zones {
     device: Option<tracy_client::GpuContext>,
     #[cfg(feature = "tracy")]
     begun: std::time::Instant,
+    /// The end of the last pass that was drawn, in nanoseconds since `begun`.
+    #[cfg(feature = "tracy")]
+    drawn_until: std::cell::Cell<i64>,
 }
 
 #[cfg(feature = "tracy")]
@@ -20,7 +23,7 @@ impl Zones {
         let client = tracy_client::Client::start();
         // Timestamps are given in nanoseconds since this moment.
         let device = client.clone().new_gpu_context(Some("device"), tracy_client::GpuContextType::Vulkan, 0, 1.0).ok();
-        Self { client, device, begun: std::time::Instant::now() }
+        Self { client, device, begun: std::time::Instant::now(), drawn_until: std::cell::Cell::new(0) }
     }
 
     /// Runs a frame within a zone, and draws the passes that its report lists. The device's frame is drawn as if it ended when
@@ -32,12 +35,18 @@ impl Zones {
         if let (Some(device), Some(report)) = (&self.device, report(&made)) {
             let nanoseconds = |ms: f64| (1e6 * ms) as i64;
             let end = self.begun.elapsed().as_nanos() as i64;
-            let start = end - nanoseconds(report.frame_ms);
+            let start = end - nanoseconds(crate::stage::span_ms(report)[1]);
             for pass in &report.passes {
+                let [from, to] = [pass.start_ms, pass.start_ms + pass.ms].map(|ms| start + nanoseconds(ms));
+                // The scene passes of a turn stand in the reports of all its methods, and are drawn with the first.
+                if from < self.drawn_until.get() {
+                    continue;
+                }
+                self.drawn_until.set(to);
                 let Ok(mut span) = device.span_alloc(&pass.name, name, file!(), line!()) else { break };
                 span.end_zone();
-                span.upload_timestamp_start(start + nanoseconds(pass.start_ms));
-                span.upload_timestamp_end(start + nanoseconds(pass.start_ms + pass.ms));
+                span.upload_timestamp_start(from);
+                span.upload_timestamp_end(to);
             }
         }
         made
