@@ -13,9 +13,10 @@
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use ssct_scenes::bvh::WorldRay;
-use ssct_scenes::placement::{WantedCaptures, place, sees};
-use ssct_scenes::{Camera, Capture, Scene, Triangles, View, library};
+use ssct_geometry::bvh::WorldRay;
+use ssct_geometry::placement::{WantedCaptures, place, sees};
+use ssct_geometry::triangles::Triangles;
+use ssct_scenes::{Camera, Capture, Scene, View, library};
 use ssct_truth::metrics::bootstrap::median_of;
 use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::surface::World;

@@ -3,6 +3,7 @@
 
 use exr::meta::MetaData;
 use glam::Vec3;
+use ssct_geometry::{pattern, texture};
 use ssct_ground::{Error, Result};
 use ssct_lab::custom;
 use ssct_lab::report::{library, run_folder};
@@ -13,7 +14,7 @@ use ssct_lab::study::precision::PrecisionRecord;
 use ssct_lab::study::timing::TimeRow;
 use ssct_scenes::gbuffer_map::GBufferMap;
 use ssct_scenes::{Camera, CameraPath, Encoding, FieldOfView, GBufferData, Lens, LoadOptions, Scene, Surface};
-use ssct_scenes::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
+use ssct_scenes::{gbuffer_file, gltf, obj, path, scene_file};
 use std::cell::OnceCell;
 use std::path::Path;
 use tempfile::TempDir;

@@ -16,8 +16,9 @@ use ssct::passes::gbuffer::{DrawnCounts, GBufferPass};
 use ssct::passes::lighting::LightingPass;
 use ssct::passes::scene_data::SceneData;
 use ssct::passes::{Captures, GBuffer};
+use ssct_geometry::placement;
 use ssct_scenes::tree::Trees;
-use ssct_scenes::{Camera, Capture, Material, Scene, View, placement};
+use ssct_scenes::{Camera, Capture, Material, Scene, View};
 use std::rc::Rc;
 
 /// The global factors of the command line; they replace or scale every material's values

@@ -3,8 +3,8 @@
 
 use glam::{DVec3, Vec3};
 use ssct::passes::scene_data::MAX_LIGHTS;
+use ssct_geometry::bvh::WorldRay;
 use ssct_ground::math::srgb_to_linear;
-use ssct_scenes::bvh::WorldRay;
 use ssct_scenes::{Encoding, Impostor, Material, Scene, library};
 use ssct_truth::reference::surface::World;
 

@@ -19,8 +19,8 @@ mod scene_files;
 mod shared_scenes;
 
 use glam::{Vec2, Vec3};
+use ssct_geometry::texture::MAX_EXTENT;
 use ssct_scenes::obj::{Handedness, ObjFile, ObjOptions};
-use ssct_scenes::texture::MAX_EXTENT;
 use ssct_scenes::{LoadOptions, Material, Mesh, Scene, Vertex, obj};
 use std::path::PathBuf;
 use tempfile::TempDir;

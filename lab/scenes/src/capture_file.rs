@@ -33,9 +33,10 @@
 use super::capture::face_camera;
 use super::exr_channels::{self, ExrChannels, axis, check};
 use super::gbuffer_file::{MAX_BYTES, reversed_depth};
-use super::{Aabb, Capture, GBufferData, Surface, bounded, scene_file};
+use super::{Aabb, Capture, GBufferData, Surface, scene_file};
 use exr::meta::header::LayerAttributes;
 use glam::Vec3;
+use ssct_geometry::bounded;
 use ssct_ground::{Error, Result};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,5 @@
 //! Channels of 32-bit floats in OpenEXR files that round nothing, which are used for G-buffers and for captures.
 
-use super::bounded;
 use super::exr_window::ImageWindow;
 use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
@@ -9,6 +8,7 @@ use exr::meta::attribute::{ChannelDescription, SampleType};
 use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage, read};
 use glam::Vec3;
+use ssct_geometry::bounded;
 use ssct_ground::{Error, Result};
 use std::collections::HashMap;
 use std::io::Cursor;

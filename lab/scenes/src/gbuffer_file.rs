@@ -12,11 +12,12 @@
 use super::exr_channels::{self, ExrChannels, axis, check};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
 use super::projection::ReadProjection;
-use super::{Camera, FieldOfView, GBufferData, Lens, Projection, ProjectionKind, Surface, bounded};
+use super::{Camera, FieldOfView, GBufferData, Lens, Projection, ProjectionKind, Surface};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::LayerAttributes;
 use exr::prelude::Text;
 use glam::{Mat4, Vec3};
+use ssct_geometry::bounded;
 use ssct_ground::{Error, Result};
 use std::path::Path;
 

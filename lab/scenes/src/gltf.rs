@@ -15,9 +15,10 @@ mod nodes;
 mod typed;
 mod vertices;
 
-use super::{LoadOptions, Probe, Scene, bounded, viewpoint};
+use super::{LoadOptions, Probe, Scene};
 use data::Data;
 use glam::DVec3;
+use ssct_geometry::{bounded, viewpoint};
 use ssct_ground::Result;
 use std::collections::HashSet;
 use std::path::Path;

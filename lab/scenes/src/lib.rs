@@ -1,13 +1,9 @@
 //! Sources of scenes: scene files ([`scene_file`]), OBJ files ([`obj`]), glTF files ([`gltf`]) and the built-in library
-//! ([`library`]) all give the same [`Scene`]. [`path`](mod@path) reads and writes the paths of a camera, [`bvh`] and
-//! [`triangles`] trace rays against a scene, and [`placement`] finds places for captures. [`gbuffer_file`] and [`capture_file`]
-//! are files for other renderers, and [`gbuffer_map`] reads G-buffers in the conventions of other renderers.
+//! ([`library`]) all give the same [`Scene`]. [`path`](mod@path) reads and writes the paths of a camera. [`gbuffer_file`] and
+//! [`capture_file`] are files for other renderers, and [`gbuffer_map`] reads G-buffers in the conventions of other renderers.
 //!
 //! The types are those of [`ssct_ground::scene`], re-exported here under the same names.
 
-mod assemble;
-pub mod bounded;
-pub mod bvh;
 pub mod capture_file;
 mod encoding;
 mod exr_channels;
@@ -23,16 +19,10 @@ pub mod material_terms;
 mod metallic;
 pub mod obj;
 pub mod path;
-pub mod pattern;
-pub mod placement;
 pub mod scene_file;
 pub mod source_text;
-pub mod texture;
-pub mod triangles;
-mod viewpoint;
 
 pub use ssct_ground::scene::*;
-pub use triangles::Triangles;
 
 use ssct_ground::{Error, Result};
 
@@ -47,7 +37,7 @@ pub struct LoadOptions {
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { scale: 1.0, texture_side: texture::MAX_EXTENT }
+        Self { scale: 1.0, texture_side: ssct_geometry::texture::MAX_EXTENT }
     }
 }
 

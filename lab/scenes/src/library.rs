@@ -10,16 +10,15 @@ mod corridor;
 mod fittings;
 mod masonry;
 mod museum;
-mod portrait;
 mod rooms;
 mod skeleton;
 mod street;
 
-use super::pattern::{self, Pattern, Picture};
 use super::{Aabb, Lens, LoadOptions, Material, Probe, Scene, Surface, Texture, View, scene_file};
 use builder::MeshBuilder;
 use glam::Vec3;
 use rayon::prelude::*;
+use ssct_geometry::pattern::{self, Pattern, Picture};
 use ssct_ground::Result;
 use std::path::Path;
 

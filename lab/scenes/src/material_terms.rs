@@ -13,8 +13,8 @@
 //!
 //! and ϱ = 2 arccos ξ^(1/(n+1)). The widest lobe, ϱ = 1, is reached at r ≈ 0.42; rougher surfaces have ϱ = 1, too.
 
-use super::texture::luminance;
 use glam::Vec3;
+use ssct_geometry::texture::luminance;
 use ssct_ground::math::constants::XI;
 use std::f64::consts::FRAC_PI_2;
 

@@ -5,8 +5,8 @@
 //! colour, metalness) (docs/definitions.md, "glTF").
 
 use super::material_terms;
-use super::texture::{self, Encoding, Texture, luminance};
 use glam::{DVec2, DVec4, Vec3};
+use ssct_geometry::texture::{self, Encoding, Texture, luminance};
 use ssct_ground::math;
 
 /// The factors of a material on which its colours depend.

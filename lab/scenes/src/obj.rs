@@ -12,8 +12,9 @@ mod polygons;
 mod text;
 
 use super::source_text::decode;
-use super::{LoadOptions, Material, Probe, Scene, Surface, assemble, bounded, material_terms, viewpoint};
+use super::{LoadOptions, Material, Probe, Scene, Surface, material_terms};
 use glam::DVec3;
+use ssct_geometry::{assemble, bounded, viewpoint};
 use ssct_ground::{Error, Result};
 use std::path::{Path, PathBuf};
 

@@ -13,12 +13,13 @@ use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
 use super::{
     Camera, FieldOfView, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface,
-    View, gltf, viewpoint,
+    View, gltf,
 };
 use crate::far_away::far_origin;
 use crate::source_text::{self, SourceText};
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
+use ssct_geometry::viewpoint;
 use ssct_ground::{Error, Result};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,8 +1,9 @@
 //! Texts that people write (scene files, camera paths, maps of G-buffers, manifests of methods): read within a limit of size,
 //! and with the line in every error.
 
-use super::{bounded, encoding};
+use super::encoding;
 use serde::de::DeserializeOwned;
+use ssct_geometry::bounded;
 use ssct_ground::{Error, Result};
 use std::borrow::Cow;
 use std::ops::Range;

@@ -5,7 +5,7 @@ use crate::report::figures::Figure;
 use crate::study::shard::Shard;
 use clap::{Args, Subcommand};
 use glam::Vec3;
-use ssct_scenes::texture::MAX_EXTENT;
+use ssct_geometry::texture::MAX_EXTENT;
 use std::path::PathBuf;
 
 /// Options of `ssct devices`.

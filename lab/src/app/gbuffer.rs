@@ -6,9 +6,9 @@ use crate::report::{files, images};
 use crate::stage::{Shot, Stage, gbuffer};
 use ssct::methods::setup::OwnRays;
 use ssct::methods::{self, EffectParams, Setup};
+use ssct_geometry::texture::MAX_EXTENT;
 use ssct_scenes::capture_file::CaptureFolder;
 use ssct_scenes::gbuffer_map::{self, GBufferMap};
-use ssct_scenes::texture::MAX_EXTENT;
 use ssct_scenes::{GBufferData, LoadOptions, gbuffer_file};
 use std::path::Path;
 

@@ -12,8 +12,9 @@ use shaderc::{CompileOptions, Compiler, OptimizationLevel, ResolvedInclude, Shad
 use ssct::gpu::interface::{Interface, PushBlock, StageBinding};
 use ssct::gpu::loose;
 use ssct::gpu::shader::Shader;
+use ssct_geometry::bounded;
 use ssct_ground::{Error, Result};
-use ssct_scenes::{bounded, source_text};
+use ssct_scenes::source_text;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

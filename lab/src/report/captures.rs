@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::Serialize;
 use ssct::gpu::Pixels;
 use ssct::passes::Content;
-use ssct_scenes::placement::Placement;
+use ssct_geometry::placement::Placement;
 use ssct_scenes::{GBufferData, Surface, sky};
 
 /// A capture of a scene.

@@ -4,13 +4,13 @@ use crate::study::compare::LinearImage;
 use ssct::gpu::Pixels;
 use ssct::passes::Content;
 use ssct::passes::PathCode;
+use ssct_geometry::bounded;
+use ssct_geometry::texture::{self, Encoding, MAX_EXTENT, Texture};
 use ssct_ground::math::{display_byte, linear_to_srgb, srgb_to_linear};
 use ssct_ground::{Error, Result};
 use ssct_scenes::Lens;
-use ssct_scenes::bounded;
 use ssct_scenes::gbuffer_file::{MAX_BYTES, check_claims};
 use ssct_scenes::inside::PathInFolder;
-use ssct_scenes::texture::{self, Encoding, MAX_EXTENT, Texture};
 use std::io::Cursor;
 use std::path::Path;
 

@@ -10,7 +10,7 @@ use crate::stage::{Globals, Stage};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use ssct::gpu::Gpu;
-use ssct_scenes::placement::{self, WantedCaptures};
+use ssct_geometry::placement::{self, WantedCaptures};
 use ssct_scenes::{Aabb, GBufferData, Scene, View};
 use ssct_truth::reference::CaptureData;
 use ssct_truth::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};

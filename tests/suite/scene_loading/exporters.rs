@@ -4,8 +4,9 @@
 use super::gltf::square as gltf_square;
 use super::*;
 use serde_json::{Value, json};
+use ssct_geometry::texture as sampling;
+use ssct_scenes::Encoding;
 use ssct_scenes::material_terms::roughness_of_perceptual;
-use ssct_scenes::{Encoding, texture as sampling};
 
 /// The header that Blender gives its MTL files.
 const BLENDER: &str = "# Blender 5.2.3 LTS MTL File: 'None'\n# www.blender.org\n\n";

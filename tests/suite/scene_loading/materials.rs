@@ -1,7 +1,8 @@
 //! MTL files and the images that they name.
 
 use super::*;
-use ssct_scenes::{Encoding, Material, Surface, texture};
+use ssct_geometry::texture;
+use ssct_scenes::{Encoding, Material, Surface};
 
 /// A textured square in the material `m` of `a.mtl`.
 fn with_mtl(mtl: &str) -> Folder {

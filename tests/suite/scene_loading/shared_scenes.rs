@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::common::repository;
-use ssct_scenes::{Light, LoadOptions, Surface, gltf, scene_file, texture};
+use ssct_geometry::texture;
+use ssct_scenes::{Light, LoadOptions, Surface, gltf, scene_file};
 use std::path::PathBuf;
 use std::time::Instant;
 

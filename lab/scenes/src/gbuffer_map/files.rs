@@ -3,9 +3,9 @@
 
 use crate::exr_parts::{self, ExrChannel, ExrPart};
 use crate::gbuffer_file::MAX_BYTES;
-use crate::{bounded, texture};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::magic_number;
+use ssct_geometry::{bounded, texture};
 use ssct_ground::{Error, Result};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;

@@ -3,9 +3,10 @@
 use super::files::MapFiles;
 use super::keys::MapKeys;
 use super::source::{MapPlanes, MapSource, SourceRules};
+use crate::Surface;
 use crate::material_terms::{self, roughness_of_alpha, roughness_of_exponent, roughness_of_perceptual};
-use crate::{Surface, texture};
 use glam::Vec3;
+use ssct_geometry::texture;
 use ssct_ground::Result;
 
 /// A value that leaves 0 to 1 by at most this much is clamped; filters and lossy compressions overshoot by about as

@@ -1,9 +1,9 @@
 //! Buffer views that `EXT_meshopt_compression` or `KHR_meshopt_compression` compresses, decoded by the crate `meshopt`.
 
-use crate::bounded;
 use gltf::json::buffer::{Buffer, View};
 use serde::Deserialize;
 use serde_json::Value;
+use ssct_geometry::bounded;
 
 /// The names of the extension. The second one has the same members, and more versions of the codecs.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];

@@ -4,7 +4,6 @@
 //! the elements that they draw.
 
 use super::compression;
-use crate::bounded;
 use crate::obj::resolve;
 use base64::Engine;
 use base64::engine::DecodePaddingMode;
@@ -15,6 +14,7 @@ use gltf::json::accessor::sparse::Sparse;
 use gltf::json::validation::Checked;
 use gltf::{Accessor, Document, Semantic};
 use percent_encoding::percent_decode_str;
+use ssct_geometry::bounded;
 use ssct_ground::{Error, Result};
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -4,10 +4,10 @@ use super::data::Data;
 use super::materials::Coordinates;
 use super::vertices::{MeshVertices, PlacedMesh, PlacedVertex, PlacedVertices};
 use super::{MAX_TRIANGLES, Notes};
-use crate::assemble::{self, MeshPart, Triangle};
 use glam::{DVec3, Vec3};
 use gltf::Semantic;
 use gltf::mesh::{Mode, Primitive};
+use ssct_geometry::assemble::{self, MeshPart, Triangle};
 use ssct_ground::Result;
 
 /// Sums over the primitives that were read.

@@ -9,15 +9,16 @@ use super::geometry::{self, Tally};
 use super::materials::Coordinates;
 use super::vertices::{MeshPlacement, PlacedMesh, ToWorld};
 use super::{Notes, materials};
-use crate::assemble::{self, MeshPart};
 use crate::far_away::far_origin;
-use crate::{Camera, Lens, MAX_COORDINATE_M, Scene, View, bounded};
+use crate::{Camera, Lens, MAX_COORDINATE_M, Scene, View};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use gltf::camera::Projection;
 use gltf::scene::Transform;
 use gltf::{Camera as GltfCamera, Node, Skin};
 pub(super) use instances::{INSTANCING, VISIBILITY};
 use serde_json::Value;
+use ssct_geometry::assemble::{self, MeshPart};
+use ssct_geometry::bounded;
 use ssct_ground::Result;
 use std::collections::HashMap;
 

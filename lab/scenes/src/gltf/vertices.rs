@@ -3,11 +3,12 @@
 use super::Notes;
 use super::data::{Data, Vectors};
 use super::materials::Coordinates;
-use crate::{MAX_COORDINATE_M, Vertex, bounded};
+use crate::{MAX_COORDINATE_M, Vertex};
 use bytemuck::Zeroable;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use gltf::Semantic;
 use gltf::mesh::Primitive;
+use ssct_geometry::bounded;
 use ssct_ground::Result;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

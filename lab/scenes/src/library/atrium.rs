@@ -7,9 +7,9 @@ mod furnishing;
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, probe, thesis_lens, view};
-use crate::pattern::{Dye, Pattern, Wood};
 use crate::{Light, MaterialChange, Mesh, Scene, sky};
 use glam::{Vec2, Vec3};
+use ssct_geometry::pattern::{Dye, Pattern, Wood};
 
 // Indices of materials in `FINISHES`.
 const FLOOR: usize = 0;

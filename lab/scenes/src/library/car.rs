@@ -1,8 +1,8 @@
 //! A parked car: the obstacle that blocks reflections in the street (Schmidt 2013, figures 32, 41 and 47).
 
 use super::builder::MeshBuilder;
-use crate::pattern::smoothstep;
 use glam::{Vec2, Vec3};
+use ssct_ground::math::noise::smoothstep;
 
 /// The material indices of a car's parts.
 pub struct Materials {

@@ -5,10 +5,11 @@
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, centred_rect, standing};
 use super::masonry::{self, Arch, ColumnSize, Wall};
-use super::{Finish, materials, portrait, probe, thesis_lens, view};
-use crate::pattern::{Pattern, Picture, Wood};
+use super::{Finish, materials, probe, thesis_lens, view};
 use crate::{Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
+use ssct_geometry::impostor_image;
+use ssct_geometry::pattern::{Pattern, Picture, Wood};
 
 // Indices of materials in `FINISHES`.
 const FLOOR: usize = 0;
@@ -107,7 +108,7 @@ pub fn scene() -> Scene {
         ..Scene::default()
     };
     for (names, frame) in impostors() {
-        portrait::add(&mut scene, &[&names], &frame);
+        impostor_image::add(&mut scene, &[&names], &frame);
     }
     scene
 }
@@ -355,7 +356,7 @@ fn rose_rect() -> Rect {
 
 /// The meshes and rectangles of the impostors: the rose, the lancets below it, and the clerestory windows of
 /// the two bays in front of the choir.
-fn impostors() -> Vec<(String, super::portrait::ImpostorFrame)> {
+fn impostors() -> Vec<(String, ssct_geometry::impostor_image::ImpostorFrame)> {
     let mut all = vec![("rose".to_owned(), east().portrait("rose", rose_rect(), 0.03, 512))];
     for window in lancets() {
         let middle = window.wall.point_at(window.rect.min.x, 0.0, 0.0).z;

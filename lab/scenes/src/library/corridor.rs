@@ -4,10 +4,11 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, centred_rect, standing};
-use super::{Finish, materials, portrait, probe, thesis_lens, view};
-use crate::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
+use super::{Finish, materials, probe, thesis_lens, view};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::Vec3;
+use ssct_geometry::impostor_image;
+use ssct_geometry::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
 
 // Indices of materials in `FINISHES`; the dado is the panelling at the foot of the walls.
 const FLOOR: usize = 0;
@@ -109,13 +110,17 @@ pub fn scene() -> Scene {
         ..Scene::default()
     };
     let [left, right] = walls();
-    portrait::add(&mut scene, &["exit"], &exit_face().portrait("exit sign", exit_rect(), 0.0, 384));
-    portrait::add(
+    impostor_image::add(&mut scene, &["exit"], &exit_face().portrait("exit sign", exit_rect(), 0.0, 384));
+    impostor_image::add(
         &mut scene,
         &["landscape"],
         &right.portrait("landscape", along(&right, 13.5, 1.7, 1.5, 1.0), 0.05, 384),
     );
-    portrait::add(&mut scene, &["portrait"], &left.portrait("portrait", along(&left, 14.5, 1.72, 0.8, 1.0), 0.05, 256));
+    impostor_image::add(
+        &mut scene,
+        &["portrait"],
+        &left.portrait("portrait", along(&left, 14.5, 1.72, 0.8, 1.0), 0.05, 256),
+    );
     scene
 }
 

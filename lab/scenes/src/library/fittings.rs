@@ -1,8 +1,8 @@
 //! Parts that are fitted to walls: recesses, frames, mouldings and pictures.
 
 use super::builder::{MeshBuilder, Rect};
-use super::portrait::ImpostorFrame;
 use glam::{Vec2, Vec3};
+use ssct_geometry::impostor_image::ImpostorFrame;
 
 /// The face of an upright wall along x or z. A point is given by `a`, its metres to the right of the origin (seen from the
 /// front), a height, and a distance out of the wall.

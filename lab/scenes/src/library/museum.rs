@@ -4,10 +4,11 @@
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, centred_rect, standing};
 use super::masonry::{self, Arch, ColumnSize, Wall};
-use super::{Finish, materials, portrait, probe, skeleton, thesis_lens, view};
-use crate::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
+use super::{Finish, materials, probe, skeleton, thesis_lens, view};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
+use ssct_geometry::impostor_image;
+use ssct_geometry::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
 use std::f32::consts::PI;
 
 // Indices of materials in `FINISHES`.
@@ -122,10 +123,10 @@ pub fn scene() -> Scene {
             .to_vec(),
         ..Scene::default()
     };
-    portrait::add(&mut scene, &["exit-sign"], &right_wall().portrait("exit sign", exit_rect(), 0.12, 384));
+    impostor_image::add(&mut scene, &["exit-sign"], &right_wall().portrait("exit sign", exit_rect(), 0.12, 384));
     for hung in hung().iter().take(6) {
         let mesh = format!("{}-{}", hung.name, hung.number);
-        portrait::add(&mut scene, &[&mesh], &hung.wall.portrait(hung.name, hung.rect, 0.05, 256));
+        impostor_image::add(&mut scene, &[&mesh], &hung.wall.portrait(hung.name, hung.rect, 0.05, 256));
     }
     scene
 }

@@ -5,9 +5,9 @@
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, Wall};
 use super::{Finish, materials, probe, thesis_lens, view};
-use crate::pattern::{Pattern, Wood};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
+use ssct_geometry::pattern::{Pattern, Wood};
 
 // Indices of materials in `FINISHES`.
 const STONES: usize = 0;

@@ -6,11 +6,12 @@ mod house;
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, centred_rect};
-use super::{Finish, car, materials, portrait, probe, thesis_lens, view};
-use crate::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
+use super::{Finish, car, materials, probe, thesis_lens, view};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::Vec3;
 use house::{Ground, HouseFront};
+use ssct_geometry::impostor_image;
+use ssct_geometry::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
 
 // Indices of materials in `FINISHES`.
 const ROAD: usize = 0;
@@ -404,17 +405,17 @@ fn add_impostors(scene: &mut Scene) {
         let names = house::parts(front.name);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let rect = Rect::new(front.span, [0.0, front.height]);
-        portrait::add(scene, &names, &front.face.portrait(front.name, rect, 0.0, 320));
+        impostor_image::add(scene, &names, &front.face.portrait(front.name, rect, 0.0, 320));
     }
     for (name, rect) in POSTERS.into_iter().zip(poster_rects()) {
-        portrait::add(scene, &[name], &left().portrait(name, rect, 0.03, 192));
+        impostor_image::add(scene, &[name], &left().portrait(name, rect, 0.03, 192));
     }
-    portrait::add(scene, &["cafe-sign"], &right().portrait("cafe sign", cafe_rect(), 0.08, 384));
+    impostor_image::add(scene, &["cafe-sign"], &right().portrait("cafe sign", cafe_rect(), 0.08, 384));
     for blade in blades() {
-        portrait::add(scene, &[blade.name], &blade.face.portrait(blade.name, blade.rect, 0.0, 192));
+        impostor_image::add(scene, &[blade.name], &blade.face.portrait(blade.name, blade.rect, 0.0, 192));
     }
-    portrait::add(scene, &["cinema-sign"], &left().portrait("cinema sign", cinema_rect(), CANOPY.2, 512));
+    impostor_image::add(scene, &["cinema-sign"], &left().portrait("cinema sign", cinema_rect(), CANOPY.2, 512));
     let side = Face::new([CAR.x, 0.0, CAR.z], Vec3::Z);
     let box_ = Rect::new([-0.52 * car::SIZE.z, 0.52 * car::SIZE.z], [0.0, 1.02 * car::SIZE.y]);
-    portrait::add(scene, &car::PARTS, &side.portrait("car", box_, 0.0, 320));
+    impostor_image::add(scene, &car::PARTS, &side.portrait("car", box_, 0.0, 320));
 }

@@ -3,6 +3,10 @@
 use super::*;
 use crate::planes::coplanar_groups;
 use crate::{AreaShape, Light, Vertex};
+use glam::DVec3;
+use ssct_geometry::bvh::WorldRay;
+use ssct_geometry::placement::{WantedCaptures, place};
+use ssct_geometry::triangles::Triangles;
 use std::sync::LazyLock;
 
 /// The built-in scenes, built once for all tests.
@@ -274,4 +278,20 @@ fn the_floor_of_the_rooms_is_found() {
     let groups = coplanar_groups(built("rooms"));
     let up = groups.iter().find(|g| g.plane.y > 0.999).expect("a floor");
     assert!(up.area_m2 > 40.0, "{} m²", up.area_m2);
+}
+
+#[test]
+fn on_streets_and_in_halls_captures_stand_above_floors_and_below_roofs() {
+    for (name, roof) in [("atrium", 13.0), ("street", 7.5), ("cathedral", 13.9)] {
+        let scene = built(name);
+        let placement = place(scene, WantedCaptures::Count(4));
+        let triangles = Triangles::new(scene, &scene.materials);
+        assert_eq!(placement.captures.len(), 4, "{name}");
+        for capture in &placement.captures {
+            let position = capture.position;
+            let down = WorldRay { origin: position.as_dvec3(), direction: DVec3::NEG_Y, t_min: 0.0, t_max: 7.6 };
+            assert!(position.y < roof && triangles.any(&down), "{name}: no floor below {position}");
+        }
+        assert!(placement.seen.is_sorted() && placement.seen[3] > 0.7, "{name}: {:?}", placement.seen);
+    }
 }

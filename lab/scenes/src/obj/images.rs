@@ -1,11 +1,12 @@
 //! Loads the images of materials: finds the files, decodes them in parallel, and replaces missing ones.
 
 use super::baked::{MaterialReading, Textures};
-use crate::bounded::{self, printable_name};
-use crate::pattern;
-use crate::texture::MAX_TEXELS;
-use crate::{Encoding, Scene, Texture, texture};
+use crate::{Encoding, Scene, Texture};
 use rayon::prelude::*;
+use ssct_geometry::bounded::{self, printable_name};
+use ssct_geometry::pattern;
+use ssct_geometry::texture;
+use ssct_geometry::texture::MAX_TEXELS;
 use ssct_ground::{Error, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};

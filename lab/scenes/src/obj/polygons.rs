@@ -2,9 +2,9 @@
 
 use super::text::Statements;
 use super::{Handedness, ObjOptions};
-use crate::assemble::{MeshPart, Triangle, normals_point_behind};
 use crate::{MAX_COORDINATE_M, Vertex};
 use glam::{DVec2, DVec3, Vec3};
+use ssct_geometry::assemble::{MeshPart, Triangle, normals_point_behind};
 use ssct_ground::{Error, Result};
 use std::collections::HashMap;
 use std::io::Read;

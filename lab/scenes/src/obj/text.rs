@@ -5,9 +5,9 @@
 //! vertex, absolute indices that exist, and, where a corner lacks an attribute, the index of a NaN entry (which no file can
 //! contain itself).
 
-use crate::bounded::printable_name;
 use crate::far_away::far_origin;
 use glam::DVec3;
+use ssct_geometry::bounded::printable_name;
 use ssct_ground::{Error, Result};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};

@@ -1,9 +1,10 @@
 //! The sections of a scene file that define probes, impostors and area lights ([`crate::proxies`]).
 
 use crate::source_text::SourceText;
-use crate::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Probe, Texture, obj, texture};
+use crate::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Probe, Texture, obj};
 use glam::Vec3;
 use serde::Deserialize;
+use ssct_geometry::texture;
 use ssct_ground::Result;
 use std::path::Path;
 use toml::Spanned;

@@ -2,9 +2,9 @@
 //! sees one flat surface alone. The usual reason is that the places are in other coordinates than the file says.
 
 use crate::obj::Handedness;
-use crate::viewpoint::{self, Hit, Ray};
 use crate::{Camera, Scene, Vertex, View};
 use glam::Vec3;
+use ssct_geometry::viewpoint::{self, Hit, Ray};
 use ssct_ground::math::frustum::Frustum;
 
 /// Numbers of rays of a view, across and down.

@@ -10,7 +10,7 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::{Effect, Input, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::GBufferImages;
-use ssct_scenes::bvh::WorldRay;
+use ssct_geometry::bvh::WorldRay;
 use ssct_scenes::{Camera, GBufferData, Scene, View};
 use ssct_truth::reference::first_hits::{FirstHits, Receiver};
 use ssct_truth::reference::surface::World;

@@ -9,7 +9,7 @@ use glam::Vec3;
 use ssct::gpu::Gpu;
 use ssct::methods::setup::CaptureCount;
 use ssct::methods::{EffectParams, METHODS, MethodInfo, Setup};
-use ssct_scenes::bvh::WorldRay;
+use ssct_geometry::bvh::WorldRay;
 use ssct_scenes::{Capture, Scene, View};
 use ssct_truth::reference::surface::World;
 

@@ -5,7 +5,7 @@
 use super::surface::{SurfacePoint, World, sky_color};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
-use ssct_scenes::bvh::{TriangleHit, WorldRay};
+use ssct_geometry::bvh::{TriangleHit, WorldRay};
 use ssct_scenes::{Camera, GBufferData, ProjectionKind};
 
 /// Greatest error of a depth in a G-buffer, as a share of the distance, or of the height of an orthographic image. Most devices

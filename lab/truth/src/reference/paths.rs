@@ -12,8 +12,8 @@ use super::surface::{SurfacePoint, World};
 use super::world::RAY_START_M;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_geometry::bvh::WorldRay;
 use ssct_ground::math::random::Stream;
-use ssct_scenes::bvh::WorldRay;
 use ssct_scenes::{AreaLight, AreaShape, Camera};
 use std::f64::consts::PI;
 

@@ -7,9 +7,9 @@ use super::surface::World;
 use super::world::WorldReference;
 use super::world_hits::{ShownPlaces, WorldHit};
 use glam::Vec3;
+use ssct_geometry::bvh::TriangleHit;
 use ssct_ground::math::OracleVersion;
 use ssct_scenes::GBufferData;
-use ssct_scenes::bvh::TriangleHit;
 
 /// The seed of a pixel's screen reference, which is that of the study of run time against error.
 const SCREEN_SEED: u64 = 1;

@@ -5,10 +5,11 @@
 //! images over the pixel, and stores albedo in 8 bits and normals in 16. There is no other difference.
 
 use glam::{DVec2, DVec3, DVec4, Vec3};
-use ssct_scenes::bvh::{TriangleHit, WorldRay};
-use ssct_scenes::texture::bilinear;
-use ssct_scenes::triangles::{TriangleRef, interpolate_uv};
-use ssct_scenes::{Light, Material, Scene, Surface, Triangles, Vertex, sky};
+use ssct_geometry::bvh::{TriangleHit, WorldRay};
+use ssct_geometry::texture::bilinear;
+use ssct_geometry::triangles::Triangles;
+use ssct_geometry::triangles::{TriangleRef, interpolate_uv};
+use ssct_scenes::{Light, Material, Scene, Surface, Vertex, sky};
 
 /// A scene with the materials of a view, prepared for ray tracing.
 pub struct World<'a> {

@@ -19,11 +19,11 @@ use super::screen::MIRROR_SAMPLES_MIN;
 use super::surface::{SurfacePoint, World, sky_color};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_geometry::bvh::WorldRay;
 use ssct_ground::math::phong;
 use ssct_ground::math::random::Stream;
 use ssct_ground::{Error, Result};
 use ssct_scenes::Camera;
-use ssct_scenes::bvh::WorldRay;
 use state::{Kind, WorldState};
 
 /// The least distance of a hit from the start of a reflected ray that counts, in metres (docs/definitions.md, "World

@@ -7,9 +7,9 @@ use super::surface_color::SurfaceColors;
 use super::world::RAY_START_M;
 use glam::{DMat4, DVec2, DVec3};
 use rayon::prelude::*;
+use ssct_geometry::bvh::{TriangleHit, WorldRay};
 pub use ssct_ground::math::constants::VISIBLE_WITHIN;
 use ssct_scenes::GBufferData;
-use ssct_scenes::bvh::{TriangleHit, WorldRay};
 
 /// The end of a mirror ray.
 #[derive(Debug, Clone, Copy, PartialEq)]

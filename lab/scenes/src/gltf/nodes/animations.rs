@@ -2,16 +2,17 @@
 //! since the scene is complete without it.
 
 use super::Nodes;
+use crate::Mesh;
 use crate::gltf::Notes;
 use crate::gltf::data::Data;
 use crate::motion::{Changes, Interpolation, Keys, Motion, Mover, MovingNode, Rest};
-use crate::{Mesh, bounded};
 use glam::{DMat4, DQuat, DVec3};
 use gltf::accessor::Dimensions;
 use gltf::scene::Transform;
 use gltf::{Accessor, Node};
 use serde::Deserialize;
 use serde_json::Value;
+use ssct_geometry::bounded;
 use std::collections::HashMap;
 use std::sync::Arc;
 

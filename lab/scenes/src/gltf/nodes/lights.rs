@@ -3,10 +3,10 @@
 
 use super::Units;
 use crate::gltf::Notes;
-use crate::texture::luminance;
 use crate::{Light, MAX_COORDINATE_M};
 use glam::{DMat4, Vec3};
 use gltf::khr_lights_punctual::Kind;
+use ssct_geometry::texture::luminance;
 use ssct_ground::math::constants;
 
 /// A light with its brightness at the scene's centre, in lux.

@@ -2,9 +2,9 @@
 
 use super::{CLOTH, LEAF, LINES_X, LINES_Z, PARAPET, POLE, RELIEF, VASE, mesh};
 use crate::library::builder::MeshBuilder;
-use crate::pattern::{fractal, smoothstep};
 use glam::{IVec2, Vec2, Vec3};
 use ssct_ground::math::atan2;
+use ssct_ground::math::noise::{fractal, smoothstep};
 use std::f32::consts::{PI, TAU};
 
 /// All furnishing.

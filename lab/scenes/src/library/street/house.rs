@@ -3,8 +3,8 @@
 use super::{DARK_GLASS, DARK_PANE, DOOR, LIT_PANE, SHOP, TRIM};
 use crate::library::builder::{MeshBuilder, Rect};
 use crate::library::fittings::{Face, centred_rect};
-use crate::pattern::unit;
 use glam::{IVec2, Vec3};
+use ssct_ground::math::noise::unit;
 
 /// Heights of the ground floor and of each storey above it.
 const GROUND_M: f32 = 4.0;

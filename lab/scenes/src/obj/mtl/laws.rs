@@ -9,8 +9,8 @@ use crate::Material;
 use crate::material_terms::{F0, f0_of_ior, roughness_of_exponent, roughness_of_perceptual};
 use crate::metallic::{Factors, TexelInputs};
 use crate::obj::baked::MaterialReading;
-use crate::texture::luminance;
 use glam::Vec3;
+use ssct_geometry::texture::luminance;
 
 /// Blender's exponent of a perfect mirror: `Ns` = 1000 (1 − r)².
 const BLENDER_EXPONENT: f32 = 1000.0;

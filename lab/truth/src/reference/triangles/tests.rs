@@ -4,8 +4,8 @@
 use super::*;
 use bytemuck::Zeroable;
 use glam::{DVec3, Quat};
+use ssct_geometry::bvh::{Intersector, TriangleBvh, WorldRay};
 use ssct_ground::math::random::Stream;
-use ssct_scenes::bvh::{Intersector, TriangleBvh, WorldRay};
 use ssct_scenes::tree::{BuildTrees, Trees};
 use ssct_scenes::{Aabb, Material, Mesh, Placement, Scene, Vertex};
 

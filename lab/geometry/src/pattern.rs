@@ -10,13 +10,12 @@ pub mod pictures;
 
 pub use lettering::Text;
 pub use pictures::{Painting, Picture, Sign, SignOutline};
-pub(crate) use ssct_ground::math::noise::{fractal, smoothstep, unit};
 
-use super::{Encoding, Texture};
 use designs::{Design, Grain, Sample, TileLook};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use ssct_ground::math::display_byte;
+use ssct_ground::scene::{Encoding, Texture};
 
 /// Side of a generated image in texels.
 pub const SIZE: u32 = 512;

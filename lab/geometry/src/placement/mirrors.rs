@@ -3,8 +3,8 @@
 
 use super::sees;
 use super::space::{StandingPlace, front};
-use crate::Triangles;
 use crate::bvh::WorldRay;
+use crate::triangles::Triangles;
 use glam::DVec3;
 use rayon::prelude::*;
 use ssct_ground::math::random::Stream;

@@ -1,7 +1,7 @@
 //! Chooses a lens, a view and a light for a scene that defines none.
 
-use super::{Aabb, FieldOfView, Lens, Light, Scene, Vertex, View};
 use glam::Vec3;
+use ssct_ground::scene::{Aabb, FieldOfView, Lens, Light, Scene, Vertex, View};
 
 /// The number of horizontal directions that are examined.
 const AZIMUTHS: usize = 16;
@@ -10,7 +10,7 @@ const AZIMUTHS: usize = 16;
 const LEAST_NEAR_M: f32 = 1e-6;
 
 /// The default lens; its near and far planes are moved if the scene's bounds do not fit between them.
-pub(super) fn lens(bounds: Aabb) -> Lens {
+pub fn lens(bounds: Aabb) -> Lens {
     let lens = Lens::default();
     let diagonal = (bounds.max - bounds.min).length();
     Lens { near_m: lens.near_m.min(diagonal * 1e-2).max(LEAST_NEAR_M), far_m: lens.far_m.max(diagonal * 4.0), ..lens }
@@ -20,7 +20,7 @@ pub(super) fn lens(bounds: Aabb) -> Lens {
 ///
 /// In an interior ([`is_interior`]) the eye is placed where the free horizontal path from the centre is longest. Otherwise the
 /// eye is outside, in front and slightly above, far enough away for the bounding sphere to fit into the image.
-pub(super) fn default_view(scene: &Scene) -> View {
+pub fn default_view(scene: &Scene) -> View {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
     let directions = directions();
@@ -47,7 +47,7 @@ pub(super) fn default_view(scene: &Scene) -> View {
 }
 
 /// Whether the centre of the scene's bounds is in a room or a court ([`is_interior`]).
-pub(super) fn is_enclosed(scene: &Scene) -> bool {
+pub fn is_enclosed(scene: &Scene) -> bool {
     let bounds = scene.bounds();
     let mut seen = first_hits(scene, &rays_from(0.5 * (bounds.min + bounds.max), &directions()));
     let around = seen.split_off(2);
@@ -78,7 +78,7 @@ fn is_interior(below_and_above: &[Hit], around: &[Hit]) -> bool {
 }
 
 /// The light of a scene that has none. The light comes from above and behind, over the left shoulder of the default view.
-pub(super) fn default_light() -> Light {
+pub fn default_light() -> Light {
     Light::Directional { direction: Vec3::new(-0.3, -1.0, 0.25).normalize(), energy: 1.0 }
 }
 
@@ -92,24 +92,26 @@ fn round(height: f32) -> impl Iterator<Item = Vec3> {
 
 /// A ray from a place in a direction.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ray {
-    pub(super) origin: Vec3,
-    pub(super) direction: Vec3,
+pub struct Ray {
+    /// Start, in metres.
+    pub origin: Vec3,
+    /// Direction, of any length.
+    pub direction: Vec3,
 }
 
 /// The nearest surface in a direction; the distance is infinite if there is none.
 #[derive(Clone, Copy)]
-pub(super) struct Hit {
+pub struct Hit {
     /// Distance as a multiple of the direction's length.
-    pub(super) distance: f32,
+    pub distance: f32,
     /// Whether the ray meets the front of the surface.
-    pub(super) facing: bool,
+    pub facing: bool,
     /// The normal of the triangle, of any length.
-    pub(super) normal: Vec3,
+    pub normal: Vec3,
 }
 
 /// The first surface on each ray.
-pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Hit> {
+pub fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Hit> {
     let mut hits = vec![Hit { distance: f32::INFINITY, facing: false, normal: Vec3::ZERO }; rays.len()];
     let position = |v: &Vertex| Vec3::from(v.position);
     for mesh in &scene.meshes {

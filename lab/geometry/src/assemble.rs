@@ -3,17 +3,17 @@
 
 mod tangents;
 
-use super::{Aabb, Mesh, Vertex};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use ssct_ground::scene::{Aabb, Mesh, Vertex};
 use std::collections::HashMap;
 
 /// The corners of a triangle.
-pub(super) type Triangle = [Vertex; 3];
+pub type Triangle = [Vertex; 3];
 
 /// The triangles of one group that have one material.
 #[derive(Debug)]
-pub(super) struct MeshPart {
+pub struct MeshPart {
     /// Name of the group or object.
     pub name: String,
     /// Index into the file's materials.
@@ -26,7 +26,7 @@ pub(super) struct MeshPart {
 
 /// Whether the sum of the normals at a triangle's corners is more than 120 degrees away from `face`, the unit normal of
 /// its winding. Normals that lean only a little behind the face are common on rounded surfaces.
-pub(super) fn normals_point_behind(triangle: &Triangle, face: DVec3) -> bool {
+pub fn normals_point_behind(triangle: &Triangle, face: DVec3) -> bool {
     let stated: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
     stated.dot(face) < -0.5 * stated.length()
 }
@@ -39,7 +39,7 @@ const MAX_TRIANGLES: usize = 8192;
 const MAX_PARTS: usize = 2048;
 
 /// Makes the meshes of a file's parts. `material_of` gives the scene's material index of a part.
-pub(super) fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -> usize + Sync) -> Vec<Mesh> {
+pub fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -> usize + Sync) -> Vec<Mesh> {
     if parts.len() > MAX_PARTS {
         parts = pool(parts);
     }

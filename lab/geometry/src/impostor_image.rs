@@ -1,10 +1,10 @@
 //! Renders the images of impostors: objects of a scene are drawn orthographically onto a rectangle, lit by the scene's lights,
 //! and the image is transparent around the objects. An impostor therefore shows exactly the object that it replaces.
 
-use crate::{Encoding, Impostor, Mesh, Scene, Texture, Vertex};
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use ssct_ground::math::{display_byte, srgb_to_linear};
+use ssct_ground::scene::{Encoding, Impostor, Mesh, Scene, Texture, Vertex};
 
 /// Samples along each side of a texel.
 const OVERSAMPLED: u32 = 2;
@@ -13,10 +13,13 @@ const FOOTPRINT_MAX: f32 = 4.0;
 
 /// An impostor whose image has not been rendered yet.
 pub struct ImpostorFrame {
+    /// Name of the impostor.
     pub name: &'static str,
+    /// Centre of the rectangle, in metres.
     pub centre: Vec3,
-    /// Half vectors to the right and upwards for a viewer in front of the image.
+    /// Half vector to the right for a viewer in front of the image.
     pub half_right: Vec3,
+    /// Half vector upwards for this viewer.
     pub half_up: Vec3,
     /// Width of the image in texels; the height follows from the aspect ratio.
     pub width: u32,

@@ -3,8 +3,8 @@
 
 use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use super::texture::bilinear;
-use super::{Material, Scene, Vertex};
 use glam::{DVec2, Vec3};
+use ssct_ground::scene::{Material, Scene, Vertex};
 
 /// The triangles of a scene with the materials of a view.
 pub struct Triangles<'a> {

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Greatest number of bytes that one byte of a compressed image may unpack to. Deflate compresses by at most 1032 to 1, and a
 /// PNG with one bit per texel unpacks to eight times as much. A file that claims more is a decompression bomb.
-pub(super) const MOST_UNPACKED_PER_BYTE: u64 = 8 * 1040;
+pub const MOST_UNPACKED_PER_BYTE: u64 = 8 * 1040;
 
 /// Reads a file of at most `most` bytes. `what` names the expected content in errors, as in "a scene file".
 pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
@@ -45,12 +45,12 @@ pub fn printable_name(name: &str) -> String {
 
 /// Whether a file of `length` bytes may hold an image that unpacks to `unpacked` bytes. Any file, however
 /// short, may unpack to `free` bytes.
-pub(super) fn may_unpack(length: usize, unpacked: u64, free: u64) -> bool {
+pub fn may_unpack(length: usize, unpacked: u64, free: u64) -> bool {
     unpacked <= free.saturating_add(MOST_UNPACKED_PER_BYTE.saturating_mul(length as u64))
 }
 
 /// A progress bar over the images of a scene with many images; hidden if standard error is no terminal.
-pub(super) fn image_bar(images: usize) -> ProgressBar {
+pub fn image_bar(images: usize) -> ProgressBar {
     /// Fewer images than this are decoded so soon that no bar is needed.
     const FEW: usize = 16;
     if images < FEW {

@@ -8,11 +8,12 @@
 
 use super::sees;
 use crate::bvh::WorldRay;
-use crate::{Light, Scene, Surface, Triangles};
+use crate::triangles::Triangles;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use ssct_ground::math::constants;
 use ssct_ground::math::random::Stream;
+use ssct_ground::scene::{Light, Scene, Surface};
 
 /// Height of the eyes above the floor, in metres.
 const EYE_M: f64 = 1.5;

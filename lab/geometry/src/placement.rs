@@ -8,15 +8,16 @@
 mod mirrors;
 mod space;
 
-use super::bvh::WorldRay;
-use super::capture::MAX_CAPTURES;
-use super::{Capture, Scene, Texture, Triangles};
+use crate::bvh::WorldRay;
+use crate::triangles::Triangles;
 use glam::{DVec3, Vec3};
 use mirrors::MirrorEnd;
 use rayon::prelude::*;
+use ssct_ground::scene::capture::MAX_CAPTURES;
+use ssct_ground::scene::{Capture, Scene, Texture};
 use std::cell::RefCell;
 
-pub use super::capture::WantedCaptures;
+pub use ssct_ground::scene::capture::WantedCaptures;
 
 /// Greatest number of captures that [`WantedCaptures::Auto`] places.
 ///

@@ -17,7 +17,7 @@ pub use ssct_ground::scene::texture::{Encoding, Texture};
 pub const MAX_EXTENT: u32 = 16384;
 
 /// Greatest number of texels that all images of a scene may have together: 4 GiB.
-pub(super) const MAX_TEXELS: u64 = 1 << 30;
+pub const MAX_TEXELS: u64 = 1 << 30;
 
 /// The largest image file that can be read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -67,7 +67,7 @@ pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Textu
 ///
 /// # Errors
 /// The errors of [`from_bytes`].
-pub(super) fn unit_values(bytes: &[u8], path: &Path) -> Result<([u32; 2], Vec<f32>)> {
+pub fn unit_values(bytes: &[u8], path: &Path) -> Result<([u32; 2], Vec<f32>)> {
     let image = decode_bytes(bytes, path)?;
     let size = [image.width(), image.height()];
     let has_16_bits = image.color().bytes_per_pixel() > image.color().channel_count();
@@ -108,7 +108,7 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
 }
 
 /// The number of texels of an image of this size after [`shrink_to_side`].
-pub(super) fn texels_within(width: u32, height: u32, side: u32) -> u64 {
+pub fn texels_within(width: u32, height: u32, side: u32) -> u64 {
     let [width, height] = size_within(width, height, side);
     u64::from(width) * u64::from(height)
 }
@@ -141,7 +141,7 @@ pub fn shrink_to_side(texture: Texture, side: u32) -> Texture {
 }
 
 /// Width and height of an encoded image; `None` if the bytes are no image of a supported format.
-pub(super) fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
+pub fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
     ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?.into_dimensions().ok()
 }
 
