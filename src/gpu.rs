@@ -34,7 +34,7 @@ pub mod validation;
 
 pub use device::{DeviceInfo, DeviceQuery, Gpu, Precision};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
-pub use image::{Image, ImageDesc, ImageSlice};
+pub use image::{Image, ImageDesc, ImagePool, ImageSlice};
 pub use memory::{Buffer, TexelBuffer};
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
 pub use pixels::{PixelPipeline, ShaderStage, StoringPipeline};

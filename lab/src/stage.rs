@@ -5,7 +5,7 @@ pub mod image;
 mod shared;
 
 pub use image::{Intermediates, RenderedImage};
-pub use shared::{SharedGBuffers, span_ms};
+pub use shared::{SharedImages, span_ms};
 
 use glam::Vec3;
 use ssct::error::Result;
@@ -129,14 +129,14 @@ impl Stage {
         Ok((frame.finish()?, drawn, output))
     }
 
-    /// Draws the image of a camera at rest ([`SharedGBuffers::output_at_rest`]).
+    /// Draws the image of a camera at rest ([`SharedImages::output_at_rest`]).
     pub fn output_at_rest<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, DrawnCounts, Output<'s>)> {
-        SharedGBuffers::default().output_at_rest(self, shot)
+        SharedImages::default().output_at_rest(self, shot)
     }
 
     /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes.
     pub fn settle(&mut self, shot: &Shot) -> Result<()> {
-        SharedGBuffers::default().settle(self, shot)
+        SharedImages::default().settle(self, shot)
     }
 
     /// Runs the method of a shot alone, on the G-buffer that another shot of its scene and size drew last. `drawn` has
@@ -175,7 +175,7 @@ impl Shot {
         camera: Camera,
         materials: Vec<Material>,
     ) -> Result<Self> {
-        SharedGBuffers::default().shot(stage, method, setup, wants, camera, materials)
+        SharedImages::default().shot(stage, method, setup, wants, camera, materials)
     }
 
     /// Makes a shot to draw a scene's G-buffer with, from any camera.

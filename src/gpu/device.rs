@@ -7,6 +7,7 @@ mod open;
 mod ray_queries;
 
 use super::executables::Executables;
+use super::image::{ImagePool, Loan};
 use super::memory::{DeviceMemory, Source};
 use super::pipelines::Pipelines;
 use super::sampler::{Sampler, Samplers};
@@ -125,6 +126,8 @@ pub struct DeviceHandles {
 #[derive(Clone)]
 pub struct Gpu {
     shared: Arc<Shared>,
+    /// Whose images an effect takes; `None` for an effect that shares none.
+    loan: Option<Loan>,
 }
 
 /// The state that all handles of a device share, in the order in which its parts are made.
@@ -221,7 +224,7 @@ impl Gpu {
             // SAFETY: opening failed before a device was created from the instance, or destroyed that device.
             unsafe { instance.destroy_instance(None) };
         }
-        Ok(Self { shared: Arc::new(opened?) })
+        Ok(Self { shared: Arc::new(opened?), loan: None })
     }
 
     /// Wraps a device that the caller made and destroys.
@@ -234,7 +237,7 @@ impl Gpu {
     /// in `device` are on. When the last clone is dropped, the device is done with everything that was recorded.
     pub unsafe fn of_others(device: DeviceHandles) -> Result<Self> {
         // SAFETY: `open::of_others` has the contract of this function.
-        Ok(Self { shared: Arc::new(unsafe { open::of_others(device) }?) })
+        Ok(Self { shared: Arc::new(unsafe { open::of_others(device) }?), loan: None })
     }
 
     /// Whether the queues have timestamps.
@@ -290,6 +293,20 @@ impl Gpu {
     /// The state that all handles of the device share.
     pub fn shared(&self) -> &Shared {
         &self.shared
+    }
+
+    /// A handle to the same device, by which an effect takes its images of a pool.
+    pub(super) fn pooled(&self, pool: &ImagePool) -> Self {
+        Self { loan: Some(Loan::new(pool)), ..self.clone() }
+    }
+
+    /// A handle to the same device, by which images are made anew.
+    pub(super) fn unpooled(&self) -> Self {
+        Self { loan: None, ..self.clone() }
+    }
+
+    pub(super) fn loan(&self) -> Option<&Loan> {
+        self.loan.as_ref()
     }
 
     /// Submissions to the device's queue so far. An idle window makes none.

@@ -1,7 +1,12 @@
 //! Images with one view per mip level (or slice of a volume), and one view over all of them.
 
+mod levels;
+mod pool;
 mod slice;
 
+pub use levels::{full_chain, level_extent};
+pub use pool::ImagePool;
+pub(super) use pool::Loan;
 pub use slice::ImageSlice;
 
 use super::device::{Gpu, vulkan};
@@ -10,6 +15,8 @@ use super::pixels::ShaderStage;
 use super::sync::{State, TrackedState};
 use crate::error::{Error, Result};
 use ash::vk;
+use std::ops::Deref;
+use std::sync::Arc;
 
 /// The description of an image that is to be made.
 #[derive(Debug, Clone, Copy)]
@@ -28,23 +35,21 @@ pub struct ImageDesc<'a> {
     pub usage: vk::ImageUsageFlags,
 }
 
-/// The number of levels of a full mip chain: 1 + floor(log2(max side)).
-pub fn full_chain(extent: [u32; 2]) -> u32 {
-    extent[0].max(extent[1]).max(1).ilog2() + 1
-}
-
 /// Whether a depth format has a stencil beside it.
 pub(crate) fn has_stencil(format: vk::Format) -> bool {
     format == vk::Format::D32_SFLOAT_S8_UINT
 }
 
-/// Width and height of a mip level: halved, rounded down, at least 1.
-pub fn level_extent(extent: [u32; 2], level: u32) -> [u32; 2] {
-    [(extent[0] >> level).max(1), (extent[1] >> level).max(1)]
+/// A handle to an image with its memory and views, which the last handle destroys.
+pub struct Image {
+    name: String,
+    shared: Arc<OwnedImage>,
 }
 
-/// An image that owns its memory and views, and destroys itself.
-pub struct Image {
+/// An image with its memory and views.
+pub struct OwnedImage {
+    /// Name for debuggers; that of the first effect for images of a pool.
+    name: String,
     gpu: Gpu,
     handle: vk::Image,
     allocation: Option<Allocation>,
@@ -63,7 +68,6 @@ pub struct Image {
     slice_views: Vec<vk::ImageView>,
     layers: u32,
     states: Vec<TrackedState>,
-    name: String,
     /// Whether somebody else owns the handle and its views.
     borrowed: bool,
     /// The part of a caller's image that this object stands for.
@@ -71,7 +75,7 @@ pub struct Image {
 }
 
 /// What the layers or slices of an image are.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// One layer, or the six faces of a cube map.
     Flat,
@@ -160,6 +164,153 @@ impl Image {
         Self::make(gpu, desc, Kind::Volume(depth))
     }
 
+    /// Makes an image of a checked size, or takes it of the pool that the device's handle has.
+    fn make(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
+        match gpu.loan() {
+            Some(loan) => loan.take(kind, desc, || Ok(Self::owning(OwnedImage::make(&gpu.unpooled(), desc, kind)?))),
+            None => Ok(Self::owning(OwnedImage::make(gpu, desc, kind)?)),
+        }
+    }
+
+    fn owning(image: OwnedImage) -> Self {
+        Self { name: image.name.clone(), shared: Arc::new(image) }
+    }
+
+    /// Another handle to the image, with another name.
+    fn renamed(&self, name: &str) -> Self {
+        Self { name: name.to_owned(), shared: Arc::clone(&self.shared) }
+    }
+
+    /// An image of one level that is drawn into, read by shaders, and copied.
+    pub fn target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        // Every device can store to these formats, and on some devices a load costs less than a sample.
+        let is_loaded = [vk::Format::R16G16B16A16_SFLOAT, vk::Format::R32G32B32A32_UINT].contains(&format);
+        let usage = if is_loaded { usage | U::STORAGE } else { usage };
+        Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+    }
+
+    /// Makes an image like that of [`Self::target`], for programs of a shader stage to write.
+    pub fn target_in(gpu: &Gpu, stage: ShaderStage, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        if stage == ShaderStage::Fragment {
+            return Self::target(gpu, name, format, extent);
+        }
+        let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+    }
+
+    /// Wraps an image of a swapchain, which has one level and no views, and which the swapchain destroys.
+    pub fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {
+        gpu.name(handle, "swapchain");
+        Self::owning(OwnedImage::bare(gpu, "swapchain", handle, (format, extent)))
+    }
+
+    /// Wraps one level, with one layer or the six of a cube, of a caller's image. Image and view must outlive this object.
+    pub fn of_others(
+        gpu: &Gpu,
+        name: &str,
+        (handle, view): (vk::Image, vk::ImageView),
+        part: vk::ImageSubresourceRange,
+        (format, extent): (vk::Format, [u32; 2]),
+    ) -> Self {
+        let mut image = OwnedImage::bare(gpu, name, handle, (format, extent));
+        (image.whole_view, image.part) = (view, Some(part));
+        if part.layer_count == 6 {
+            image.faces_view = view;
+        }
+        Self::owning(image)
+    }
+
+    /// Notes that the presentation engine handed the image over to a submission that waits for it at some stages.
+    pub fn acquired(&self, wait_stages: vk::PipelineStageFlags2) {
+        for state in &self.states {
+            state.set(State::acquired(wait_stages));
+        }
+    }
+
+    /// Width and height of level 0.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+
+    /// Texel format.
+    pub fn format(&self) -> vk::Format {
+        self.format
+    }
+
+    /// Number of mip levels.
+    pub fn levels(&self) -> u32 {
+        self.states.len() as u32
+    }
+
+    /// Slices of a volume; else 1.
+    pub fn depth(&self) -> u32 {
+        self.depth
+    }
+
+    /// Array layers: 6 for a cube map.
+    pub fn layers(&self) -> u32 {
+        self.layers
+    }
+
+    /// The name that the image was made with.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// One mip level.
+    pub fn level(&self, level: u32) -> ImageSlice<'_> {
+        assert!(level < self.levels(), "{} has {} levels, not {level}", self.name, self.levels());
+        ImageSlice { image: self, base: level, count: 1, slice: None, by_face: false }
+    }
+
+    /// One slice of a volume.
+    pub fn slice(&self, slice: u32) -> ImageSlice<'_> {
+        assert!((slice as usize) < self.slice_views.len(), "{} has no slice {slice}", self.name);
+        ImageSlice { image: self, base: 0, count: 1, slice: Some(slice), by_face: false }
+    }
+
+    /// The parts that can be read back at once: the slices of a volume, else the mip levels.
+    pub fn parts(&self) -> Vec<ImageSlice<'_>> {
+        match self.slice_views.len() as u32 {
+            0 => (0..self.levels()).map(|l| self.level(l)).collect(),
+            slices => (0..slices).map(|s| self.slice(s)).collect(),
+        }
+    }
+
+    /// All mip levels.
+    pub fn all(&self) -> ImageSlice<'_> {
+        ImageSlice { image: self, base: 0, count: self.levels(), slice: None, by_face: false }
+    }
+
+    /// All mip levels but the finest, if there are any.
+    pub fn coarse(&self) -> Option<ImageSlice<'_>> {
+        (self.levels() > 1).then(|| ImageSlice { base: 1, count: self.levels() - 1, ..self.all() })
+    }
+
+    /// All mip levels of a cube map, whose faces shaders see as an array of six images.
+    pub fn faces(&self) -> ImageSlice<'_> {
+        assert!(self.faces_view != vk::ImageView::null(), "{} is no cube map that shaders see", self.name);
+        ImageSlice { by_face: true, ..self.all() }
+    }
+
+    /// The handle, for code that makes its own views.
+    pub fn handle(&self) -> vk::Image {
+        self.handle
+    }
+}
+
+impl Deref for Image {
+    type Target = OwnedImage;
+
+    fn deref(&self) -> &OwnedImage {
+        &self.shared
+    }
+}
+
+impl OwnedImage {
     /// Makes an image of a checked size, with its memory and its views.
     fn make(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
         use vk::{ImageCreateFlags as F, ImageViewType as V};
@@ -243,48 +394,6 @@ impl Image {
         Ok(image)
     }
 
-    /// An image of one level that is drawn into, read by shaders, and copied.
-    pub fn target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
-        // Every device can store to these formats, and on some devices a load costs less than a sample.
-        let is_loaded = [vk::Format::R16G16B16A16_SFLOAT, vk::Format::R32G32B32A32_UINT].contains(&format);
-        let usage = if is_loaded { usage | U::STORAGE } else { usage };
-        Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
-    }
-
-    /// Makes an image like that of [`Self::target`], for programs of a shader stage to write.
-    pub fn target_in(gpu: &Gpu, stage: ShaderStage, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        if stage == ShaderStage::Fragment {
-            return Self::target(gpu, name, format, extent);
-        }
-        let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
-        Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
-    }
-
-    /// Wraps an image of a swapchain, which has one level and no views, and which the swapchain destroys.
-    pub fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {
-        gpu.name(handle, "swapchain");
-        Self::bare(gpu, "swapchain", handle, (format, extent))
-    }
-
-    /// Wraps one level, with one layer or the six of a cube, of a caller's image. Image and view must outlive this object.
-    pub fn of_others(
-        gpu: &Gpu,
-        name: &str,
-        (handle, view): (vk::Image, vk::ImageView),
-        part: vk::ImageSubresourceRange,
-        (format, extent): (vk::Format, [u32; 2]),
-    ) -> Self {
-        let mut image = Self::bare(gpu, name, handle, (format, extent));
-        (image.whole_view, image.part) = (view, Some(part));
-        if part.layer_count == 6 {
-            image.faces_view = view;
-        }
-        image
-    }
-
     /// Wraps an image that somebody else made and destroys, without views.
     fn bare(gpu: &Gpu, name: &str, handle: vk::Image, (format, extent): (vk::Format, [u32; 2])) -> Self {
         Self {
@@ -308,13 +417,6 @@ impl Image {
         }
     }
 
-    /// Notes that the presentation engine handed the image over to a submission that waits for it at some stages.
-    pub fn acquired(&self, wait_stages: vk::PipelineStageFlags2) {
-        for state in &self.states {
-            state.set(State::acquired(wait_stages));
-        }
-    }
-
     /// Makes a view of a range of the image.
     fn view(&self, kind: vk::ImageViewType, range: vk::ImageSubresourceRange) -> Result<vk::ImageView> {
         let info = vk::ImageViewCreateInfo::default()
@@ -328,77 +430,6 @@ impl Image {
         let (level, layer) = (range.base_mip_level, range.base_array_layer);
         self.gpu.name(view, &format!("{} levels {level}+{} from layer {layer}", self.name, range.level_count));
         Ok(view)
-    }
-
-    /// Width and height of level 0.
-    pub fn extent(&self) -> [u32; 2] {
-        self.extent
-    }
-
-    /// Texel format.
-    pub fn format(&self) -> vk::Format {
-        self.format
-    }
-
-    /// Number of mip levels.
-    pub fn levels(&self) -> u32 {
-        self.states.len() as u32
-    }
-
-    /// Slices of a volume; else 1.
-    pub fn depth(&self) -> u32 {
-        self.depth
-    }
-
-    /// Array layers: 6 for a cube map.
-    pub fn layers(&self) -> u32 {
-        self.layers
-    }
-
-    /// The name that the image was made with.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// One mip level.
-    pub fn level(&self, level: u32) -> ImageSlice<'_> {
-        assert!(level < self.levels(), "{} has {} levels, not {level}", self.name, self.levels());
-        ImageSlice { image: self, base: level, count: 1, slice: None, by_face: false }
-    }
-
-    /// One slice of a volume.
-    pub fn slice(&self, slice: u32) -> ImageSlice<'_> {
-        assert!((slice as usize) < self.slice_views.len(), "{} has no slice {slice}", self.name);
-        ImageSlice { image: self, base: 0, count: 1, slice: Some(slice), by_face: false }
-    }
-
-    /// The parts that can be read back at once: the slices of a volume, else the mip levels.
-    pub fn parts(&self) -> Vec<ImageSlice<'_>> {
-        match self.slice_views.len() as u32 {
-            0 => (0..self.levels()).map(|l| self.level(l)).collect(),
-            slices => (0..slices).map(|s| self.slice(s)).collect(),
-        }
-    }
-
-    /// All mip levels.
-    pub fn all(&self) -> ImageSlice<'_> {
-        ImageSlice { image: self, base: 0, count: self.levels(), slice: None, by_face: false }
-    }
-
-    /// All mip levels but the finest, if there are any.
-    pub fn coarse(&self) -> Option<ImageSlice<'_>> {
-        (self.levels() > 1).then(|| ImageSlice { base: 1, count: self.levels() - 1, ..self.all() })
-    }
-
-    /// All mip levels of a cube map, whose faces shaders see as an array of six images.
-    pub fn faces(&self) -> ImageSlice<'_> {
-        assert!(self.faces_view != vk::ImageView::null(), "{} is no cube map that shaders see", self.name);
-        ImageSlice { by_face: true, ..self.all() }
-    }
-
-    /// The handle, for code that makes its own views.
-    pub fn handle(&self) -> vk::Image {
-        self.handle
     }
 
     pub(crate) fn aspect(&self) -> vk::ImageAspectFlags {
@@ -431,7 +462,7 @@ impl Image {
     }
 }
 
-impl Drop for Image {
+impl Drop for OwnedImage {
     fn drop(&mut self) {
         let device = self.gpu.raw();
         if self.borrowed {
@@ -449,19 +480,5 @@ impl Drop for Image {
             device.destroy_image(self.handle, None);
         }
         memory::release(&self.gpu, self.allocation.take());
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn chains_have_the_levels_of_the_specification() {
-        assert_eq!(full_chain([1, 1]), 1);
-        assert_eq!(full_chain([641, 479]), 10);
-        assert_eq!(full_chain([1, 512]), 10);
-        assert_eq!(level_extent([641, 479], 3), [80, 59]);
-        assert_eq!(level_extent([641, 479], 9), [1, 1]);
     }
 }

@@ -103,10 +103,13 @@ impl Effect {
             let (images, materials) = (None, Vec::new());
             CaptureSet { places, face, images, materials, renewal, at_camera }
         });
-        let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
+        let (mut held, begun) = (context.gpu().allocated_bytes(), Instant::now());
         let triangles = triangles_for(context, info, &effect, scene)?;
+        let with_triangles = context.gpu().allocated_bytes();
         let mut made = Self::with_parts(context, info, setup, wants, (captured, triangles))?;
         let Some(scene) = scene else { return Ok(made) };
+        // Images that every frame draws anew are not prepared.
+        held += context.gpu().allocated_bytes() - with_triangles;
         made.prepare(context, scene)?;
         made.prepared = Prepared {
             time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64(),
@@ -181,7 +184,7 @@ impl Effect {
         let (divisor, stage) = (effect.divisor(), setup.stage());
         let other_normals = effect.trace_normals != TraceNormals::Shading;
         let is_bumped = effect.bump_after > 0.0;
-        let gpu: Gpu = context.gpu().clone();
+        let gpu: Gpu = context.gpu_of_effect();
         let face = captures.as_ref().map(|c| c.face);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let request = MethodRequest {
@@ -238,7 +241,7 @@ impl Effect {
                 .then(|| {
                     let averaged = (effect.history_frames, effect.history_deviations);
                     let stage = effect.history_stage.on(&gpu, effect.stage);
-                    HistoryPass::new(&gpu, (extent, projection), averaged, stage, wants.composite)
+                    HistoryPass::new(context.gpu(), (extent, projection), averaged, stage, wants.composite)
                 })
                 .transpose()?,
             bounces,

@@ -11,7 +11,7 @@ use ssct::passes::color_chain::ChainFilter;
 use ssct_ground::parameter::Preset;
 use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::stage::image::render;
-use ssct_lab::stage::{Globals, SharedGBuffers, Shot, Stage};
+use ssct_lab::stage::{Globals, SharedImages, Shot, Stage};
 use ssct_scenes::library;
 use ssct_truth::metrics::flip::FlipMap;
 use std::path::{Path, PathBuf};
@@ -160,12 +160,12 @@ fn check(gpu: &Gpu) {
             let view = scene.view(view).unwrap();
             let globals = Globals { roughness: *roughness, ..Globals::default() };
             let mut sheet = Sheet::open(&format!("{name}-{}", view.name));
-            let mut gbuffers = SharedGBuffers::default();
+            let mut shared = SharedImages::default();
             for (number, method) in METHODS.iter().enumerate() {
                 let camera = view.camera(&scene, EXTENT);
                 let materials = globals.materials(&scene, view);
-                let shot = gbuffers.shot(&mut stage, method, &setup, Wants::IMAGE, camera, materials).unwrap();
-                let (_, _, output) = gbuffers.output_at_rest(&mut stage, &shot).unwrap();
+                let shot = shared.shot(&mut stage, method, &setup, Wants::IMAGE, camera, materials).unwrap();
+                let (_, _, output) = shared.output_at_rest(&mut stage, &shot).unwrap();
                 let image = display(&stage.context.read(output.composite.level(0)).unwrap());
                 if is_updating() {
                     sheet.put(number, &image);

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Gallery, Picture, Strip};
 use crate::report::images;
-use crate::stage::{Globals, SharedGBuffers, Shot, Stage, gbuffer, image};
+use crate::stage::{Globals, SharedImages, Shot, Stage, gbuffer, image};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE, flip_file, picture_file};
 use crate::study::names::{cell_name, roughness, safe_word};
 use crate::study::table;
@@ -56,7 +56,7 @@ pub fn of_view(
     let shown: Vec<_> = methods.chain([(&unified::INFO, ON_SCREEN, &on_screen, alone)]).collect();
     let camera = view.camera(scene, size);
     let materials = GLOSSY.materials(scene, view);
-    let mut gbuffers = SharedGBuffers::default();
+    let mut shared = SharedImages::default();
     let mut pictures = Vec::new();
     let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
         let [named, seen] = [&scene.name, &view.name].map(|name| safe_word(name));
@@ -66,8 +66,8 @@ pub fn of_view(
         Ok(())
     };
     for (n, (method, name, setup, caption)) in shown.iter().enumerate() {
-        let shot = gbuffers.shot(stage, method, setup, Wants::IMAGE, camera, materials.clone())?;
-        let (_, _, output) = gbuffers.output_at_rest(stage, &shot)?;
+        let shot = shared.shot(stage, method, setup, Wants::IMAGE, camera, materials.clone())?;
+        let (_, _, output) = shared.output_at_rest(stage, &shot)?;
         let rendered = stage.context.read(output.composite.level(0))?;
         if n == 0 {
             let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;

@@ -1,18 +1,23 @@
-//! G-buffers that several shots share, so that the scene is drawn once for all of them.
+//! Images that several shots share: G-buffers, so that the scene is drawn once for all of them, and the images of their methods, so
+//! that all of them need the memory of the largest.
 
 use super::{Shot, Stage};
 use ssct::error::Result;
-use ssct::gpu::FrameReport;
 use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameReport, ImagePool};
 use ssct::methods::{Effect, MethodInfo, Output, SceneInput, Setup, Wants};
 use ssct::passes::gbuffer::{DrawnCounts, GBufferPass};
 use ssct::passes::lighting::LightingPass;
 use ssct_scenes::{Camera, Material};
 use std::rc::Rc;
 
-/// G-buffers of shots that show a scene from one camera with one set of materials. Shots that draw the scene alike share one.
+/// Images of shots that show a scene from one camera with one set of materials. Shots that draw the scene alike share a G-buffer. What
+/// the method of a shot made is lost when another shot runs, but for its history and for what was prepared before the first frame.
 #[derive(Default)]
-pub struct SharedGBuffers(Vec<SharedGBuffer>);
+pub struct SharedImages {
+    gbuffers: Vec<SharedGBuffer>,
+    pool: ImagePool,
+}
 
 struct SharedGBuffer {
     pass: Rc<GBufferPass>,
@@ -22,8 +27,8 @@ struct SharedGBuffer {
     drawn: Option<(FrameReport, DrawnCounts)>,
 }
 
-impl SharedGBuffers {
-    /// Makes a shot that draws the scene into a G-buffer of these, if one fits, and into a new one otherwise.
+impl SharedImages {
+    /// Makes a shot that draws into images of these where they fit, and into new ones otherwise.
     ///
     /// # Errors
     /// Errors of the device, and of data that the method cannot prepare.
@@ -38,11 +43,14 @@ impl SharedGBuffers {
     ) -> Result<Shot> {
         let Stage { context, data } = stage;
         let scene = SceneInput { data, materials: &materials };
-        let effect = Effect::new(context, method, &setup.seen_by(camera.kind()), wants, Some(&scene))?;
+        context.lend_images(Some(self.pool.clone()));
+        let effect = Effect::new(context, method, &setup.seen_by(camera.kind()), wants, Some(&scene));
+        context.lend_images(None);
+        let effect = effect?;
         let (gpu, is_numbered) = (context.gpu(), effect.wants_triangles());
         let fits =
             |known: &&SharedGBuffer| known.pass.albedo().extent() == setup.extent && known.is_numbered == is_numbered;
-        let known = self.0.iter().find(fits).map(|known| Rc::clone(&known.pass));
+        let known = self.gbuffers.iter().find(fits).map(|known| Rc::clone(&known.pass));
         let new = if is_numbered { GBufferPass::numbered } else { GBufferPass::new };
         let gbuffer = known.map_or_else(|| new(gpu, setup.extent).map(Rc::new), Ok)?;
         let shot = Shot { gbuffer, lighting: LightingPass::new(gpu)?, effect, camera, materials };
@@ -68,18 +76,18 @@ impl SharedGBuffers {
 
     /// Makes the next frame of each G-buffer draw the scene anew: for another camera, other materials, or times of another round.
     pub fn draw_anew(&mut self) {
-        self.0.iter_mut().for_each(|known| known.drawn = None);
+        self.gbuffers.iter_mut().for_each(|known| known.drawn = None);
     }
 
     /// The G-buffer of a shot. That of a shot made elsewhere is added.
     fn of_shot(&mut self, shot: &Shot) -> &mut SharedGBuffer {
         let is_its = |known: &SharedGBuffer| Rc::ptr_eq(&known.pass, &shot.gbuffer);
-        let index = self.0.iter().position(is_its).unwrap_or_else(|| {
+        let index = self.gbuffers.iter().position(is_its).unwrap_or_else(|| {
             let is_numbered = shot.effect.wants_triangles();
-            self.0.push(SharedGBuffer { pass: Rc::clone(&shot.gbuffer), is_numbered, drawn: None });
-            self.0.len() - 1
+            self.gbuffers.push(SharedGBuffer { pass: Rc::clone(&shot.gbuffer), is_numbered, drawn: None });
+            self.gbuffers.len() - 1
         });
-        &mut self.0[index]
+        &mut self.gbuffers[index]
     }
 
     /// Draws the scene into the G-buffer of a shot, unless it was drawn for another shot already. Returns the report of the frame that
@@ -166,31 +174,52 @@ fn whole_frame(scene: &FrameReport, method: FrameReport) -> FrameReport {
 mod tests {
     use super::*;
     use ssct::gpu::{DeviceQuery, Gpu};
-    use ssct::methods;
+    use ssct::methods::setup::HistoryUse;
+    use ssct::methods::{self, EffectParams};
     use ssct_scenes::library;
 
     #[test]
-    fn shots_that_share_a_gbuffer_show_what_they_show_alone_and_draw_the_scene_once() {
+    fn shots_that_share_images_show_what_they_show_alone_and_draw_the_scene_once() {
         let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");
         let scene = library::scene("rooms").expect("built in");
         let (view, setup) = (&scene.views[0], Setup::new([64, 36]));
-        let (camera, materials) = (view.camera(&scene, setup.extent), scene.materials_in(view));
+        let (camera, mut materials) = (view.camera(&scene, setup.extent), scene.materials_in(view));
+        // Rough surfaces look different in every frame that a history averages.
+        materials.iter_mut().for_each(|material| material.roughness = 0.5);
         let mut stage = Stage::new(&gpu, &scene).expect("a stage");
         let method = |name| (methods::find(name).expect("a method"), setup.clone());
-        let wanted = ["ssct", "hzct", "traced"].map(method);
-        let mut gbuffers = SharedGBuffers::default();
-        let shots = gbuffers.shots(&mut stage, wanted.clone(), Wants::IMAGE, camera, &materials).expect("shots");
+        // A history outlives frames, so that its images are no one else's.
+        let with_history = setup.with(|p: &mut EffectParams| p.history = HistoryUse::On);
+        let with_history = (methods::find("unified").expect("a method"), with_history);
+        let wanted = [method("ssct"), method("hzct"), method("traced"), with_history];
+        let mut shared = SharedImages::default();
+        let shots = shared.shots(&mut stage, wanted.clone(), Wants::IMAGE, camera, &materials).expect("shots");
         assert!(Rc::ptr_eq(&shots[0].gbuffer, &shots[1].gbuffer));
         assert!(!Rc::ptr_eq(&shots[0].gbuffer, &shots[2].gbuffer), "traced asks for triangles");
 
+        let held = gpu.allocated_bytes();
+        let (ssct, setup_of_ssct) = &wanted[0];
+        let again =
+            shared.shot(&mut stage, ssct, setup_of_ssct, Wants::IMAGE, camera, materials.clone()).expect("a shot");
+        assert_eq!(gpu.allocated_bytes(), held, "another shot of one method takes the images of the first");
+        drop(again);
+        let briefly = wanted[3].1.with(|p: &mut EffectParams| p.history_frames = 2);
+        let other =
+            shared.shot(&mut stage, wanted[3].0, &briefly, Wants::IMAGE, camera, materials.clone()).expect("a shot");
+
         let mut scenes = Vec::new();
         for ((method, setup), shot) in wanted.iter().zip(&shots) {
-            let (report, _, output) = gbuffers.output(&mut stage, Mode::Timed, shot).expect("a frame");
-            let shared = stage.context.read(output.composite.level(0)).expect("an image");
+            shared.settle(&mut stage, shot).expect("frames");
+            // The other history writes both of its images, in turn.
+            shared.output(&mut stage, Mode::Timed, &other).expect("another shot's frame in between");
+            shared.output(&mut stage, Mode::Timed, &other).expect("another shot's frame in between");
+            let (report, _, output) = shared.output(&mut stage, Mode::Timed, shot).expect("a frame");
+            let among_others = stage.context.read(output.composite.level(0)).expect("an image");
             let alone = Shot::new(&mut stage, method, setup, Wants::IMAGE, camera, materials.clone()).expect("a shot");
+            stage.settle(&alone).expect("frames");
             let (whole, _, output) = stage.output_in(Mode::Timed, &alone).expect("a frame");
             let own = stage.context.read(output.composite.level(0)).expect("an image");
-            assert!(shared.texels().eq(own.texels()), "{}", method.name);
+            assert!(among_others.texels().eq(own.texels()), "{}", method.name);
             assert_eq!(report.recorded, whole.recorded, "{}", method.name);
             let counted = |report: &FrameReport| report.passes.iter().map(|p| p.counted).collect::<Vec<_>>();
             assert_eq!(counted(&report), counted(&whole), "{}", method.name);
@@ -198,8 +227,9 @@ mod tests {
         }
         assert_eq!(scenes[0], scenes[1], "the second shot is shown on what was drawn for the first");
         assert_ne!(scenes[0], scenes[2]);
-        gbuffers.draw_anew();
-        let (report, ..) = gbuffers.output(&mut stage, Mode::Timed, &shots[1]).expect("a frame");
+        assert_eq!(scenes[2], scenes[3]);
+        shared.draw_anew();
+        let (report, ..) = shared.output(&mut stage, Mode::Timed, &shots[1]).expect("a frame");
         let again = report.passes.into_iter().filter(|p| !p.counted).map(|p| (p.name, p.ms)).collect::<Vec<_>>();
         assert_ne!(scenes[0], again, "times of another drawing");
     }

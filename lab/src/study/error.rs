@@ -21,7 +21,7 @@ use super::journal::{Journal, digest};
 use super::record::{RecordSubject, Stats};
 use crate::error::{Error, Result};
 use crate::stage::gbuffer;
-use crate::stage::{Globals, SharedGBuffers, Shot, Stage};
+use crate::stage::{Globals, SharedImages, Shot, Stage};
 use ::ssct::gpu::frame::Mode;
 use ::ssct::gpu::{FrameContext, Gpu, Image, Pixels};
 use ::ssct::methods::ssct::{self, ThesisMethod};
@@ -137,7 +137,7 @@ impl ErrorSpec<'_> {
 /// A scene on the device, and the shots of the last cell, which the next one uses again if it has their size and projection.
 struct LoadedScene {
     stage: Stage,
-    shots: LastMade<([u32; 2], ProjectionKind), (SharedGBuffers, Vec<Shot>)>,
+    shots: LastMade<([u32; 2], ProjectionKind), (SharedImages, Vec<Shot>)>,
 }
 
 impl LoadedScene {
@@ -159,21 +159,21 @@ fn measure(
     let camera = spec.view.camera(spec.scene, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
     // Times shots that write no separate image of the reflection, as the time study does.
-    let (gbuffers, shots) = shots.get_or_make((spec.extent, camera.kind()), || {
+    let (shared, shots) = shots.get_or_make((spec.extent, camera.kind()), || {
         let methods = spec.variants.iter().map(|v| (v.method, v.setup.with_extent(spec.extent)));
-        let mut gbuffers = SharedGBuffers::default();
-        let shots = gbuffers.shots(stage, methods, Wants::IMAGE, camera, &materials)?;
-        Ok::<_, Error>((gbuffers, shots))
+        let mut shared = SharedImages::default();
+        let shots = shared.shots(stage, methods, Wants::IMAGE, camera, &materials)?;
+        Ok::<_, Error>((shared, shots))
     })?;
     shots.iter_mut().try_for_each(|shot| shot.turn_to(stage, camera, materials.clone()))?;
-    gbuffers.draw_anew();
-    let times = totals((gpu, spec), stage, (gbuffers, shots), journal, go_on)?;
+    shared.draw_anew();
+    let times = totals((gpu, spec), stage, (shared, shots), journal, go_on)?;
     let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
     // If the journal has all times, no frame was drawn yet, and the G-buffer below needs one.
-    gbuffers.draw(stage, Mode::Plain, first)?;
-    let shot = |stage: &mut Stage, gbuffers: &mut SharedGBuffers, setup: &Setup, wants, method| {
-        gbuffers.shot(stage, method, &setup.with_extent(spec.extent), wants, camera, materials.clone())
+    shared.draw(stage, Mode::Plain, first)?;
+    let shot = |stage: &mut Stage, shared: &mut SharedImages, setup: &Setup, wants, method| {
+        shared.shot(stage, method, &setup.with_extent(spec.extent), wants, camera, materials.clone())
     };
     let truth =
         truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, greatest_bounces(spec.variants), go_on)?;
@@ -186,15 +186,15 @@ fn measure(
     for ((variant, timed), time) in spec.variants.iter().zip(&*shots).zip(times) {
         go_on()?;
         let color = {
-            let (_, _, output) = gbuffers.output_at_rest(stage, timed)?;
+            let (_, _, output) = shared.output_at_rest(stage, timed)?;
             let made = output.traced.reflection.is_some();
             made.then(|| gbuffer::reflection(&mut stage.context, &output)).transpose()?
         };
         let color = match color {
             Some(pixels) => colors(&pixels),
             None => {
-                let seen = shot(stage, gbuffers, &variant.setup, Wants::REFLECTION, variant.method)?;
-                let (_, _, output) = gbuffers.output_at_rest(stage, &seen)?;
+                let seen = shot(stage, shared, &variant.setup, Wants::REFLECTION, variant.method)?;
+                let (_, _, output) = shared.output_at_rest(stage, &seen)?;
                 colors(&gbuffer::reflection(&mut stage.context, &output)?)
             }
         };
@@ -203,8 +203,8 @@ fn measure(
         let among_triangles = variant.setup.effect().is_among_triangles(variant.method, true);
         if variant.method.is_screen_space() || among_triangles {
             let setup = without_fallback(&variant.setup);
-            let traced = shot(stage, gbuffers, &setup, Wants::HITS, variant.method)?;
-            let (_, _, output) = gbuffers.output(stage, Mode::Plain, &traced)?;
+            let traced = shot(stage, shared, &setup, Wants::HITS, variant.method)?;
+            let (_, _, output) = shared.output(stage, Mode::Plain, &traced)?;
             let image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
             hits = image.map(|p| MethodHits {
                 positions: (!among_triangles).then(|| gbuffer::hit_positions(&p)),
@@ -313,14 +313,14 @@ struct VariantTime {
 fn totals(
     (gpu, spec): (&Gpu, &ErrorSpec),
     stage: &mut Stage,
-    (gbuffers, shots): (&mut SharedGBuffers, &mut [Shot]),
+    (shared, shots): (&mut SharedImages, &mut [Shot]),
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<VariantTime>> {
     let cell = spec.digest(gpu);
     let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
     let rounds = Round::timed(spec.warmup, spec.samples);
-    interleave(stage, (gbuffers, shots), &rounds, &key, journal, go_on)?;
+    interleave(stage, (shared, shots), &rounds, &key, journal, go_on)?;
     let total = |m: usize, n: usize| interleave::kept(journal, &key(m, &n.to_string())).map(|s| s.effect_ms());
     let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
     let timed = |samples: Vec<f64>| VariantTime {

@@ -5,7 +5,7 @@ use super::journal::Journal;
 use super::sound;
 use super::zones::Zones;
 use crate::error::Result;
-use crate::stage::{SharedGBuffers, Shot, Stage};
+use crate::stage::{SharedImages, Shot, Stage};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use ssct::gpu::FrameReport;
@@ -69,14 +69,14 @@ fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
 }
 
 /// Draws the frames of every shot that the journal lacks; `key` gives the key of a shot's frame with a label. A shot whose
-/// frames are all in the journal is not warmed up either. `gbuffers` are those of the shots. `progress` is called after each
+/// frames are all in the journal is not warmed up either. `shared` are those of the shots. `progress` is called after each
 /// frame; its error ends the loop.
 ///
 /// # Errors
 /// Errors of the device, of the journal and of `progress`.
 pub fn interleave(
     stage: &mut Stage,
-    (gbuffers, shots): (&mut SharedGBuffers, &mut [Shot]),
+    (shared, shots): (&mut SharedImages, &mut [Shot]),
     rounds: &[Round],
     key: &dyn Fn(usize, &str) -> String,
     journal: &mut Journal,
@@ -88,7 +88,7 @@ pub fn interleave(
     };
     let lacking: Vec<bool> = (0..shots.len()).map(|shot| lacks(journal, shot)).collect();
     for (n, round) in rounds.iter().enumerate() {
-        gbuffers.draw_anew();
+        shared.draw_anew();
         for turn in 0..shots.len() {
             let shot = shot_at(n, turn, shots.len());
             let key = round.label.as_deref().map(|label| key(shot, label));
@@ -97,7 +97,7 @@ pub fn interleave(
                     shots[shot].camera = camera;
                 }
                 let name = key.clone().unwrap_or_else(|| format!("shot {shot}, warm-up"));
-                let run = || gbuffers.output(stage, round.mode, &shots[shot]);
+                let run = || shared.output(stage, round.mode, &shots[shot]);
                 let (report, drawn, _) =
                     zones.frame(&name, run, |made| made.as_ref().ok().map(|(report, ..)| report))?;
                 if let Some(key) = key {
@@ -124,12 +124,12 @@ mod tests {
         let (view, setup) = (&scene.views[0], Setup::new([32, 18]));
         let (camera, materials) = (view.camera(&scene, setup.extent), scene.materials_in(view));
         let mut stage = Stage::new(&gpu, &scene).expect("a stage");
-        let mut gbuffers = SharedGBuffers::default();
+        let mut shared = SharedImages::default();
         let methods = METHODS[..2].iter().map(|method| (method, setup.clone()));
-        let mut shots = gbuffers.shots(&mut stage, methods, Wants::IMAGE, camera, &materials).expect("shots");
+        let mut shots = shared.shots(&mut stage, methods, Wants::IMAGE, camera, &materials).expect("shots");
         let mut journal = Journal::resume([].into_iter(), None);
         let key = |shot: usize, label: &str| format!("{shot} {label}");
-        let both = (&mut gbuffers, &mut shots[..]);
+        let both = (&mut shared, &mut shots[..]);
         interleave(&mut stage, both, &Round::timed(0, 2), &key, &mut journal, &mut || Ok(())).expect("samples");
         let scene_ms = |shot, round| {
             let sample = kept(&journal, &key(shot, round)).expect("a sample");

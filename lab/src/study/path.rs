@@ -10,7 +10,7 @@ use super::journal::{Journal, scene_digest};
 use super::names::cell_name;
 use super::record::{Head, Provenance, RecordSubject, Stats};
 use crate::error::Result;
-use crate::stage::{Globals, SharedGBuffers, Stage};
+use crate::stage::{Globals, SharedImages, Stage};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use ssct::gpu::Gpu;
@@ -212,8 +212,8 @@ impl Study for PathStudy {
         let prefixes = self.prefixes(bench.gpu, *extent);
         let (setup, first) = (self.setup.with_extent(*extent), start.camera(&self.scene, *extent));
         let methods = self.methods.iter().map(|method| (*method, setup.clone()));
-        let mut gbuffers = SharedGBuffers::default();
-        let mut shots = gbuffers.shots(&mut stage, methods, Wants::IMAGE, first, &materials)?;
+        let mut shared = SharedImages::default();
+        let mut shots = shared.shots(&mut stage, methods, Wants::IMAGE, first, &materials)?;
         let rounds: Vec<Round> = (0..self.warmup + self.frames)
             .map(|n| {
                 let counts = n.checked_sub(self.warmup);
@@ -223,7 +223,7 @@ impl Study for PathStudy {
             .collect();
         let Bench { journal, go_on, advance, .. } = bench;
         let key = |method: usize, frame: &str| format!("{} {frame}", prefixes[method]);
-        interleave(&mut stage, (&mut gbuffers, &mut shots), &rounds, &key, journal, &mut || {
+        interleave(&mut stage, (&mut shared, &mut shots), &rounds, &key, journal, &mut || {
             advance(1);
             go_on()
         })?;

@@ -15,7 +15,7 @@ use super::interleave::{Round, Sample, interleave, kept};
 use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, PassRecord, RecordSubject, Stats, TimeRecord};
 use crate::error::Result;
-use crate::stage::{Globals, SharedGBuffers, Shot, Stage};
+use crate::stage::{Globals, SharedImages, Shot, Stage};
 use serde_json::{Value, json};
 use ssct::gpu::Gpu;
 use ssct::gpu::frame::Mode;
@@ -115,7 +115,7 @@ impl Group<'_> {
     fn measure(
         &self,
         stage: &mut Stage,
-        (gbuffers, shots): (&mut SharedGBuffers, &mut [Shot]),
+        (shared, shots): (&mut SharedImages, &mut [Shot]),
         journal: &mut Journal,
         progress: &mut dyn FnMut() -> Result<()>,
     ) -> Result<()> {
@@ -127,12 +127,12 @@ impl Group<'_> {
             None => key(&self.prefix(shot), sample),
             Some(twin) => key(&self.prefix(twin), second_series_label(sample)),
         };
-        interleave(stage, (gbuffers, shots), &rounds, &key, journal, progress)
+        interleave(stage, (shared, shots), &rounds, &key, journal, progress)
     }
 }
 
 /// Shots with a key: the number that identifies the groups they belong to, and the size of their images.
-type SizedShots = ((usize, [u32; 2]), (SharedGBuffers, Vec<Shot>));
+type SizedShots = ((usize, [u32; 2]), (SharedImages, Vec<Shot>));
 
 /// The last stage and shots, which successive groups share.
 #[derive(Default)]
@@ -161,9 +161,9 @@ impl LastShots {
         let materials = group.globals.materials(spec.scene, spec.view);
         // Shots of another size were dropped above, since the device may not have room for both.
         let shots = match same {
-            Some((_, (gbuffers, mut shots))) => {
+            Some((_, (shared, mut shots))) => {
                 shots.iter_mut().try_for_each(|shot| shot.set_materials(stage, materials.clone()))?;
-                (gbuffers, shots)
+                (shared, shots)
             }
             None => {
                 let camera = spec.view.camera(spec.scene, group.extent);
@@ -171,13 +171,13 @@ impl LastShots {
                 let variants = (0..series).flat_map(|_| &spec.variants);
                 // Only the image is timed, so that no separate image of the reflection is made.
                 let variants = variants.map(|Variant { method, setup }| (*method, setup.with_extent(group.extent)));
-                let mut gbuffers = SharedGBuffers::default();
-                let shots = gbuffers.shots(stage, variants, Wants::IMAGE, camera, &materials)?;
-                (gbuffers, shots)
+                let mut shared = SharedImages::default();
+                let shots = shared.shots(stage, variants, Wants::IMAGE, camera, &materials)?;
+                (shared, shots)
             }
         };
-        let (_, (gbuffers, shots)) = self.shots.insert((shots_key, shots));
-        group.measure(stage, (gbuffers, shots), journal, progress)
+        let (_, (shared, shots)) = self.shots.insert((shots_key, shots));
+        group.measure(stage, (shared, shots), journal, progress)
     }
 }
 

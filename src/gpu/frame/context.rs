@@ -6,6 +6,7 @@ use super::uniforms::Uniforms;
 use super::{Frame, Mode};
 use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, vulkan};
+use crate::gpu::image::ImagePool;
 use crate::gpu::timing::{PassTime, Statistics, Timestamps};
 use ash::vk;
 
@@ -22,6 +23,8 @@ pub struct FrameContext {
     pub(super) slot: usize,
     pub(super) statistics: Option<Statistics>,
     pub(super) settling: Option<settle::Settling>,
+    /// The pool that effects take images of.
+    pub(super) pool: Option<ImagePool>,
 }
 
 /// The command buffer of frames that this crate submits, and their fence.
@@ -124,12 +127,24 @@ impl FrameContext {
             slot: 0,
             statistics: None,
             settling: settle::Settling::new(gpu)?,
+            pool: None,
         })
     }
 
     /// The device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
+    }
+
+    /// Lends a pool to the effects that are made from now on. They take the images of it that no frame needs of the frame before.
+    /// `None` lends none.
+    pub fn lend_images(&mut self, pool: Option<ImagePool>) {
+        self.pool = pool;
+    }
+
+    /// The device's handle by which one effect makes images that no frame needs of the frame before.
+    pub fn gpu_of_effect(&self) -> Gpu {
+        self.pool.as_ref().map_or_else(|| self.gpu.clone(), |pool| self.gpu.pooled(pool))
     }
 
     /// Begins a frame that this crate submits. A mode whose queries the device lacks records none.
