@@ -416,7 +416,7 @@ pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo
     Ok(methods)
 }
 
-/// Refuses a given parameter that none of some methods reads.
+/// Refuses a given parameter that none of the methods in `methods` reads.
 ///
 /// # Errors
 /// [`Error::Usage`] with the parameter and the methods that have it.

@@ -373,7 +373,8 @@ fn effect(
     }
 }
 
-/// Sets a parameter of a method, or of the effect around every method.
+/// Sets the preset, or a parameter that the method reads: its own, or one of the effect around every method. Fails for
+/// any other name.
 fn set(setup: &mut Setup, method: &MethodInfo, name: &str, value: &str) -> Result<()> {
     if name == "preset" {
         let preset = [Preset::Published, Preset::Author].into_iter().find(|p| p.name() == value);

@@ -187,7 +187,7 @@ fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(
         let mark = if is_option { "?" } else { "" };
         let value = match &group {
             Some(group) => format!("self.{}{mark}.{name}", group.field()),
-            // Only a reference to an array outlives the function.
+            // The arm borrows the array from the field: a copy would not outlive the function.
             None if bound.count > 1 && is_option => format!("*self.{name}.as_ref()?"),
             None => format!("self.{name}{mark}"),
         };

@@ -7,7 +7,7 @@ mod open;
 mod ray_queries;
 
 use super::executables::Executables;
-use super::image::{ImagePool, Loan};
+use super::image::Loan;
 use super::memory::{DeviceMemory, Source};
 use super::pipelines::Pipelines;
 use super::sampler::{Sampler, Samplers};
@@ -126,8 +126,8 @@ pub struct DeviceHandles {
 #[derive(Clone)]
 pub struct Gpu {
     shared: Arc<Shared>,
-    /// Whose images an effect takes; `None` for an effect that shares none.
-    loan: Option<Loan>,
+    /// What an effect takes of a pool of images; `None` for an effect that shares none.
+    pub(super) loan: Option<Loan>,
 }
 
 /// The state that all handles of a device share, in the order in which its parts are made.
@@ -293,20 +293,6 @@ impl Gpu {
     /// The state that all handles of the device share.
     pub fn shared(&self) -> &Shared {
         &self.shared
-    }
-
-    /// A handle to the same device, by which an effect takes its images of a pool.
-    pub(super) fn pooled(&self, pool: &ImagePool) -> Self {
-        Self { loan: Some(Loan::new(pool)), ..self.clone() }
-    }
-
-    /// A handle to the same device, by which images are made anew.
-    pub(super) fn unpooled(&self) -> Self {
-        Self { loan: None, ..self.clone() }
-    }
-
-    pub(super) fn loan(&self) -> Option<&Loan> {
-        self.loan.as_ref()
     }
 
     /// Submissions to the device's queue so far. An idle window makes none.

@@ -194,10 +194,10 @@ pub fn groups(folder: &Path) -> Result<Vec<Group>, String> {
     Ok(found)
 }
 
-/// The groups that a source names.
+/// The groups of bindings or constants that the lines `#pragma group(…)` of a source declare.
 ///
 /// # Errors
-/// A sentence about a pragma that is not known here.
+/// A sentence about such a line that has another form.
 pub fn groups_in(source: &str, path: &Path) -> Result<Vec<Group>, String> {
     let lists = source.lines().filter_map(|text| text.strip_prefix("#pragma group(").map(|list| (text, list)));
     let group = |(text, list): (&str, &str)| {

@@ -166,7 +166,7 @@ impl Image {
 
     /// Makes an image of a checked size, or takes it of the pool that the device's handle has.
     fn make(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
-        match gpu.loan() {
+        match &gpu.loan {
             Some(loan) => loan.take(kind, desc, || Ok(Self::owning(OwnedImage::make(&gpu.unpooled(), desc, kind)?))),
             None => Ok(Self::owning(OwnedImage::make(gpu, desc, kind)?)),
         }

@@ -77,7 +77,8 @@ pub fn named() -> Option<PathBuf> {
 /// variable. Each shader is compiled once, even if its source changes meanwhile.
 ///
 /// # Errors
-/// [`Error::Usage`] for a folder without shaders, and for a shader that does not compile or no longer fits.
+/// [`Error::Usage`] for a folder without shaders, and for a shader that does not compile, or whose bindings, blocks or
+/// outputs are no longer those that the program was built with.
 pub fn code(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
     type CompiledSources = (Sources, HashMap<&'static str, Arc<[u8]>>);
     static OPENED: Mutex<Option<CompiledSources>> = Mutex::new(None);

@@ -65,7 +65,7 @@ impl CaptureFacePass {
         })
     }
 
-    /// Draws what a camera sees ([`face_camera`]), black where it sees the sky.
+    /// Draws what the camera of a face sees, which [`face_camera`] makes. The sky is left black.
     pub fn record(&self, frame: &mut Frame, scene: &SceneInput, camera: &Camera) -> Result<()> {
         self.gbuffer.record(frame, scene.data, scene.materials, camera)?;
         let images = self.gbuffer.gbuffer();
@@ -194,8 +194,8 @@ impl CaptureImages {
         })
     }
 
-    /// Takes over the images of a face, number 6 k + f for face f of capture k, and makes its part of the colour's chain.
-    /// No other face changes: the chain is made of each face alone.
+    /// Copies the images of a face, number 6 k + f for face f of capture k, and makes the colour's mip chain of this
+    /// face. No other face changes, since each face has a mip chain of its own.
     pub(crate) fn take_face(&self, frame: &mut Frame, keep: &FaceKeeper, face: &GBuffer, number: u32) -> Result<()> {
         let Self { pyramid, normal, color, .. } = self;
         let blocks = keep.pyramid.record(frame, face, &self.face)?;

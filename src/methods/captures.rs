@@ -31,7 +31,7 @@ pub struct CapturesMethod {
 }
 
 impl CapturesMethod {
-    /// Makes pipelines and images.
+    /// Makes the passes and the images that they draw into. Without captures, no pass follows rays.
     pub(super) fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         let extent = request.setup.extent;
         let (hits, behind) = (request.hits, request.behind);

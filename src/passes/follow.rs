@@ -128,7 +128,8 @@ impl FollowPass {
         frame.compute_indirect("follow/narrow", &self.narrow, &program, (beyond.counts, 0))
     }
 
-    /// Records pass "follow/wide", which does the same for the rays of cells with wide lobes.
+    /// Records pass "follow/wide", which stores where the rays of cells with wide lobes end, and what they see there,
+    /// after the screen lost them.
     pub fn record_wide(
         &self,
         frame: &mut Frame,

@@ -384,6 +384,7 @@ struct SceneView<'a> {
 }
 
 impl<'a> SceneView<'a> {
+    /// Selects the meshes whose bounds may lie in the camera's frustum, and counts the others.
     fn new(scene: &'a SceneData, materials: &'a [Material], camera: &Camera, extent: [u32; 2]) -> Self {
         let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
         let frustum = Frustum::new(&world_to_clip.as_mat4());
@@ -420,7 +421,7 @@ impl<'a> SceneView<'a> {
         for mesh in &self.seen {
             if bound != Some((mesh.material, mesh.placement)) {
                 let material = &self.materials[mesh.material];
-                // White needs no filter, and a filter of a material's maps is the most that a fragment costs on a CPU.
+                // White needs no filtering, and filtering maps is the largest cost of a fragment on a CPU.
                 let map = |index: Option<usize>| match index {
                     Some(i) => Sampled(self.scene.textures[i].all(), Sampler::Material),
                     None => Sampled::nearest(self.scene.white.all()),

@@ -142,7 +142,8 @@ impl LostRays {
     }
 }
 
-/// The block of a camera among captures, or without any.
+/// Fills the uniform block through which shaders read captures and the sky, for one camera. Without captures, their
+/// number is 0.
 pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlock {
     let mut block = CaptureBlock::default();
     let mut rotation = camera.world_to_view.as_dmat4().inverse();

@@ -60,8 +60,9 @@ impl MaskChainPass {
         Ok(Self { gaussian: Some(gaussian) })
     }
 
-    /// Records passes "blur/1" to the coarsest level, which write into the images themselves. In compute shaders a pass that
-    /// encodes the colour follows each of them, such as "blur/1h/encode".
+    /// Records passes "blur/1" to the coarsest level. They filter each level of both chains into the next level of the
+    /// same images. In compute shaders, a pass that encodes the colour follows each pass of the Gaussian, such as
+    /// "blur/1h/encode".
     pub fn record<'a>(&self, frame: &mut Frame, traced: RayTraceColor<'a>) -> Result<RayTraceColor<'a>> {
         let RayTraceColor { color, mask, .. } = traced;
         for level in 1..color.levels() {

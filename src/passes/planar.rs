@@ -76,7 +76,8 @@ impl PlanarPass {
         )
     }
 
-    /// Records pass "mirror copy", which takes over the mirrored scene that was drawn inside the stencil.
+    /// Records pass "mirror copy", which copies the mirrored scene into the reflection, where the stencil let it be
+    /// drawn.
     pub fn record_copy(&self, frame: &mut Frame, mirrored: &GBuffer) -> Result<()> {
         frame.pixels(
             "mirror copy",

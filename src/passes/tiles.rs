@@ -61,7 +61,8 @@ impl UnifiedSetup {
         [LIT_COLOR, if self.beside() { LIT_COLOR } else { vk::Format::UNDEFINED }]
     }
 
-    /// The permutation of the programs that trace. Rays that begin among the triangles are traced in compute shaders alone.
+    /// The permutation of the programs that trace, by where rays end: on the screen, there if triangles confirm it, or
+    /// among the triangles. If no ray walks over the screen, only compute shaders trace.
     pub fn trace_permutation(&self) -> PermutationChoice {
         match self.triangles {
             None => PermutationChoice { stage: self.trace, rays: Some(RaySource::Screen) },

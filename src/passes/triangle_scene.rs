@@ -355,8 +355,9 @@ impl<'a> TriangleBuffers<'a> {
         Self { structure, ..self }
     }
 
-    /// The block of a camera among the triangles. `beside` says how far a pixel's point may lie beside the surface: in metres for
-    /// each metre from the eye, or in view units for an orthographic camera.
+    /// Fills the uniform block through which shaders read the triangles, for one camera. `beside` says how far a
+    /// pixel's point may lie beside the surface: in metres for each metre from the eye, or in view units for an
+    /// orthographic camera.
     pub fn block(&self, camera: &Camera, beside: f32) -> TriangleBlock {
         let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
         let [corners, attributes, count, nodes] = self.counts;
@@ -393,7 +394,7 @@ pub(super) fn staged(
     Ok((staging, TexelBuffer::new(buffer, format, texel)?))
 }
 
-/// Makes a buffer of texels to copy to, from which, where ray queries are on, a ray structure can be built.
+/// Makes an empty buffer of texels, to be filled by a copy. With ray queries, a ray structure can be built from it.
 fn texel_buffer(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer> {
     let built = if gpu.has_ray_queries() { RayStructure::INPUT } else { vk::BufferUsageFlags::empty() };
     let usage = TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST | built;

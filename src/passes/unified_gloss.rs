@@ -199,8 +199,8 @@ impl UnifiedGlossPass {
         self.trace_wide.run(frame, "trace/wide", (parameters, *tiles), targets, &program)
     }
 
-    /// Records passes "cells" and "resolve/wide": each cell's reflection from the rays of the 5 × 5 cells around it, and each
-    /// pixel's reflection between the cells around it.
+    /// Records passes "cells" and "resolve/wide". The first makes each cell's reflection from the rays of the 5 × 5
+    /// cells around it. The second interpolates each pixel's reflection between the four cells around it.
     pub fn resolve_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         self.cells(frame, input, parameters)?;
         let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, .. } = input;

@@ -68,8 +68,8 @@ impl UnifiedTracePass {
         })
     }
 
-    /// Records pass "trace/mirrors", and returns where each ray ended, if hits are wanted. In compute shaders over tiles the pass
-    /// "hits" comes before it, since no attachment is cleared along with the trace.
+    /// Records pass "trace/mirrors", and returns where each ray ended, if hits are wanted. Compute shaders over tiles
+    /// write only the pixels of these tiles, so the pass "hits" clears the image of hits first.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

@@ -22,7 +22,8 @@ pub struct UnlitTriangles {
 }
 
 impl UnlitTriangles {
-    /// Makes the buffers. The buffers have no content yet. Materials may have albedo maps among the textures.
+    /// Makes the buffers, and staging buffers with their content, which [`Self::record`] copies. The albedo maps of the
+    /// materials are among `textures`.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.

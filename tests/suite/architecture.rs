@@ -86,8 +86,7 @@ const NOT_EMBEDDED: &[&str] =
 /// Modules of `passes` that are no pass: several passes read them or are made of them.
 const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles", "traced", "triangle_scene"];
 
-/// Words with the files that contain them; no other file may. The functions of `gpu/device/compile_only.rs` stand in
-/// for the driver's and record nothing.
+/// Words, and the files that alone contain them. `gpu/device/compile_only.rs` stands in for a driver and records nothing.
 const ONLY_IN: &[(&str, &[&str])] = &[
     ("cmd_pipeline_barrier2", &["gpu/frame.rs", "gpu/device/compile_only.rs"]),
     ("ImageMemoryBarrier2", &["gpu/frame.rs"]),

@@ -105,9 +105,13 @@ fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
     assert_eq!(images(&gpu, &file), here, "twice in a process");
     // Mesa reads these variables and other drivers do not: the threads of the rasteriser (0: the caller's thread), and
     // the bits of its vectors, which decide the size of subgroups.
+    let expected = expected_failures("threads", &gpu);
     for threads in ["0", "1", "5"] {
         let (there, _) = in_a_process(&file, &[("LP_NUM_THREADS", threads)]).expect("no crash");
-        assert_eq!(there, here, "{threads} threads");
+        for (method, image) in &here {
+            let is_known = expected.contains(&format!("{method} LP_NUM_THREADS={threads}"));
+            assert!(is_known || there[method] == *image, "{method}: another image on {threads} threads");
+        }
     }
     match in_a_process(&file, &[("LP_NATIVE_VECTOR_WIDTH", "128")]) {
         Some((there, subgroup)) => {

@@ -70,7 +70,7 @@ impl Domain {
         value.filter(|v| self.has(*v))
     }
 
-    /// True if the values are on and off, even if a type of its own names them.
+    /// True if the only values are on and off, be it as a switch or as a list of the two choices `on` and `off`.
     pub fn is_switch(&self) -> bool {
         match self {
             Self::Switch => true,

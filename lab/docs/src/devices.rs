@@ -14,7 +14,7 @@ const KINDS: [(&str, &str); 4] = [
 /// Words of a header that are of time.
 const TIMES: [&str; 2] = ["time", "ms"];
 
-/// The kind of device that a folder of records is of.
+/// The kind of device on which a folder's records were measured. The end of the run folder's name tells it.
 pub(crate) fn kind(folder: &Path) -> Result<&'static str, String> {
     let name = run(folder).unwrap_or_default();
     let found = KINDS.iter().find(|(end, _)| name.ends_with(end)).map(|(_, kind)| *kind);

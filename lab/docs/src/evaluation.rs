@@ -248,6 +248,7 @@ fn single(function: &str) -> Option<fn(f64) -> f64> {
     })
 }
 
+/// Replaces each number n of a value by `function(n, other)`; a text stays as it is.
 fn map(value: Value, function: impl Fn(f64, f64) -> f64, other: f64) -> Value {
     match value {
         Value::Number(number) => Value::Number(function(number, other)),
@@ -276,7 +277,8 @@ fn summary(function: &str, numbers: &[f64]) -> Option<Result<f64>> {
     })
 }
 
-/// One number for each group of rows with the same key.
+/// Groups the numbers whose rows agree in the fields `by`, and makes one number of each group by the named function.
+/// Groups stand in the order of their first rows.
 fn grouped(function: &str, by: &[String], numbers: &Numbers) -> Result<Numbers> {
     let mut groups: BTreeMap<Vec<String>, (usize, Vec<f64>)> = BTreeMap::new();
     for (n, (row, number)) in numbers.items.iter().enumerate() {

@@ -51,15 +51,15 @@ pub(crate) enum Expression {
     },
 }
 
-/// A word from its head, `name(a, b)`, and its body.
+/// Returns the name of a word and the word, from its head, `name(a, b)`, and its body.
 pub(crate) fn word(head: &str, body: &str) -> (String, Word) {
     let (name, rest) = head.split_once('(').unwrap_or((head, ""));
     let names = rest.trim_end_matches(')').split(',').map(|a| a.trim().to_owned()).filter(|a| !a.is_empty());
     (name.to_owned(), Word { arguments: names.collect(), body: body.to_owned() })
 }
 
-/// A text with the values of its variables, each written as `$name`. The longest name that fits is meant. A value may have variables,
-/// too.
+/// Replaces each variable in a text, written as `$name`, by its value. Where several names fit, the longest one counts.
+/// Variables within a value are replaced, too. A name that is not known is an error.
 pub(crate) fn fill(text: &str, variables: &BTreeMap<String, String>) -> Result<String> {
     let mut parts = text.split('$');
     let mut filled = parts.next().unwrap_or_default().to_owned();
@@ -143,6 +143,7 @@ impl<'a> Parser<'a> {
         self.chain("<>=", |parser| parser.chain("+-", |parser| parser.chain("*/~", Self::single)))
     }
 
+    /// Reads operands by `next` and joins them from left to right, as long as one of `operators` follows.
     fn chain(&mut self, operators: &str, next: impl Fn(&mut Self) -> Result<Expression>) -> Result<Expression> {
         let mut left = next(self)?;
         while let Some(operator) = self.operator(operators) {

@@ -75,8 +75,8 @@ pub fn files(root: &Path) -> Result<Vec<(String, String)>, String> {
     if failures.is_empty() { Ok(files) } else { Err(failures.join("\n")) }
 }
 
-/// What differs between a file and the text that it should have: the number of its first other line, and what both say there, from a
-/// little before the difference on.
+/// Where a file first differs from the text that it should have: the number of the line, and the line in both, from a
+/// little before the difference on. `None` if nothing differs.
 pub fn difference(root: &Path, name: &str, should: &str) -> Option<String> {
     let is = pages::text(root, name).unwrap_or_default();
     if is == should {

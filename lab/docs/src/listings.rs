@@ -76,7 +76,7 @@ fn marked(comment: &str) -> Option<(Vec<RangeInclusive<u32>>, &str)> {
     Some((lines.split(", ").map(range).collect::<Option<_>>()?, words))
 }
 
-/// The steps of a shader, each with the name of what is printed.
+/// Reads the steps of a shader from the marks in its comments, each with the name of the printed item it belongs to.
 fn steps(shader: &str) -> Vec<(String, Step)> {
     let (mut found, mut item, mut open): (Vec<(String, Step)>, Option<String>, Option<Step>) = (Vec::new(), None, None);
     // What a comment line that goes on adds to: the printed words, or what differs.
@@ -178,7 +178,8 @@ fn comment(text: &str, indentation: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The lines of the page for a step: its printed lines and what they say, what differs, and the code without a margin.
+/// Writes a step for the page: a comment that names the printed lines and says what the print has there, a comment for
+/// each departure or erratum, and the code. The first `margin` bytes of each line of code are left out.
 fn written(step: &Step, margin: usize) -> String {
     let code: Vec<&str> = step.code.iter().map(|line| &line[margin..]).collect();
     let indentation: String = code.first().map_or("", |line| line).chars().take_while(|c| *c == ' ').collect();

@@ -79,7 +79,10 @@ pub fn quotations<'a>(root: &Path, name: &str, text: &'a str) -> Result<(Vec<Sho
     Ok((found, rest))
 }
 
-/// A page as it should be.
+/// The text of a page in which every quotation is replaced by what its query answers now.
+///
+/// # Errors
+/// A sentence about a mark that is wrong, or the failures of all queries.
 pub fn shown(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<String> {
     let (all, rest) = quotations(root, name, text)?;
     let (mut result, mut failures) = (String::new(), Vec::new());

@@ -139,7 +139,7 @@ impl Queries {
         shown().map_err(|failure: Failure| failure.words)
     }
 
-    /// The records that an expression of a query begins with.
+    /// The records that a query's `from` and `where` choose, for its expressions; none if both are empty.
     fn records(&self, query: &Query, context: &Context, variables: &Variables) -> Result<Rows> {
         if query.from.is_empty() && query.r#where.is_empty() {
             return Ok(Rows::default());
@@ -255,7 +255,7 @@ impl Queries {
         Ok(kept.into_iter().enumerate().map(numbered).collect())
     }
 
-    /// The captions of the table of a query, and its rows.
+    /// The table of a query. Its first row has the captions; a *round* is one turn of the query's loops.
     pub(crate) fn table(&self, text: &str, folders: &[PathBuf]) -> Result<Vec<Vec<String>>> {
         let (query, mut variables) = self.find(text)?;
         for (n, folder) in folders.iter().enumerate() {

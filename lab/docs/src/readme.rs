@@ -12,7 +12,8 @@ const TABLES: [(&str, &[&str]); 3] = [
     ("readme hits", &["bars-errors"]),
 ];
 
-/// The file: numbers of views that the study measures, and then those that stand in the README's text alone.
+/// The text of `readme.csv`. First come the numbers of the README's tables, on the views that the study measures. Then
+/// come numbers that only the README's text has, with the command that measures each.
 pub(crate) fn csv(queries: &Queries, root: &Path) -> Result<String, String> {
     let readme = text(root, "README.md")?;
     let links = definitions(&readme);

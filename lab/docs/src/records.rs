@@ -181,7 +181,7 @@ fn complete(row: &mut Row) {
 /// The rows of a file, whatever its kind. `array` names an array of the records of JSON whose elements are wanted.
 pub fn read(path: &Path, array: &str) -> Result<Vec<Row>> {
     let fails = |e: String| Failure::from(format!("{}: {e}", path.display()));
-    // A file that there is not: counts of the built-in scene of the name.
+    // A path `NAME.built-in` is no file: it stands for the counts of the built-in scene NAME.
     if let Some(scene) = path.to_str().and_then(|path| path.rsplit('/').next()?.strip_suffix(".built-in")) {
         return Ok(scenes::counts(scene).into_iter().collect());
     }

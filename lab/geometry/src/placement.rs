@@ -154,7 +154,7 @@ impl CaptureSearch<'_> {
         }
     }
 
-    /// How well a capture at a place shows each end, 0…1; 0 for an end that it does not see.
+    /// How well a capture at a place would show the end of each sampled mirror ray, 0…1; 0 for a hidden end.
     fn row(&self, place: DVec3) -> Vec<f32> {
         self.ends
             .iter()
@@ -177,7 +177,8 @@ impl CaptureSearch<'_> {
     }
 }
 
-/// How finely a capture at a place shows an end that it sees, in 0…1.
+/// How finely a capture at a place shows the end of a mirror ray, in 0…1. The result falls as the capture's texel at
+/// the end grows against the pixel of the eye there.
 fn shown_share(place: DVec3, end: &MirrorEnd) -> f32 {
     let away = place - end.position;
     let cosine = away.normalize_or_zero().dot(end.normal).abs().max(COSINE_MIN);

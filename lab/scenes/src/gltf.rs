@@ -94,7 +94,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The lights and cameras that are chosen for a file without them; `None` for a file with both.
+/// Says which lights and views a file without lights or cameras will get; `None` for a file with both.
 fn chosen(scene: &Scene) -> Option<String> {
     let light = "one directional light shines from above";
     let view = "the view shows all of the scene";

@@ -205,8 +205,8 @@ impl Sections {
         self.mesh.iter().any(|mesh| !gltf::is_named(Path::new(mesh.file.get_ref())))
     }
 
-    /// A note about a scene file that calls its OBJ files right-handed and does not name the coordinates of its places, which
-    /// were left-handed before the key existed.
+    /// A note about a scene file whose places are read as right-handed only because its OBJ files are. Before the key
+    /// `coordinates` existed, such places were read as left-handed. `None` for any other file.
     fn note(&self, path: &Path) -> Option<String> {
         let has_places = !(self.view.is_empty() && self.light.is_empty() && self.path.is_empty());
         let is_unsaid = self.has_obj() && self.coordinates.is_none() && self.handedness == Some(Handedness::Right);

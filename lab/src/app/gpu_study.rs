@@ -363,8 +363,9 @@ fn findings(
     Ok(Findings { copy, steps, same, drawn, validation: layer_messages(gpu, &kept_specs)?, programs })
 }
 
-/// Records of what the device's compiler makes of programs: those of every method as published and in compute shaders, and those of
-/// `unified` in both stages and with a history.
+/// Compiles the programs of every method, in the published stages and in compute shaders. The programs of `unified` are
+/// also compiled in both stages and with a history. Returns the compiler's statistics, or the reason why the device
+/// reports none.
 fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPrograms> {
     let compiler = match other_devices::compiler(gpu) {
         Err(Error::Ssct(ssct::Error::NoDevice(why))) => return Ok(CompiledPrograms::Unknown(why)),

@@ -201,6 +201,7 @@ impl Args for MethodOptions {
             )
             .value_parser(clap::value_parser!(PathBuf))
             .action(clap::ArgAction::Append);
+        // Parameters of one name, which several methods may declare, share one flag.
         let mut all = methods::parameters();
         let mut command = command.arg(preset).arg(include);
         while let Some((first, _)) = all.first().cloned() {

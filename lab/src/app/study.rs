@@ -93,8 +93,9 @@ impl Plan {
         Ok(Self { scenes, timed_scenes, views, size, samples, table_sizes, error_size, rays, methods, command })
     }
 
-    /// The parts of the study, in the order in which a reader wants them: pictures of one view, the thesis's table, errors,
-    /// and then the rest of each.
+    /// The parts of the study, in the order in which a reader wants them: the pictures of one view, the thesis's table,
+    /// the errors and the thesis's figures. The pictures of the other views, the times and the images of other devices
+    /// follow.
     fn parts<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene], untimed: &[Scene]) -> Result<Vec<Part<'a>>> {
         let shown = |scene: &Scene, view: &View| Part::Pictures {
             scene: scene.name.clone(),
@@ -274,7 +275,7 @@ impl<'a> Study<'a> {
         self.pictures.place().path().join("index.html")
     }
 
-    /// Makes every part, and writes the page after each but the last.
+    /// Makes every part, and writes the page after each part but the last. The caller writes the page after that.
     fn measure(&self, journal: &mut Journal, made: &mut StudyResults) -> anyhow::Result<()> {
         let mut last = LastMade::default();
         for (n, part) in self.parts.iter().enumerate() {

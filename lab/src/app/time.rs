@@ -197,7 +197,7 @@ fn caption_jobs(options: &TimeOptions) -> Result<Vec<TimeJob>> {
     find_captions(options, &scenes)?.into_iter().map(job).collect()
 }
 
-/// The scene of the flags, or the built-in ones that stand for the figures.
+/// The scene that the flags name, or else the built-in scenes that take the place of those in the printed figures.
 fn caption_scenes(options: &TimeOptions) -> Result<Vec<Rc<Scene>>> {
     let place = &options.common.place;
     if place.scene.is_empty() {
@@ -225,7 +225,8 @@ fn find_captions<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<V
     Ok(wanted)
 }
 
-/// The global factors of the flags. Without a flag, the roughness is [`CAPTION_ROUGHNESS`], and the normal deviation is the roughness.
+/// The global factors that the flags give. By default the roughness is [`CAPTION_ROUGHNESS`], and the normal deviation
+/// equals the roughness.
 fn caption_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     let mut globals = resolve::globals(&options.common.place)?;
     for g in &mut globals {

@@ -17,7 +17,7 @@ pub struct ViewArguments {
     arguments: Vec<OsString>,
 }
 
-/// Runs the window's program in place of this one.
+/// Runs the window's program in place of this one. Returns only if that program cannot be run.
 pub fn run(options: &ViewArguments) -> anyhow::Result<()> {
     let program = find_window_program(std::env::current_exe().ok().as_deref());
     let mut command = Command::new(program.unwrap_or_else(|| PROGRAM.into()));

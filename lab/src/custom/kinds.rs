@@ -80,7 +80,7 @@ const STORED: [(&str, u32); 15] = [
     ("rgb10-a2", 11),
 ];
 
-/// The kind of image that a source is.
+/// The kind of image that a shader gets from a source.
 fn fed(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKind {
     let plane = ImageKind {
         dim: Dim::Two,

@@ -201,6 +201,7 @@ fn parts(text: &str, separator: char) -> Vec<&str> {
 
 /// True for a type that is no number, such as samplers and images, whose uniforms need no block in Vulkan either.
 fn is_opaque(kind: &str) -> bool {
+    // `isampler2D` and `uimage2D` lose their first letter; `image2D` keeps it.
     let bare =
         kind.strip_prefix(['i', 'u']).filter(|bare| !kind.starts_with("image") || bare.is_empty()).unwrap_or(kind);
     ["sampler", "image", "texture", "subpassInput", "atomic_uint", "accelerationStructure"]

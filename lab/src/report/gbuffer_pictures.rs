@@ -9,8 +9,8 @@ use ssct::gpu::Pixels;
 use ssct::passes::Content;
 use ssct_scenes::Camera;
 
-/// Rows of pictures as in print, from the intermediates of a frame and its camera: positions and
-/// normals in world space; the same in view space; albedo and reflectivity; the lit scene.
+/// The rows of pictures of Schmidt's figure 27, from the intermediates of a frame and its camera: positions and
+/// normals in world space; both in view space; albedo and reflectivity; the lit scene.
 ///
 /// Positions span their own range in each picture: black is their least x, y and z, white the greatest.
 ///

@@ -269,7 +269,8 @@ fn samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<comp
     Ok(Some(totals_only(run)))
 }
 
-/// The date of a run: the date at the beginning of a folder's name on its path, the nearest of several; else the date of its newest file.
+/// The date of a run: the date that its folder's name begins with, or else the name of the nearest folder above it. If
+/// no name begins with a date, the result is the date of the run's newest file.
 fn date(folder: &Path, files: &[PathBuf]) -> (String, DatedBy) {
     let names = folder.components().rev().filter_map(|part| match part {
         Component::Normal(name) => name.to_str(),

@@ -79,7 +79,7 @@ impl SharedImages {
         self.gbuffers.iter_mut().for_each(|known| known.drawn = None);
     }
 
-    /// The G-buffer of a shot. That of a shot made elsewhere is added.
+    /// Returns the entry of a shot's G-buffer, which is added if there is none yet.
     fn of_shot(&mut self, shot: &Shot) -> &mut SharedGBuffer {
         let is_its = |known: &SharedGBuffer| Rc::ptr_eq(&known.pass, &shot.gbuffer);
         let index = self.gbuffers.iter().position(is_its).unwrap_or_else(|| {

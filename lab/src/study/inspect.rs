@@ -160,7 +160,7 @@ impl Inspection {
                 chain: chain(&depth),
             }
         };
-        // At a lower resolution rays start from other pixels, so that they have no twin.
+        // At a lower resolution rays start from other pixels than those of a twin, so that no twin repeats them.
         let effect = setup.effect();
         let walks_pyramid = method.follows_oracle && recorded.iter().any(|pass| pass == "pyramid");
         let twin = match effect.divisor() {

@@ -192,7 +192,7 @@ impl Study for PathStudy {
         self.sizes.iter().map(|extent| self.planned(*extent)).collect()
     }
 
-    /// Each method of a cell has one result, whose key begins the keys of its frames.
+    /// Returns, for each method of a cell, the prefix of its frames' keys in the journal and the head of its record.
     fn results(&self, gpu: &Gpu, planned: &Planned<[u32; 2]>) -> Vec<(String, Value)> {
         let (start, setup) = (self.view(0), self.setup.with_extent(planned.cell));
         let head = |m| Head::new("path", gpu, (&self.scene, &start), RecordSubject::Method(m), &setup, &self.globals);

@@ -253,7 +253,8 @@ pub fn verdicts(inspection: &Inspection, made: MethodImages, world: &World, boun
 }
 
 impl SurfaceReport {
-    /// `index` is the pixel's number, row by row; `mesh` names the mesh that the pixel shows.
+    /// Describes the surface that a pixel of the G-buffer shows. `index` is the pixel's number, row by row; `mesh`
+    /// names the mesh that the pixel shows.
     fn new(gbuffer: &GBufferData, index: usize, mesh: Option<String>) -> Self {
         let is_sky = gbuffer.depth[index] <= 0.0;
         let [x, y] = [index as u32 % gbuffer.width, index as u32 / gbuffer.width].map(|v| f64::from(v) + 0.5);
@@ -304,7 +305,7 @@ impl ColorReport {
 }
 
 impl MethodEnd {
-    /// `None` if the method does not say how the ray ended, or the pixel has no ray.
+    /// The end of a picked ray by the method; `None` if the method does not say how it ended, or the pixel has no ray.
     fn new(ray: &PickedRay) -> Option<Self> {
         let (code, place) = ray.method.filter(|(code, _)| *code != PathCode::None)?;
         let in_world = ray.in_world.filter(|way| !matches!(way.code, PathCode::Sky | PathCode::Unknown));

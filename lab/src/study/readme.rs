@@ -193,7 +193,7 @@ impl MeasuredRecords<'_> {
     }
 }
 
-/// Whether a record is about a variant, on the view and with the roughness of a number of the README.
+/// Whether a record is about the variant, and has the scene, view and roughness for which the README quotes the number.
 fn is_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
     let is_there = head.scene == quoted.scene && head.view == quoted.view && name(head) == variant;
     let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
@@ -209,15 +209,17 @@ pub fn quoted_numbers() -> Result<Vec<QuotedNumber>> {
     read.map_err(|e| Error::usage(format!("the README's numbers: {e}")))
 }
 
-/// Compares every number of the README with the measurements.
+/// Compares every number of the README with the measurements. Each number is a median over views. A record has the
+/// medians of the README's records and of the measurements, over the views that both have.
 ///
 /// # Errors
 /// Errors of [`quoted_numbers`].
 pub fn compare(measured: &MeasuredRecords) -> Result<Vec<ReadmeRecord>> {
     let mut records: Vec<ReadmeRecord> = Vec::new();
     let all = quoted_numbers()?;
-    let is_one = |a: &QuotedNumber, b: &QuotedNumber| (&a.place, &a.row, &a.column) == (&b.place, &b.row, &b.column);
-    for views in all.chunk_by(is_one) {
+    let is_same_cell =
+        |a: &QuotedNumber, b: &QuotedNumber| (&a.place, &a.row, &a.column) == (&b.place, &b.row, &b.column);
+    for views in all.chunk_by(is_same_cell) {
         let pairs: Vec<_> = views.iter().filter_map(|q| q.value.zip(measured.value(q))).collect();
         let medians = || (median_of(pairs.iter().map(|p| p.0)), median_of(pairs.iter().map(|p| p.1)));
         let both = (!pairs.is_empty()).then(medians);

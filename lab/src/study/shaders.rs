@@ -223,7 +223,8 @@ impl Study for ShadersStudy {
     }
 }
 
-/// Compiles the programs that frames of a variant run, on a stage of a scene and a device that compiles only.
+/// Compiles the programs of a variant: those that prepare it, those of a frame whose camera moved, and those that only
+/// frames at rest run. The stage has the scene, and a device that only compiles.
 ///
 /// # Errors
 /// [`Usage`](ssct::Error::Usage) on a device that was opened for something else, and errors of the driver.

@@ -146,7 +146,8 @@ fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<
 }
 
 impl StepsRecord {
-    /// Makes the record of the steps of some rays, which are in the order of [`blocks`].
+    /// Makes the record from the number of steps of each ray. The rays are in the order of [`blocks`], so that each
+    /// [`LANES`] of them that follow each other form a group of threads that wait for each other.
     fn from_steps(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData, images: StepsIn, mut all: Vec<u32>) -> Self {
         let groups = all.chunks(LANES);
         let (count, most) = (groups.len(), groups.map(|g| f64::from(g.iter().copied().max().unwrap_or(0))));

@@ -148,7 +148,7 @@ struct Change {
 }
 
 impl Change {
-    /// Adds the means over the pairs of one frame, weighted by the number of pairs.
+    /// Adds one frame: its number of pairs, and the means of the flicker and of the error over these pairs.
     fn add(&mut self, pairs: usize, flicker: f64, error: f64) {
         self.pairs += pairs;
         self.flicker += flicker * pairs as f64;

@@ -201,7 +201,8 @@ impl Pictures {
         Ok(())
     }
 
-    /// Analyses the frame that was rendered last. This renders additional frames.
+    /// Renders the last frame again, with counters, and reads it back: each method's reflections, and the first
+    /// method's counted work, ray ends and steps.
     pub fn analyse(&mut self) -> Result<FrameAnalysis> {
         let Some(wanted) = self.rendered.clone() else { return Ok(FrameAnalysis::default()) };
         let mut analysis = FrameAnalysis::default();

@@ -67,7 +67,7 @@ pub struct ReferenceComparison {
 }
 
 impl ReferenceComparison {
-    /// Starts a comparison. The other thread calls `wake` when it has finished.
+    /// Starts a comparison on another thread, which calls `wake` when it has finished, unless the view has changed.
     pub fn start(&mut self, request: ComparisonRequest, wake: impl FnOnce() + Send + 'static) {
         let (sender, receiver) = channel();
         self.waiting = Some(receiver);

@@ -167,7 +167,7 @@ impl State {
         if self.compare == Compare::One { &self.sides[..1] } else { &self.sides }
     }
 
-    /// Goes on to the next method.
+    /// Gives the first side the next method of the list of all methods. The first method follows the last.
     pub fn next_method(&mut self) {
         let side = &mut self.sides[0];
         let all = methods::all();

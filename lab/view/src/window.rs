@@ -254,8 +254,8 @@ impl Open {
     }
 }
 
-/// An error of the window system. Its text begins with a line of winit's source, and the cause follows the last
-/// colon.
+/// Makes an error from one of winit. The text of winit's error begins with a place in winit's source, and the cause
+/// follows its last colon.
 pub fn no_window(what: &str, error: &impl std::fmt::Display) -> Error {
     let text = error.to_string();
     let cause = text.rsplit(": ").next().unwrap_or(&text);

@@ -90,8 +90,8 @@ fn short_of_memory() -> Option<String> {
     ))
 }
 
-/// The error for a driver or a device that is not found, if a lack of memory may be the reason. A driver that does not fit is
-/// left out by the loader, or starts and finds no device.
+/// The error for a driver or a device that is not found, if a limit of this process's memory may be the reason. The
+/// loader leaves out a driver that needs more memory than the limit, or the driver starts and finds no device.
 fn no_driver_fits(result: vk::Result) -> Option<Error> {
     use vk::Result as R;
     let may_be = [R::ERROR_INCOMPATIBLE_DRIVER, R::ERROR_OUT_OF_HOST_MEMORY, R::ERROR_INITIALIZATION_FAILED];

@@ -147,10 +147,10 @@ impl FrameContext {
         self.pool.as_ref().map_or_else(|| self.gpu.clone(), |pool| self.gpu.pooled(pool))
     }
 
-    /// Begins a frame that this crate submits. A mode whose queries the device lacks records none.
+    /// Begins a frame that this crate submits. If the device lacks the queries of `mode`, the frame has none.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a context of a caller's command buffers.
+    /// [`Error::Usage`] if the context records into a caller's command buffers.
     pub fn begin(&mut self, mode: Mode) -> Result<Frame<'_>> {
         let device = self.gpu.raw();
         let Some(own) = &self.own else {

@@ -34,7 +34,8 @@ impl Frame<'_> {
         self.shade(name, &pipeline.graphics, targets, &inputs, Vertices::Triangle)
     }
 
-    /// Clears the stencil of a depth target and marks pixels that a fragment program doesn't discard. Depth is lost.
+    /// Clears the stencil of a depth target and marks pixels that a fragment program doesn't discard. The target loses
+    /// its depth.
     pub fn mark<F: Fragment>(
         &mut self,
         name: &str,

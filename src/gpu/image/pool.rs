@@ -2,6 +2,7 @@
 
 use super::{Image, ImageDesc, Kind};
 use crate::error::Result;
+use crate::gpu::Gpu;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Images that several effects write and read within a frame, and none of which has to survive one. An effect takes each image of the
@@ -49,5 +50,21 @@ impl Loan {
         let image = make()?;
         pooled.push(Pooled { key, image: image.renamed(desc.name) });
         Ok(image)
+    }
+}
+
+impl Gpu {
+    /// A handle to the same device, by which an effect takes its images of a pool.
+    pub(in crate::gpu) fn pooled(&self, pool: &ImagePool) -> Self {
+        let mut gpu = self.clone();
+        gpu.loan = Some(Loan::new(pool));
+        gpu
+    }
+
+    /// A handle to the same device, by which images are made anew.
+    pub(super) fn unpooled(&self) -> Self {
+        let mut gpu = self.clone();
+        gpu.loan = None;
+        gpu
     }
 }

@@ -122,6 +122,7 @@ impl Watch {
         result
     }
 
+    /// Adds to the number of living objects of a kind, if it is one of [`KINDS`].
     fn add(&self, kind: &str, count: i64) {
         if let Some(n) = KINDS.iter().position(|k| *k == kind) {
             self.live[n].fetch_add(count, Ordering::SeqCst);

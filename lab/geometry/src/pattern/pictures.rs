@@ -347,7 +347,7 @@ fn lancet(uv: Vec2, design: u32) -> Vec4 {
     paint_over(c, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
 }
 
-/// Twelve petals around a flower; their colours run once around the circle.
+/// A rose window of stained glass: twelve petals around a hub, in colours that run once around the circle.
 fn rose(uv: Vec2) -> Vec4 {
     let p = (uv - 0.5) * 2.0;
     let (r, turn) = (p.length(), atan2(p.x, -p.y) / TAU + 0.5);

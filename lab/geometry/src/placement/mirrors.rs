@@ -36,8 +36,8 @@ pub struct MirrorEnd {
     pub path_m: f64,
 }
 
-/// The ends of at most [`TRIES`] paths, up to [`ENDS`] of them. A path begins at a place where people stand, with a
-/// probability in proportion to the weight of the place.
+/// Tries [`TRIES`] paths over a mirror, and returns the first [`ENDS`] ends that the screen does not show. A path
+/// begins where people stand, at a place that is drawn in proportion to its weight.
 pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
     let mut sums: Vec<f64> = Vec::with_capacity(stands.len());
     stands.iter().for_each(|s| sums.push(sums.last().unwrap_or(&0.0) + s.weight));

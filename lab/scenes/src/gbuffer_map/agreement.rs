@@ -156,8 +156,8 @@ impl Slopes {
         (self.samples.len() >= FEWEST_SAMPLES).then(|| 1.0 - near as f64 / self.samples.len() as f64)
     }
 
-    /// The lens with which normals and slopes agree best, in words of the map, and the comparison with this lens;
-    /// `None` if no pixel can be compared.
+    /// Searches for the lens with which normals and slopes agree best. Returns this lens, written as keys and values of
+    /// a map, and the comparison with it; `None` if no pixel can be compared.
     pub(super) fn best_lens(&self, camera: &Camera) -> Option<(String, Self)> {
         let few: Vec<Sample> = {
             let step = (self.samples.len() / LENS_SAMPLES).max(1);
@@ -182,7 +182,8 @@ impl Slopes {
         (!few.is_empty()).then(|| (self.words(camera, &best), Self { opened: best, ..self.clone() }))
     }
 
-    /// A lens in the words of a map.
+    /// The lens `opened` as keys and values of a map. Its aspect and its shift are left out where they hardly differ
+    /// from those of this comparison's lens.
     fn words(&self, camera: &Camera, opened: &LensMapping) -> String {
         let mut words = match camera.lens.opening {
             FieldOfView::Height(_) => format!("orthographic-height = {:.3}", 2.0 / opened.scale.y),

@@ -175,7 +175,7 @@ impl<'a> MapFiles<'a> {
         Err(self.error(line, format!("{key}: {message}")))
     }
 
-    /// Ends the reading of a frame.
+    /// Checks, once a frame is read, that the map took something from the main file.
     ///
     /// # Errors
     /// [`Error::Malformed`] if nothing was taken from the main file.

@@ -66,7 +66,8 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// Takes one of the words of `choices`.
+    /// Takes a key whose value must be a word of `choices`, and returns what the word stands for; `None` if the key is
+    /// absent.
     pub fn word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<Option<T>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let found = value.as_str().and_then(|word| choices.iter().find(|(name, _)| *name == word));

@@ -301,7 +301,8 @@ pub(super) struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
-    /// The bytes of element `k`. No element has more than 64 bytes, those of a matrix of floats.
+    /// The bytes of element `k`: its last change, else its bytes in the view, else zeros. An element has at most 64
+    /// bytes, the size of a matrix of floats.
     fn get(&self, k: usize) -> &'a [u8] {
         let behind = self.changed.partition_point(|(element, _)| *element <= k);
         match behind.checked_sub(1).map(|last| self.changed[last]) {

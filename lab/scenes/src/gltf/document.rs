@@ -37,10 +37,10 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
     let animations = value.as_object_mut().and_then(|d| d.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
     check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
-    let alone = draco_alone(&value);
+    let draco_message = draco_alone(&value);
     let mut json: Root = parse_typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
     check_extensions(&mut json, notes).map_err(wrong)?;
-    if let Some(message) = alone {
+    if let Some(message) = draco_message {
         return Err(wrong(message));
     }
     mend_samplers(&mut json, notes);

@@ -3,7 +3,7 @@
 use gltf::json::Root;
 use serde_json::Value;
 
-/// Parses the document of a JSON value.
+/// Parses a JSON value as a glTF document.
 ///
 /// # Errors
 /// A message with the place, such as `materials[0].pbrMetallicRoughness.roughnessFactor`, the value found there, and the
@@ -33,7 +33,7 @@ fn in_words(message: &str) -> String {
     message.to_owned()
 }
 
-/// The value found, in words: serde's `string "0.5"` is a text.
+/// Names a value of a message by serde in the words of JSON: `a text` for serde's `string "0.5"`.
 fn found_in_words(found: &str) -> String {
     let kind = found.split(['`', '"']).next().unwrap_or(found).trim();
     match kind {

@@ -25,7 +25,7 @@ pub(super) struct ToWorld {
 }
 
 impl ToWorld {
-    /// Computes the cofactors and the sign of a matrix to the world.
+    /// Computes the cofactors of a matrix to the world, and the sign of its determinant.
     pub(super) fn new(to_world: DMat4) -> Self {
         let linear = DMat3::from_mat4(to_world);
         let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];

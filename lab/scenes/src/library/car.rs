@@ -74,7 +74,8 @@ struct Section {
     tumblehome: f32,
 }
 
-/// A closed, rounded surface through cross-sections; `section` takes t from 0 (the rear) to 1.
+/// Adds a closed, rounded surface through cross-sections; `section` takes t from 0 (the rear) to 1 (the front). `steps`
+/// are the cells around a cross-section and along t, and all places are relative to `ground`.
 fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(f32) -> Section) {
     let outline = |s: f32, t: f32| {
         let profile = section(t);

@@ -219,7 +219,7 @@ fn cylinders() -> Vec<Mesh> {
     vec![cylinder("tall-cylinder", 4.31, 2.93, 1.0), cylinder("low-cylinder", 2.98, 2.18, 0.62)]
 }
 
-/// A round table with a bowl, a ball and a box on it, and a stool.
+/// A round table with a bowl, a ball and a box on it.
 fn table() -> Vec<Mesh> {
     let middle = Vec3::new(-0.29, FLOOR_Y, 3.17);
     let mut table = mesh("table", WOOD);

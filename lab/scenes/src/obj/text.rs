@@ -242,7 +242,8 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// Writes a statement with its numbers as stated or, for a vertex of a scene that is moved, less the origin.
+    /// Writes a statement with its numbers as stated; `kind` is an index into [`KINDS`]. A vertex also widens the
+    /// bounds, and if the scene is moved, the origin is subtracted from the vertex.
     fn write_numbers(&mut self, kind: usize, stated: &[&str], numbers: DVec3) {
         self.out.vertices.push_str(["v", "vt", "vn"][kind]);
         if kind == 0 {

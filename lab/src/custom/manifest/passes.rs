@@ -210,7 +210,8 @@ impl PassInput {
     }
 }
 
-/// Splits `name`, `name:2`, `name:level` or `name:level-1` into the image's name and its level.
+/// Splits `name`, `name:2`, `name:level` or `name:level-1` into the image's name and its level. `level` is the level
+/// that the pass is recorded for.
 fn level_of(text: &str) -> std::result::Result<(&str, LevelOf), String> {
     let Some((name, level)) = text.split_once(':') else { return Ok((text, LevelOf::All)) };
     let parsed = match level.strip_prefix("level") {

@@ -64,7 +64,8 @@ impl BlockLayout {
         (0..).zip(code.members(id)).map(member).max().unwrap_or(0)
     }
 
-    /// Adds a member of a struct that lies at the byte `start`; `before` is the text before the member's name.
+    /// Adds a member of a struct. The struct begins at the byte `start` of the block, and `before` stands before the
+    /// member's name.
     fn add_member(
         &mut self,
         code: &SpirvCode,

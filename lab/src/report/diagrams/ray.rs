@@ -65,8 +65,8 @@ impl Profile {
         Vec2::new(LEFT + way / self.length * (WIDTH - LEFT - 24.0), TOP + PROFILE * (1.0 - share.clamp(0.0, 1.0)))
     }
 
-    /// The ways in pixels at which the ray's line enters and leaves a cell, limited to the drawing; `count` cells cover
-    /// the screen.
+    /// The distances in pixels from the ray's start at which its line enters and leaves a cell, limited to the drawing;
+    /// `count` cells cover the screen.
     fn span(&self, cell: Vec2, count: Vec2) -> [f32; 2] {
         let (low, high) = (cell / count * self.pixels, (cell + 1.0) / count * self.pixels);
         let start = self.from.xy() * self.pixels;

@@ -189,7 +189,7 @@ impl CaseMethods {
     }
 }
 
-/// Compares the images of a frame with its true reflection.
+/// Traces the true reflection of a frame, and sets it beside the images of the methods.
 fn judge_frame(take: &CaseInput, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
     let mut scene = take.scene.clone();
     for (name, offset) in &frame.moved {

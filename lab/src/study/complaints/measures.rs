@@ -133,8 +133,8 @@ pub fn error_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     if whole == 0.0 { 0.0 } else { 100.0 * (error / whole).sqrt() }
 }
 
-/// How much more of a colour some pixels have than in the true reflection, in percent of the colour. The measure is the mean
-/// excess of red minus green.
+/// How much redder some pixels are than in the true reflection, in percent of the redness of `color`. The redness of a
+/// colour is its red minus its green. The result is the mean over the pixels; one that is less red counts as 0.
 pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>, color: Vec3) -> f64 {
     let redness = |color: Vec3| f64::from(color.x - color.y);
     let (mut sum, mut count) = (0.0, 0_u32);

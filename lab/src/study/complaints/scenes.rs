@@ -84,7 +84,7 @@ pub fn wall(x: [f32; 2], y: [f32; 2], z: f32) -> impl FnOnce(&mut MeshBuilder) {
     }
 }
 
-/// An upright rectangle along the view that faces to the left or, if it stands at the left, to the right.
+/// An upright rectangle at `x`, parallel to the direction of view, that faces the plane x = 0.
 pub fn side(x: f32, y: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| {
         let corner = |a: f32, b: f32| Vec3::new(x, a, b);

@@ -114,14 +114,15 @@ impl Study for ComplaintStudy {
         self.cases[*cell].1.frames.len().max(2)
     }
 
-    /// Shows the frames of a complaint to all variants, and keeps the pictures.
+    /// Draws the frames of a complaint by every variant, keeps the pictures, and returns a row for each variant. The
+    /// progress bar advances by one step a frame, and at the end by the steps for which there is no frame.
     fn measure(&mut self, cell: &usize, bench: &mut Bench) -> Result<Vec<ComplaintRow>> {
         let case = &self.cases[*cell];
         let (complaint, take) = case;
         let (names, variants): (Vec<_>, Vec<_>) = self.variants.iter().cloned().unzip();
-        let (gpu, spare) = (bench.gpu, self.steps(cell) - take.frames.len());
+        let (gpu, unused_steps) = (bench.gpu, self.steps(cell) - take.frames.len());
         let seen = show_frames(gpu, take, &variants, &mut || bench.step())?;
-        (bench.advance)(spare);
+        (bench.advance)(unused_steps);
         pictures::all(complaint, &names, &seen).iter().try_for_each(|file| (bench.keep)(file))?;
         let rows = (0..names.len()).map(|n| self.row(gpu, case, n, (complaint.number)(&seen, n)));
         Ok(rows.collect())

@@ -18,7 +18,8 @@ pub fn flip_file(cell: &str, name: &str) -> String {
     format!("{cell}-{}-flip.png", safe_word(name))
 }
 
-/// The files of a cell; their names begin with `name`.
+/// The image files of a cell, whose names begin with `name`. Each strip (the image of a reference or a method) has a
+/// picture. A strip with errors also has maps of RMSE and of FLIP, each as numbers (EXR) and in colours (PNG).
 pub(super) fn files(name: &str, cell: &MeasuredCell) -> Vec<ExtraFile> {
     let image_file = |file: String, content| ExtraFile { path: format!("{IMAGES}/{file}"), content };
     let mut files = Vec::new();

@@ -140,8 +140,8 @@ impl Row for ErrorRecord {
     }
 }
 
-/// Chart of prepared bytes against error; `None` if all variants prepared the same number of bytes, which is then a column of
-/// the table alone.
+/// Chart of prepared bytes against error, without variants that prepare nothing. `None` if all others prepare equally
+/// many bytes: a column of the table says how many.
 fn bytes_against_error(points: &[Point]) -> Option<Chart> {
     let cost = |p: &Point| p.prepared.map_or(0.0, |(bytes, _)| bytes / MIB);
     let points: Vec<&Point> = points.iter().filter(|p| cost(p) > 0.0).collect();

@@ -79,7 +79,7 @@ impl NormalFormat {
         }
     }
 
-    /// Bytes of the value of a pixel.
+    /// Bytes that the normal of one pixel takes.
     fn bytes(self) -> u32 {
         match self {
             Self::Rgba32f => 16,

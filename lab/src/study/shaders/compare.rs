@@ -43,7 +43,7 @@ fn keys(records: &[ShaderRecord]) -> Vec<Vec<String>> {
     keys
 }
 
-/// Every statistic of every program that either run has, except digests.
+/// Pairs the two runs' values of each statistic of each program; what a run lacks is `None`. Digests are left out.
 pub fn compare((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<ShaderComparison> {
     let (keys_a, keys_b) = (keys(a), keys(b));
     let all = distinct(keys_a.iter().chain(&keys_b).cloned());

@@ -94,7 +94,7 @@ impl CaptureCase {
         self.places.iter().map(frame_scene).collect()
     }
 
-    /// The line-up of methods, with the case's number and size of captures.
+    /// Makes the methods once for all cases with this case's [`Self::key`], on the scene of the case's first frame.
     ///
     /// # Errors
     /// Errors of the device.

@@ -95,7 +95,7 @@ impl StressStudy {
         SCENE_SIZES[usize::from(!self.is_quick)]
     }
 
-    /// View and settings of a motion.
+    /// The view and the settings of the motion with index `n` in `motions`; all motions play in the first scene.
     fn motion_spec(&self, n: usize) -> MotionSpec<'_> {
         let (view, roughness, _) = self.motions[n];
         let (extent, frames, rays) = if self.is_quick { ([160, 90], 3, 16) } else { ([320, 180], 6, 64) };
@@ -131,7 +131,8 @@ impl Study for StressStudy {
         json!({ "quick": self.is_quick })
     }
 
-    /// The program's version and the digests of the scenes stand for all other properties of a case.
+    /// Lists every case as a cell. The setup of a cell has its name, the methods and the digests of the scenes; the
+    /// program's version, which the engine knows, stands for all other properties.
     fn cells(&self) -> Vec<Planned<StressCell>> {
         let setup = Setup::on_screen(self.scene_size());
         let set: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();

@@ -287,12 +287,15 @@ impl Row for TimeRow {
     fn is_whole(list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
         let TimeSettings { samples, a_a, .. } = TimeSettings::from_list(list);
         if result.record_head.is_null() {
+            // The journal keeps the whole record of a reference under one key.
             kept::<Self>(journal, &result.key).is_some()
         } else {
+            // The journal keeps each sample of a method under a key of its own.
             is_whole(&result.key, samples, a_a, journal)
         }
     }
 
+    /// Reads the kept rows of a reference, or makes the record of a method from its samples in the journal.
     fn read(list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         let Ok(head) = Head::deserialize(&result.record_head) else {
             return kept(journal, &result.key).unwrap_or_default();
@@ -339,8 +342,8 @@ pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     cells
 }
 
-/// Medians in milliseconds: a row for each group of passes of each record, including passes that do not count, and one for the
-/// total. The method has its name in the printed table.
+/// Medians in milliseconds: a row for each group of passes of each record, including passes that do not count, and one
+/// for the total. The column `method` names the variant, like the printed table.
 fn median_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = vec![MEDIAN_COLUMNS.map(str::to_owned).to_vec()];
     for r in records {

@@ -44,12 +44,13 @@ fn shift(frame: u32) -> [f32; 2] {
     [2, 3].map(|base| radical_inverse(frame % JITTER_PERIOD + 1, base) - 0.5)
 }
 
-/// The digits of a number to a base, mirrored behind the point: the sequence of Halton (1960), in one dimension.
+/// Mirrors the digits of a number, written to a base, at the point: 6 is 110 to the base 2, and becomes 0.011. Counting
+/// up gives the sequence of Halton (1960), in one dimension.
 fn radical_inverse(mut number: u32, base: u32) -> f32 {
-    let (mut sum, mut digit) = (0.0, 1.0);
+    let (mut sum, mut place_value) = (0.0, 1.0);
     while number > 0 {
-        digit /= base as f32;
-        sum += digit * (number % base) as f32;
+        place_value /= base as f32;
+        sum += place_value * (number % base) as f32;
         number /= base;
     }
     sum

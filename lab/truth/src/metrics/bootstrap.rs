@@ -96,7 +96,8 @@ pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) ->
     is_foretold.then(|| (needed.ceil() as u64).max(n as u64 + 1))
 }
 
-/// The interval of the median of some samples over [`RESAMPLES`] resamples; `None` with fewer than [`MIN_SAMPLES`].
+/// The bootstrap interval of the median of some samples, at [`CONFIDENCE`], over [`RESAMPLES`] resamples.
+/// `None` with fewer than [`MIN_SAMPLES`] samples.
 pub fn interval_of_median(samples: &[f64], seed: u64) -> Option<[f64; 2]> {
     if samples.len() < MIN_SAMPLES {
         return None;

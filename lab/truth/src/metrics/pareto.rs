@@ -27,8 +27,9 @@ impl MeasuredPoint {
     }
 }
 
-/// Indices, in order of time, of the points that no other point beats, for times that are known as intervals. Neither of two
-/// copies of one thing beats the other. Points that are not finite are never on the front.
+/// Indices, in order of least time, of the points that no other point beats, for times that are known as intervals. If
+/// the intervals of two points overlap and their errors are equal, neither point beats the other. Points that are not
+/// finite are never on the front.
 pub fn front_of_measured(points: &[MeasuredPoint]) -> Vec<usize> {
     let finite = |p: &MeasuredPoint| p.least.is_finite() && p.most.is_finite() && p.error.is_finite();
     let mut front: Vec<usize> = (0..points.len())

@@ -100,7 +100,8 @@ impl PrimaryRays {
         self.ray_within(index, [0.5, 0.5])
     }
 
-    /// The ray through a place within the pixel: 0 to 1 from its left and from its upper side.
+    /// The ray through a place within the pixel (0 to 1 from its left and from its upper side), and the view-space z
+    /// that the ray advances per metre.
     pub fn ray_within(&self, index: usize, [u, v]: [f64; 2]) -> (WorldRay, f64) {
         let [width, height] = self.extent.map(f64::from);
         let (x, y) = (index as u32 % self.extent[0], index as u32 / self.extent[0]);

@@ -246,7 +246,8 @@ impl Cube<'_> {
         2.0 * point.abs().max_element() / f64::from(self.faces[0].image.rays.gbuffer.width)
     }
 
-    /// Whether the capture sees a point, given relative to its place.
+    /// Whether the capture sees a point, given relative to the capture's place: the point lies beyond the near plane,
+    /// and not behind the back of the block in its texel. A texel without a block hides nothing.
     fn sees(&self, point: DVec3) -> bool {
         let face = self.cube_face(point);
         let image = &face.image;

@@ -192,7 +192,8 @@ impl<'a> Oracle<'a> {
         (x < self.blocks.width && y < self.blocks.height).then(|| self.blocks.at_clamped(x, y))
     }
 
-    /// The result for a ray that ends at s = `end` in the pixel `last`, behind that pixel's block or not.
+    /// The miss of a ray that ends at s = `end` in the pixel `last`. The miss says whether this end is behind that
+    /// pixel's block.
     fn miss(&self, last: [i32; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
         let block = self.block(last).unwrap_or(DepthBlock::EMPTY);
         let behind = block != DepthBlock::EMPTY && segment.depth_at(end) < block.back;

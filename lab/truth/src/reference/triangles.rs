@@ -97,9 +97,10 @@ impl<'a> TriangleWalk<'a> {
         let back = direction.to_array().map(|d| d < 0.0);
         let octant = [0x0404_0404, 0x0202_0202, 0x0101_0101];
         let octant = octant.iter().zip(back).filter(|(_, back)| !back).fold(0, |all, (bits, _)| all | bits);
-        let stands = self.moving.map_or(!self.nodes.is_empty(), |root| root > 0);
+        // The tree of the triangles that do not move has the first nodes. Without such triangles there is no such tree.
+        let has_still_tree = self.moving.map_or(!self.nodes.is_empty(), |root| root > 0);
         // A group of nodes: the first child's number, and the bits of the children that are still to be looked at.
-        let mut group = [0, if stands { 0x8000_0000 } else { 0 }];
+        let mut group = [0, if has_still_tree { 0x8000_0000 } else { 0 }];
         stack.extend(self.moving.map(|root| [root, 0x8000_0000]));
         loop {
             // A group of triangles: the first one's slot, and the bits of the triangles that are still to be tested.
@@ -130,8 +131,9 @@ impl<'a> TriangleWalk<'a> {
         }
     }
 
-    /// Intersects the children of a node: a mask of the children that are nodes, a mask of the children that the ray meets
-    /// before `nearest`, and the beginnings of both lists.
+    /// Intersects the children of a node. Returns a mask of the children that are nodes, a mask of what the ray meets
+    /// before `nearest`, and the numbers of the first child node and the first triangle. In the second mask, nodes have
+    /// the upper 8 bits and triangles the lower 24.
     fn intersect_children(
         &self,
         node: u32,

@@ -339,7 +339,7 @@ impl<'a> Traversal<'a> {
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
         let leaves = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
-        // A depth beyond all others meets no block.
+        // Where the ray leaves the surface of the first pixel it enters, it cannot hit it: the depth meets no block.
         if leaves && !self.is_followed {
             entry_depth = if ray.rate.z < 0.0 { -NEVER } else { NEVER };
         }
@@ -436,8 +436,8 @@ impl<'a> Traversal<'a> {
     }
 }
 
-/// Twin of `PixelBefore`: the pixel that a ray comes from as it enters another, across the boundary that it crossed
-/// last.
+/// Twin of `PixelBefore`: the pixel that a ray leaves as it enters `pixel`, across the boundary that it crosses last.
+/// `ahead` is that of [`Ray::ahead`].
 fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
     let entries = ((pixel + 1 - ahead).as_vec2() - ray.start) * ray.inverse;
     let back = 1 - 2 * ahead;

@@ -70,7 +70,7 @@ fn preset(ui: &mut Ui, side: &mut Side) {
     }
 }
 
-/// A row: the parameter's name, its control, and whether its value is the published one.
+/// Draws a row: the parameter's name, its control, and a dot at the published value or else a button back to it.
 fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
     let name = row.typed_name();
     ui.label(name.replace('-', " ")).on_hover_text(about(row));

@@ -36,8 +36,9 @@ impl Settling {
 }
 
 impl Frame<'_> {
-    /// Whether a pipeline must be settled now: at its first draw, on a driver with the bug. The caller then calls
-    /// [`Self::consume_pushed_values`], draws zero vertices, and pushes its values again. The pipeline counts as settled afterwards.
+    /// Whether a pipeline must be settled now: it is used for the first time, and the driver has the bug that this file
+    /// works around. For a graphics pipeline the caller then calls [`Self::consume_pushed_values`], draws zero
+    /// vertices, and pushes its values again. The pipeline counts as settled after this call.
     pub(in crate::gpu::frame) fn must_settle(&mut self, settled: &Arc<AtomicBool>) -> bool {
         let is_new = !settled.load(Ordering::Relaxed) && self.settled.iter().all(|other| !Arc::ptr_eq(other, settled));
         if self.context.settling.is_none() || !is_new {

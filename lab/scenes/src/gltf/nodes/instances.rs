@@ -53,8 +53,8 @@ pub(super) fn instances(data: &Data, node: &Node) -> Result<Vec<DMat4>> {
     Ok((0..count).map(matrix).collect())
 }
 
-/// The vectors of an attribute of the extension, or `None` if the node has no such attribute. Integers are converted to
-/// −1…1 if the accessor is normalized.
+/// The vectors of an attribute of [`INSTANCING`], or `None` if the node has no such attribute. Integers are converted
+/// to −1…1 if the accessor is normalized.
 fn attribute<'a, const N: usize>(
     data: &'a Data,
     node: &Node,

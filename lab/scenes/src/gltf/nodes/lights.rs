@@ -15,7 +15,8 @@ pub(super) struct PlacedLight {
     illuminance: f64,
 }
 
-/// A light in the world, or `None` if it gives no light.
+/// Places a light in the world, as a white one, with its brightness at the scene's centre. `None` if that brightness is
+/// not positive and finite, or if the light stands too far away.
 pub(super) fn lamp(
     light: &gltf::khr_lights_punctual::Light,
     to_world: &DMat4,

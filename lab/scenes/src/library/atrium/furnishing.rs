@@ -100,7 +100,7 @@ fn banner(s: f32, t: f32, court: f32) -> (Vec3, Vec2) {
     (position, Vec2::new(WIDTH * (s - 0.5), run))
 }
 
-/// Four large vases in the corners of the galleries.
+/// Four large vases in the corners of the galleries, with a shrub in each.
 fn vases() -> Vec<MeshBuilder> {
     [(-13.3, -4.9), (-13.3, 5.6), (11.9, -4.6), (11.9, 5.3)]
         .into_iter()

@@ -89,7 +89,7 @@ impl Definition {
         }
     }
 
-    /// The material that results from its numbers by its law.
+    /// The material that the statements describe, by the law that `settle` chose for their numbers.
     pub(in crate::obj) fn reading(&self) -> MaterialReading {
         let factors = Factors {
             base: self.base(),
@@ -126,8 +126,8 @@ impl Definition {
     fn metallic(&self) -> f32 {
         let stated = match self.law {
             Law::Wavefront => 0.0,
-            // Blender writes the metalness as the ambient colour, and white without metalness. The illumination model of a
-            // mirror is written for metals alone.
+            // Blender writes the metalness as the ambient colour, but writes white for a material without metalness.
+            // Only metals get the illumination model 3 or 6, which tells the two apart.
             Law::Blender(_) => {
                 self.ambient.filter(|_| matches!(self.model, Some(3 | 6))).map_or(0.0, |ambient| ambient.x)
             }

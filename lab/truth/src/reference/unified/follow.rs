@@ -343,7 +343,8 @@ impl<'a> CaptureTraversal<'a> {
 }
 
 impl Traversal<'_> {
-    /// Whether a ray that hit nothing ends beyond the far plane, and in front of the surface of its last pixel (`MissCode`).
+    /// Whether a ray that hit nothing left the view through the far plane (`MissCode`). Such a ray ends neither at a
+    /// side of the screen nor behind its last pixel's block, and does not run towards the camera.
     fn ends_in_sky(&self, ray: &Ray) -> bool {
         let inside = (ray.end * ray.rate.truncate() + 0.5).floor().as_ivec2();
         let depth = ray.depth + ray.end * ray.rate.z;

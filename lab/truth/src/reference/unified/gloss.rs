@@ -75,8 +75,8 @@ impl<'a> Gloss<'a> {
         self.is_on_list(pixel, true) && self.depth(pixel) > 0.0
     }
 
-    /// The pixel of `FindWideCell`; `None` where the shader's roughness is 0. Beyond the image, the nearest cell at its edge
-    /// counts.
+    /// The pixel that a cell's ray begins on, as the shader's `FindWideCell` finds it; `None` if no pixel of the cell
+    /// has a wide lobe. Pixels of a cell beyond the image are moved to its edge.
     pub(super) fn wide_pixel(&self, cell: IVec2) -> Option<IVec2> {
         let size = self.traversal.parameters.size;
         if cell.cmple(self.last_cell()).all() {
@@ -122,8 +122,8 @@ impl<'a> Gloss<'a> {
         })
     }
 
-    /// The colour of a hit, over a footprint as wide as the texels of a level: that of `LoadHitPixel` in level 0 and of
-    /// `SampleColorChain` in others, without the sky along the ray.
+    /// Twin of `LoadHitPixel` and `SampleColorChain`, but without the sky: the colour of a hit over a footprint as wide
+    /// as the texels of a level. Level 0 takes the hit pixel, and other levels blend four texels around the hit.
     pub(super) fn sample_hit(&self, hit: &Hit, footprint_level: f32) -> Vec3 {
         let level = (footprint_level + 0.5).min((self.chain.len() - 1) as f32) as usize;
         let image = &self.chain[level];

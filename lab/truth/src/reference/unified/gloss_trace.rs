@@ -53,7 +53,8 @@ impl Gloss<'_> {
         Some(self.aim(pixel, normal, Vec2::new(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, |_| 1.0))
     }
 
-    /// The ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe.
+    /// The ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe. The more the lobes of
+    /// neighbouring cells overlap, the smaller is the share of the lobe that the ray stands for.
     pub fn aim_wide(&self, cell: IVec2) -> Option<AimedRay> {
         let pixel = self.wide_pixel(cell)?;
         // The normal's change within the block of 2 × 2 cells that a device shades together.
@@ -71,8 +72,8 @@ impl Gloss<'_> {
         Some(self.aim(pixel, self.normal(pixel), u, WIDE_FOOTPRINTS, common))
     }
 
-    /// The first half of `TraceLobeSample`; `common` gives, for a lobe power, the part that a lobe and the lobes of its
-    /// neighbours have in common.
+    /// The first half of `TraceLobeSample`: the ray of the pattern point `u` in a pixel's lobe. `common` gives, for a
+    /// lobe power, the part that the lobe shares with its neighbours' lobes. `footprints` cover a lobe shared wholly.
     fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> AimedRay {
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
         let lobe = Lobe::new(self.traversal.parameters.view_direction(point), normal, self.roughness(pixel));
@@ -103,7 +104,8 @@ impl Gloss<'_> {
         Some((hit, lit.map(super::sound).extend(self.fade(hit.position * p.pixel_to_clip))))
     }
 
-    /// The result of a narrow lobe's ray for its neighbours, before it is packed.
+    /// Traces a narrow lobe's ray, and returns what neighbouring pixels gather of it, before it is packed. The key's w
+    /// is negative for a miss.
     pub fn trace_narrow_pixel(&self, aim: &AimedRay) -> NeighbourRay {
         let (root, lobe_sample) = (aim.lobe.power.sqrt(), self.trace_glossy_ray(aim));
         let key = aim.lobe.mirror.extend(if lobe_sample.is_some() { root } else { -root });

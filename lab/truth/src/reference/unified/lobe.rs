@@ -121,7 +121,8 @@ impl Parameters {
         -(slope * z)
     }
 
-    /// `FootprintLevel`: the level of the colour chain for a ray with a density and a share of the lobe.
+    /// `FootprintLevel`: the level of the colour chain for a ray from `point` to `there`. `density` is its
+    /// [`log_density`], and `share` the share of the lobe that it stands for.
     pub(super) fn footprint_level(&self, point: Vec3, there: Vec3, density: f32, share: f32) -> f32 {
         let away = there - point;
         let z = if self.kind.is_orthographic() { 1.0 } else { there.z };

@@ -60,7 +60,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// The number of samples of a pixel in a state with `of_state` samples.
+    /// The number of samples that a pixel of this kind has taken, in a state whose number of samples is `of_state`.
     pub(crate) fn samples(self, of_state: u32) -> u32 {
         match self {
             Self::None => 0,
