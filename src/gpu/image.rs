@@ -338,25 +338,9 @@ impl OwnedImage {
         let handle = unsafe { gpu.raw().create_image(&info, None) }
             .map_err(vulkan(format!("vkCreateImage for {}", desc.name)))?;
         gpu.name(handle, desc.name);
-        let mut image = Self {
-            gpu: gpu.clone(),
-            handle,
-            allocation: None,
-            level_views: Vec::new(),
-            whole_view: vk::ImageView::null(),
-            coarse_view: vk::ImageView::null(),
-            faces_view: vk::ImageView::null(),
-            stencil_view: vk::ImageView::null(),
-            format: desc.format,
-            extent: desc.extent,
-            depth,
-            slice_views: Vec::new(),
-            layers: desc.layers,
-            states: (0..desc.levels).map(|_| TrackedState::default()).collect(),
-            name: desc.name.to_owned(),
-            borrowed: false,
-            part: None,
-        };
+        let mut image = Self::bare(gpu, desc.name, handle, (desc.format, desc.extent));
+        (image.depth, image.layers, image.borrowed) = (depth, desc.layers, false);
+        image.states = (0..desc.levels).map(|_| TrackedState::default()).collect();
         // SAFETY: the handle was just made.
         let requirements = unsafe { gpu.raw().get_image_memory_requirements(handle) };
         let allocation = memory::allocate(gpu, desc.name, requirements, MemoryPlace::Device, false)?;
