@@ -77,7 +77,7 @@ within = seen_beside((1, 0.1, 0.2, 0))
 beside = {"edge": (1, 0.999, 0.2, 0), "face": (0.1, 1, 0.2, 0), "level": (1, 0.1, 0.2, 1), "corner": (1, 0.999, 0.999, 0)}
 changes = {name: np.abs(seen_beside(last) - within) for name, last in beside.items()}
 for name, change in changes.items():
-    print(f"beside a thread at another {name}: {int((change > 0).sum())} of {VECTORS} samples change, by at most {change.max():.1e}")
+    print(f"beside another {name}: {int((change > 0).sum())} of {VECTORS} samples change, by at most {change.max():.1e}")
 corner = changes.pop("corner")
 is_as_seen = 0 < corner.max() < 1e-6 and not any(change.any() for change in changes.values())
 sys.exit(0 if is_as_seen else "this has changed: only the corner is expected to change samples")

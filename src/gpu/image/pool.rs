@@ -9,47 +9,32 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// pool at most once, and another effect takes the same images again. So frames of these effects must not run at the same time, and
 /// what a frame made is lost when another effect runs. Clones are handles to the same images.
 #[derive(Clone, Default)]
-pub struct ImagePool(Arc<Mutex<Vec<Pooled>>>);
-
-struct Pooled {
-    key: Key,
-    image: Image,
-}
+pub struct ImagePool(Arc<Mutex<Vec<(Key, Image)>>>);
 
 /// Everything of an image but its name.
 type Key = (Kind, ash::vk::Format, [u32; 2], u32, u32, ash::vk::ImageUsageFlags);
 
-/// What one effect takes of a pool: the number of images of each kind that it has taken so far.
+/// What one effect takes of a pool: the indices of the images that it has taken so far.
 #[derive(Clone)]
 pub(in crate::gpu) struct Loan {
     pool: ImagePool,
-    taken: Arc<Mutex<Vec<(Key, usize)>>>,
+    taken: Arc<Mutex<Vec<usize>>>,
 }
 
 impl Loan {
-    /// Begins to take images of a pool for another effect.
-    pub fn new(pool: &ImagePool) -> Self {
-        Self { pool: pool.clone(), taken: Arc::default() }
-    }
-
-    /// The next image of a description that the effect has not taken yet, under the name of the description. If there is none,
-    /// `make` makes it.
+    /// An image of a description that the effect has not taken yet, under the name of the description. If there is none, `make`
+    /// makes it.
     pub(super) fn take(&self, kind: Kind, desc: &ImageDesc, make: impl FnOnce() -> Result<Image>) -> Result<Image> {
         let key = (kind, desc.format, desc.extent, desc.levels, desc.layers, desc.usage);
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut pooled = self.pool.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = taken.iter().position(|(k, _)| *k == key).unwrap_or_else(|| {
-            taken.push((key, 0));
-            taken.len() - 1
-        });
-        let count = &mut taken[known].1;
-        *count += 1;
-        if let Some(free) = pooled.iter().filter(|p| p.key == key).nth(*count - 1) {
-            return Ok(free.image.renamed(desc.name));
+        let mut images = self.pool.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let free = (0..images.len()).find(|n| images[*n].0 == key && !taken.contains(n));
+        if free.is_none() {
+            images.push((key, make()?));
         }
-        let image = make()?;
-        pooled.push(Pooled { key, image: image.renamed(desc.name) });
-        Ok(image)
+        let index = free.unwrap_or(images.len() - 1);
+        taken.push(index);
+        Ok(images[index].1.renamed(desc.name))
     }
 }
 
@@ -57,7 +42,7 @@ impl Gpu {
     /// A handle to the same device, by which an effect takes its images of a pool.
     pub(in crate::gpu) fn pooled(&self, pool: &ImagePool) -> Self {
         let mut gpu = self.clone();
-        gpu.loan = Some(Loan::new(pool));
+        gpu.loan = Some(Loan { pool: pool.clone(), taken: Arc::default() });
         gpu
     }
 
