@@ -40,7 +40,8 @@ pub(crate) fn has_stencil(format: vk::Format) -> bool {
     format == vk::Format::D32_SFLOAT_S8_UINT
 }
 
-/// A handle to an image with its memory and views, which the last handle destroys.
+/// A handle to an image with its memory and views, which the last handle destroys. Clones are handles to the same image.
+#[derive(Clone)]
 pub struct Image {
     name: String,
     shared: Arc<OwnedImage>,

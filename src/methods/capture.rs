@@ -11,13 +11,14 @@ use crate::passes::gbuffer::{GBufferImages, GBufferPass};
 use crate::passes::keep_normal::KeepNormalPass;
 use crate::passes::lighting::LightingPass;
 use crate::passes::pyramid::{self, PyramidPass};
-use crate::passes::scene_data::SceneData;
+use crate::passes::scene_data::{DrawingCost, DrawnCaptures, SceneData};
 use crate::passes::{Captures, GBuffer, LIT_COLOR, lost};
 use ash::vk;
 use glam::Vec3;
 use ssct_ground::scene::capture::face_camera;
 use ssct_ground::scene::{Aabb, Camera, Capture, GBufferData, Material};
 use std::cell::Cell;
+use std::time::Instant;
 
 /// Near plane of the faces of a cube map, in metres.
 const NEAR_M: f32 = 0.01;
@@ -83,6 +84,16 @@ pub fn common_near_m(captures: &[Capture]) -> f32 {
     captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
 }
 
+/// The places of captures in the world.
+fn positions(taken: &[Capture]) -> Vec<Vec3> {
+    taken.iter().map(|c| c.position).collect()
+}
+
+/// A camera with the projection of the faces of captures.
+fn forward_camera(taken: &[Capture]) -> Camera {
+    face_camera(Vec3::ZERO, 4, common_near_m(taken))
+}
+
 /// Captures of a scene, with the images in which rays are followed (docs/definitions.md, "Images").
 pub struct CaptureImages {
     pyramid: Image,
@@ -93,6 +104,8 @@ pub struct CaptureImages {
     face_unit: f32,
     /// A box in the world outside of which nothing stands: the bounds of the scene when a face was last drawn.
     bounds: Cell<Aabb>,
+    /// Whether the scene keeps these images too, so that other effects may look into them.
+    is_shared: bool,
 }
 
 impl CaptureImages {
@@ -106,6 +119,45 @@ impl CaptureImages {
         let made = Self::empty(context.gpu(), taken)?;
         made.draw(context, scene, &passes)?;
         Ok(made)
+    }
+
+    /// Returns the captures of a scene that does not change, for effects that neither renew nor move them. The scene keeps these images: the
+    /// next effect that looks into captures of these places gets the same ones. The second result is the
+    /// cost of images that were drawn earlier; it is 0 for images that are drawn now.
+    ///
+    /// # Errors
+    /// Errors of [`Self::new`].
+    pub(crate) fn shared(
+        context: &mut FrameContext,
+        scene: &SceneInput,
+        taken: &[Capture],
+    ) -> Result<(Self, DrawingCost)> {
+        let materials = captured_of(scene.materials);
+        if let Some(drawn) = scene.data.drawn_captures(taken, &materials) {
+            let DrawnCaptures { pyramid, normal, color, cost, .. } = drawn;
+            let (places, forward) = (positions(taken), forward_camera(taken));
+            let images = Self { is_shared: true, ..Self::of_images(places, &forward, [pyramid, normal, color]) };
+            return Ok((images.within(scene.data.bounds()), cost));
+        }
+        let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
+        let made = Self { is_shared: true, ..Self::new(context, scene, taken)? };
+        scene.data.keep_captures(DrawnCaptures {
+            captures: taken.to_vec(),
+            materials,
+            pyramid: made.pyramid.clone(),
+            normal: made.normal.clone(),
+            color: made.color.clone(),
+            cost: DrawingCost {
+                time_ms: 1e3 * begun.elapsed().as_secs_f64(),
+                device_bytes: context.gpu().allocated_bytes().saturating_sub(held),
+            },
+        });
+        Ok((made, DrawingCost::default()))
+    }
+
+    /// Whether other effects may look into these images, so that they must not be drawn again.
+    pub(crate) fn is_shared(&self) -> bool {
+        self.is_shared
     }
 
     /// Makes the images without content, for captures that each frame moves and draws before it looks into them.
@@ -162,9 +214,7 @@ impl CaptureImages {
 
     /// Makes the images for some captures, without content.
     fn empty(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
-        let places: Vec<Vec3> = taken.iter().map(|c| c.position).collect();
-        let forward = face_camera(Vec3::ZERO, 4, common_near_m(taken));
-        Self::of_camera(gpu, places, taken.first().map_or(1, |c| c.resolution), &forward)
+        Self::of_camera(gpu, positions(taken), taken.first().map_or(1, |c| c.resolution), &forward_camera(taken))
     }
 
     /// Makes the images for faces with the projection of a camera; where that camera looks does not matter.
@@ -183,15 +233,26 @@ impl CaptureImages {
         let snorm = vk::Format::R8G8B8A8_SNORM;
         let strips = pyramid::size(extent, pyramid::strip(extent));
         let levels = image::full_chain(extent);
-        Ok(Self {
-            pyramid: Image::array(gpu, &desc("capture pyramids", rg32, strips, 1, U::STORAGE))?,
-            normal: Image::array(gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?,
-            color: Image::cubes(gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?,
-            face: super::unified::parameters(forward, extent, false),
+        let images = [
+            Image::array(gpu, &desc("capture pyramids", rg32, strips, 1, U::STORAGE))?,
+            Image::array(gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?,
+            Image::cubes(gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?,
+        ];
+        Ok(Self::of_images(places, forward, images))
+    }
+
+    /// Captures whose images exist: pyramids, normals and colours.
+    fn of_images(places: Vec<Vec3>, forward: &Camera, [pyramid, normal, color]: [Image; 3]) -> Self {
+        Self {
+            face: super::unified::parameters(forward, color.extent(), false),
             face_unit: lost::view_unit_m(forward),
             places: places.into_iter().map(Cell::new).collect(),
             bounds: Cell::new(Aabb::ALL),
-        })
+            is_shared: false,
+            pyramid,
+            normal,
+            color,
+        }
     }
 
     /// Copies the images of a face, number 6 k + f for face f of capture k, and makes the colour's mip chain of this
@@ -236,7 +297,7 @@ impl CaptureImages {
 
     /// Returns the captures in the form in which methods read them.
     pub fn captures(&self) -> Captures<'_> {
-        let Self { pyramid, normal, color, places, face, face_unit, bounds } = self;
+        let Self { pyramid, normal, color, places, face, face_unit, bounds, .. } = self;
         Captures { pyramid, normal, color, places, face, face_unit: *face_unit, bounds: bounds.get() }
     }
 }

@@ -13,7 +13,7 @@ use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
-use crate::passes::scene_data::SceneData;
+use crate::passes::scene_data::{DrawingCost, SceneData};
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
 use crate::passes::triangle_scene::TriangleReading;
 use crate::passes::{Captures, GBuffer};
@@ -110,10 +110,10 @@ impl Effect {
         let Some(scene) = scene else { return Ok(made) };
         // Images that every frame draws anew are not prepared.
         held += context.gpu().allocated_bytes() - with_triangles;
-        made.prepare(context, scene)?;
+        let shared = made.prepare_at_cost(context, scene)?;
         made.prepared = Prepared {
-            time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64(),
-            device_bytes: context.gpu().allocated_bytes().saturating_sub(held),
+            time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64() + shared.time_ms,
+            device_bytes: context.gpu().allocated_bytes().saturating_sub(held) + shared.device_bytes,
             captures: if at_camera { Vec::new() } else { made.places().map(|c| c.position.to_array()).collect() },
             ray_structure_ms: triangles
                 .filter(|reading| reading.queries)
@@ -255,6 +255,13 @@ impl Effect {
 
     /// Makes the images that outlive frames anew, after the scene's materials changed.
     pub fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        self.prepare_at_cost(context, scene).map(drop)
+    }
+
+    /// Makes the images that outlive frames. Returns the cost of those that another effect had drawn before, so that
+    /// [`Prepared`] is that of an effect alone.
+    fn prepare_at_cost(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<DrawingCost> {
+        let mut cost = DrawingCost::default();
         if let Some(captured) = &mut self.captures {
             let materials = captured_of(scene.materials);
             if captured.at_camera {
@@ -262,7 +269,15 @@ impl Effect {
                     captured.images = Some(CaptureImages::undrawn(context.gpu(), &captured.places)?);
                 }
             } else if captured.images.is_none() || captured.materials != materials {
-                captured.images = Some(CaptureImages::new(context, scene, &captured.places)?);
+                let images = match captured.renewal {
+                    Some(_) => CaptureImages::new(context, scene, &captured.places)?,
+                    None => {
+                        let (images, earlier) = CaptureImages::shared(context, scene, &captured.places)?;
+                        cost = earlier;
+                        images
+                    }
+                };
+                captured.images = Some(images);
                 captured.materials = materials;
             }
         }
@@ -274,7 +289,8 @@ impl Effect {
         if let Some((behind, _)) = &mut self.fallback {
             behind.prepare(context, scene)?;
         }
-        self.method.prepare(context, scene)
+        self.method.prepare(context, scene)?;
+        Ok(cost)
     }
 
     /// Makes the triangles of a scene ready for a frame, where its meshes stand now. Does nothing if no rays are followed among
@@ -341,6 +357,10 @@ impl Effect {
             capture.position = *place;
         }
         let Some(images) = &mut captured.images else { return self.prepare(context, scene) };
+        // Images that other effects may look into stay as they are, and this effect gets its own.
+        if images.is_shared() {
+            *images = CaptureImages::undrawn(context.gpu(), &captured.places)?;
+        }
         // The passes that draw captures are kept, since a caller that moves captures once does so again.
         let renewal = match &mut captured.renewal {
             Some(kept) => kept,

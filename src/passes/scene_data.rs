@@ -1,5 +1,6 @@
 //! A scene in device memory: vertices, indices, material maps with their mip chains, and the sky.
 
+mod drawn_captures;
 mod triangles;
 
 use super::triangle_scene::{TriangleGeometry, TriangleImages};
@@ -8,6 +9,7 @@ use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, RayStructure, image, memory::MemoryPlace};
 use ash::vk;
+pub(crate) use drawn_captures::{DrawingCost, DrawnCaptures};
 use glam::{Mat4, Vec3};
 use ssct_ground::math::constants;
 use ssct_ground::scene::capture::{BOUNDS_MARGIN, WantedCaptures};
@@ -56,6 +58,8 @@ pub struct SceneData {
     ray_structure: OnceCell<RayStructure>,
     triangles_as_blocks: bool, // Whether shaders read triangles as storage blocks, and never as texels.
     placed: RefCell<Vec<(WantedCaptures, PlacedCaptures)>>,
+    /// The captures that were drawn last; `None` once a mesh or a light has changed.
+    drawn_captures: RefCell<Option<DrawnCaptures>>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
     planes: Vec<CoplanarGroup>,
@@ -163,6 +167,7 @@ impl SceneData {
             ray_structure: OnceCell::new(),
             triangles_as_blocks: false,
             placed: RefCell::default(),
+            drawn_captures: RefCell::default(),
             impostors: scene.impostors.clone(),
             area_lights: scene.area_lights.clone(),
             planes: coplanar_groups(scene),
@@ -221,6 +226,7 @@ impl SceneData {
     pub fn set_lights(&mut self, lights: &[Light]) -> Result<()> {
         check_lights("the scene", lights)?;
         self.lights = lights.to_vec();
+        self.drawn_captures.take();
         Ok(())
     }
 
@@ -251,6 +257,7 @@ impl SceneData {
         }
         if moves {
             self.ray_structure.take();
+            self.drawn_captures.take();
             self.has_moved.set(true);
             if !self.moving.iter().any(|mesh_name| mesh_name == name) {
                 self.moving.push(name.to_owned());

@@ -10,7 +10,7 @@ use std::process::{Command, Output};
 /// The most that a build from clean may compile: crates, with the embedder's own; lines of the package's Rust; and
 /// bytes of its SPIR-V. On any machine, these numbers decide how long a build takes.
 const MOST_CRATES: usize = 60;
-const MOST_LINES: usize = 26_120;
+const MOST_LINES: usize = 26_240;
 const MOST_SPIRV_BYTES: usize = 17 << 18;
 
 /// The manifest of a program that depends on the packaged crate alone, and is built as quickly as possible.

@@ -126,6 +126,41 @@ fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<u32>, Vec<(String, bool)>) {
     (bits, report.passes.into_iter().map(|p| (p.name, p.counted)).collect())
 }
 
+/// Effects that look into captures of the same places share one drawing, and each says what it costs alone. An effect whose
+/// captures move, and one that is made after a change of the scene, draws its own, and the others see what they saw.
+#[test]
+fn captures_are_drawn_once_for_all_effects_until_they_move_or_the_scene_changes() {
+    let gpu = gpu();
+    let scene = scene();
+    let alone = |method| shot(&mut Stage::new(&gpu, &scene).unwrap(), &scene, method, 0).prepared().device_bytes;
+    let cost = [&captures::INFO, &unified::INFO].map(alone);
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let empty = gpu.allocated_bytes();
+    let first = shot(&mut stage, &scene, &captures::INFO, 0);
+    let with_first = gpu.allocated_bytes();
+    let mut second = shot(&mut stage, &scene, &unified::INFO, 0);
+    assert_eq!([first.prepared().device_bytes, second.prepared().device_bytes], cost);
+    assert!(with_first - empty > cost[0], "the first draws captures");
+    let places = |shot: &Shot| shot.captures().unwrap().1;
+    assert_eq!(places(&first), places(&second));
+    let [before_first, before_second] = [&first, &second].map(|shot| frame(&mut stage, shot).0);
+
+    let held = gpu.allocated_bytes();
+    second.move_captures(&mut stage, &[Vec3::new(0.5, 1.5, 1.0), Vec3::new(-1.0, 1.0, 2.5)]).unwrap();
+    assert!(gpu.allocated_bytes() - held >= cost[1], "captures that move are drawn into images of their own");
+    assert_ne!(frame(&mut stage, &second).0, before_second);
+    assert_eq!(frame(&mut stage, &first).0, before_first);
+    let third = shot(&mut stage, &scene, &unified::INFO, 0);
+    assert_eq!(frame(&mut stage, &third).0, before_second);
+
+    changed(stage.scene_mut());
+    let held = gpu.allocated_bytes();
+    let late = shot(&mut stage, &scene, &captures::INFO, 0);
+    assert!(gpu.allocated_bytes() - held >= cost[0], "a scene that changed is captured again");
+    assert_ne!(frame(&mut stage, &late).0, frame(&mut stage, &first).0);
+    check_validation(&gpu).unwrap();
+}
+
 /// With 5 of 12 faces a frame, each frame has the passes of five faces, all of which count. After three frames, and not
 /// before, the image shows the change, to the bit.
 #[test]

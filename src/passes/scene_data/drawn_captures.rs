@@ -1,0 +1,44 @@
+//! The captures that a scene keeps once they are drawn, so that all effects which look into them share one drawing.
+
+use super::SceneData;
+use crate::gpu::Image;
+use ssct_ground::scene::{Capture, Material};
+
+/// Captures that were drawn, with the cost of the drawing.
+#[derive(Clone)]
+pub(crate) struct DrawnCaptures {
+    /// Places, near planes and size of the captures.
+    pub captures: Vec<Capture>,
+    /// The properties of the materials that a capture shows.
+    pub materials: Vec<Material>,
+    /// As [`Captures::pyramid`](crate::passes::Captures::pyramid).
+    pub pyramid: Image,
+    /// As [`Captures::normal`](crate::passes::Captures::normal).
+    pub normal: Image,
+    /// As [`Captures::color`](crate::passes::Captures::color).
+    pub color: Image,
+    /// Time and memory of the drawing.
+    pub cost: DrawingCost,
+}
+
+/// Time and memory of images that are drawn once.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct DrawingCost {
+    /// Milliseconds on the host until the device had drawn the images.
+    pub time_ms: f64,
+    /// Bytes of device memory that the images take.
+    pub device_bytes: u64,
+}
+
+impl SceneData {
+    /// Returns the captures that were drawn last, if they are those that are asked for. `None` if the scene has changed since.
+    pub(crate) fn drawn_captures(&self, captures: &[Capture], materials: &[Material]) -> Option<DrawnCaptures> {
+        let kept = self.drawn_captures.borrow();
+        kept.as_ref().filter(|kept| kept.captures == captures && kept.materials == materials).cloned()
+    }
+
+    /// Keeps captures that show the scene as it is now, instead of those that were drawn before.
+    pub(crate) fn keep_captures(&self, drawn: DrawnCaptures) {
+        *self.drawn_captures.borrow_mut() = Some(drawn);
+    }
+}
