@@ -23,7 +23,7 @@ pub fn unit(point: IVec2, seed: u32) -> f32 {
     (hash(point, seed) >> 8) as i32 as f32 / 16_777_216.0
 }
 
-/// 0 below `low`, 1 above `high`, smooth between.
+/// Returns 0 at `low` and before it, 1 at `high` and beyond it, and a smooth cubic between.
 pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -31,18 +31,18 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 
 /// Value noise in 0…1 with a continuous slope, repeating after `period` lattice units.
 pub fn value(point: Vec2, period: IVec2, seed: u32) -> f32 {
-    let [(x, fx), (y, fy)] = [split(point.x), split(point.y)];
-    let [(left, right), (lower, upper)] = [neighbours(x, period.x), neighbours(y, period.y)];
+    let ((x, fx), (y, fy)) = (split(point.x), split(point.y));
+    let ((left, right), (lower, upper)) = (neighbours(x, period.x), neighbours(y, period.y));
     let along = |y: i32| {
-        let [left, right] = [left, right].map(|x| unit(IVec2::new(x, y), seed));
+        let (left, right) = (unit(IVec2::new(left, y), seed), unit(IVec2::new(right, y), seed));
         left + (right - left) * fx
     };
-    let [lower, upper] = [along(lower), along(upper)];
+    let (lower, upper) = (along(lower), along(upper));
     lower + (upper - lower) * fy
 }
 
-/// The lattice point below a coordinate, and the weight of the next point (Perlin 2002). The code avoids `f32::floor`,
-/// which is a slow call on processors that may lack SSE 4.1.
+/// Returns the lattice point below a coordinate, and the weight of the next point (Perlin 2002). The code avoids
+/// `f32::floor`, which is a slow call if it is compiled for processors without SSE 4.1.
 fn split(x: f32) -> (i32, f32) {
     let towards_zero = x as i32;
     let cell = towards_zero - i32::from(towards_zero as f32 > x);
@@ -50,13 +50,13 @@ fn split(x: f32) -> (i32, f32) {
     (cell, f * f * f * (f * (f * 6.0 - 15.0) + 10.0))
 }
 
-/// A lattice coordinate, moved by whole periods to 0…`period` − 1. Most coordinates lie there already, and are not
+/// Moves a lattice coordinate by whole periods to 0…`period` − 1. Most coordinates lie there already and are not
 /// divided, since a division takes longer than the comparison.
 fn wrapped(cell: i32, period: i32) -> i32 {
     if (0..period).contains(&cell) { cell } else { cell.rem_euclid(period) }
 }
 
-/// A lattice coordinate within the period, and the coordinate after it; the first coordinate comes after the last.
+/// Returns a lattice coordinate within the period, and the one after it; after the last comes the first.
 fn neighbours(cell: i32, period: i32) -> (i32, i32) {
     let near = wrapped(cell, period);
     (near, if near + 1 == period { 0 } else { near + 1 })
@@ -74,8 +74,9 @@ pub fn fractal(point: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
     sum / weights
 }
 
-/// The noise of [`fractal`] at the middles of some texels of a square image that shows one period, row by row. All bits are those of
-/// [`fractal`]. Many rows of texels lie between the same two rows of lattice points, along which the noise is computed once.
+/// The noise of [`fractal`], to the bit, at the middles of the texels in `rows` and `columns` of an image that shows
+/// one period with `side` × `side` texels; row by row. Many rows of texels lie between the same two rows of lattice
+/// points, along which the noise is computed once.
 pub fn fractal_image(
     (period, octaves, seed): (IVec2, u32, u32),
     side: usize,
@@ -87,7 +88,7 @@ pub fn fractal_image(
     for octave in 0..octaves {
         let (scale, seed) = (1 << octave, seed.wrapping_add(octave));
         let weight = 1.0 / scale as f32;
-        // The lattice coordinates below and above a texel, and the weight of the upper one.
+        // Returns the lattice coordinates below and above a texel's middle, and the weight of the upper one.
         let place = |texel: usize, period: i32| {
             let uv = (texel as f32 + 0.5) / side as f32;
             let (cell, weight) = split(uv * period as f32 * scale as f32);
@@ -95,20 +96,21 @@ pub fn fractal_image(
         };
         let across: Vec<_> = columns.clone().map(|column| place(column, period.x)).collect();
         let along = |y: i32| -> Vec<f32> {
-            let numbers: Vec<f32> = (0..period.x * scale).map(|x| unit(IVec2::new(x, y), seed)).collect();
+            let lattice: Vec<f32> = (0..period.x * scale).map(|x| unit(IVec2::new(x, y), seed)).collect();
             let between = |&((left, right), weight): &((i32, i32), f32)| {
-                let [left, right] = [left, right].map(|x| numbers[x as usize]);
+                let (left, right) = (lattice[left as usize], lattice[right as usize]);
                 left + (right - left) * weight
             };
             across.iter().map(between).collect()
         };
-        let mut kept = (-1, Vec::new(), Vec::new()); // a lattice row, and the noise along it and along the next row
-        for (sums, row) in sums.chunks_exact_mut(columns.len()).zip(rows.clone()) {
+        // A lattice row, and the noise along it and along the next row.
+        let (mut kept_row, mut lower_noise, mut upper_noise) = (-1, Vec::new(), Vec::new());
+        for (row_sums, row) in sums.chunks_exact_mut(columns.len()).zip(rows.clone()) {
             let ((lower, upper), share) = place(row, period.y);
-            if kept.0 != lower {
-                kept = (lower, along(lower), along(upper));
+            if kept_row != lower {
+                (kept_row, lower_noise, upper_noise) = (lower, along(lower), along(upper));
             }
-            for ((sum, lower), upper) in sums.iter_mut().zip(&kept.1).zip(&kept.2) {
+            for ((sum, lower), upper) in row_sums.iter_mut().zip(&lower_noise).zip(&upper_noise) {
                 *sum += weight * (lower + (upper - lower) * share);
             }
         }
@@ -133,7 +135,7 @@ pub fn cell(position: Vec2, size: Vec2, period: IVec2, jitter: f32, seed: u32) -
     cell_among(position, size, period, |id| offset(id, jitter, seed))
 }
 
-/// How far a site lies from the middle of its lattice cell, in lattice units.
+/// Returns how far the site of a lattice cell lies from the cell's middle, in lattice units.
 fn offset(id: IVec2, jitter: f32, seed: u32) -> Vec2 {
     (Vec2::new(unit(id, seed), unit(id, seed ^ 0x55)) - 0.5) * jitter
 }
@@ -165,39 +167,39 @@ fn cell_among(position: Vec2, size: Vec2, period: IVec2, offset: impl Fn(IVec2) 
     let row = (position.y / size.y).floor() as i32;
     let column = (position.x / size.x).floor() as i32;
     // The sites around the point: two rows above and below, and three columns to the left but two to the right, since
-    // odd rows are shifted to the right. The coordinates of sites stand in arrays of their own, so that a processor
-    // computes several at a time.
+    // odd rows are shifted to the right. Coordinates stand in arrays of their own, so several are computed at once.
     let mut ids = [[IVec2::ZERO; 6]; 5];
     let (mut xs, mut ys) = ([[0.0; 6]; 5], [[0.0; 6]; 5]);
-    for (k, iy) in (0..5).zip(row - 2..) {
-        let shift = if iy & 1 == 1 { 0.5 } else { 0.0 };
-        let y = wrapped(iy, period.y);
-        for (l, ix) in (0..6).zip(column - 3..) {
-            ids[k][l] = IVec2::new(wrapped(ix, period.x), y);
-            let offset = offset(ids[k][l]);
-            xs[k][l] = (ix as f32 + 0.5 + shift + offset.x) * size.x;
-            ys[k][l] = (iy as f32 + 0.5 + offset.y) * size.y;
+    for (i, site_row) in (0..5).zip(row - 2..) {
+        let shift = if site_row & 1 == 1 { 0.5 } else { 0.0 };
+        let y = wrapped(site_row, period.y);
+        for (j, site_column) in (0..6).zip(column - 3..) {
+            ids[i][j] = IVec2::new(wrapped(site_column, period.x), y);
+            let offset = offset(ids[i][j]);
+            xs[i][j] = (site_column as f32 + 0.5 + shift + offset.x) * size.x;
+            ys[i][j] = (site_row as f32 + 0.5 + offset.y) * size.y;
         }
     }
-    let mut nearest = (IVec2::ZERO, Vec2::ZERO, f32::INFINITY);
-    for (k, l) in (1..4).flat_map(|k| (1..5).map(move |l| (k, l))) {
-        let site = Vec2::new(xs[k][l], ys[k][l]);
+    // The nearest site is among the inner ones; the outer ones only give borders.
+    let (mut id, mut nearest, mut least_distance) = (IVec2::ZERO, Vec2::ZERO, f32::INFINITY);
+    for (i, j) in (1..4).flat_map(|i| (1..5).map(move |j| (i, j))) {
+        let site = Vec2::new(xs[i][j], ys[i][j]);
         let distance = site.distance_squared(position);
-        if distance < nearest.2 {
-            nearest = (ids[k][l], site, distance);
+        if distance < least_distance {
+            (id, nearest, least_distance) = (ids[i][j], site, distance);
         }
     }
     let mut borders = [f32::INFINITY; 30]; // distances to the lines midway between the nearest site and each other site
     for ((border, &x), &y) in borders.iter_mut().zip(xs.as_flattened()).zip(ys.as_flattened()) {
-        let apart = [x - nearest.1.x, y - nearest.1.y];
+        let apart = [x - nearest.x, y - nearest.y];
         let squared = apart[0] * apart[0] + apart[1] * apart[1];
         let inverse = 1.0 / squared.sqrt();
-        let [from_x, from_y] = [0.5 * (x + nearest.1.x) - position.x, 0.5 * (y + nearest.1.y) - position.y];
+        let [from_x, from_y] = [0.5 * (x + nearest.x) - position.x, 0.5 * (y + nearest.y) - position.y];
         let along = from_x * (apart[0] * inverse) + from_y * (apart[1] * inverse);
         *border = if squared > 1e-8 { along } else { f32::INFINITY };
     }
     let border = borders.into_iter().fold(f32::INFINITY, f32::min);
-    VoronoiCell { id: nearest.0, border: border.max(0.0) }
+    VoronoiCell { id, border: border.max(0.0) }
 }
 
 #[cfg(test)]

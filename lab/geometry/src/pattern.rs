@@ -231,10 +231,9 @@ pub fn by_name(file_name: &str, role: Role) -> Option<Texture> {
 pub fn images(pattern: Pattern) -> (Texture, Texture) {
     let design = pattern.design();
     let samples: Vec<Sample> = (0..SIZE * SIZE).into_par_iter().map(|k| design(Texel::new(k, [SIZE, SIZE]))).collect();
-    let albedo = samples.par_iter().flat_map_iter(|s| srgba(s.albedo)).collect();
+    let albedo = bytes([SIZE, SIZE], |k| srgba(samples[k as usize].albedo));
     let texel_m = pattern.size_m() / SIZE as f32;
-    let normal =
-        (0..SIZE * SIZE).into_par_iter().flat_map_iter(|k| rgba(normal_at(&samples, k, texel_m) * 0.5 + 0.5)).collect();
+    let normal = bytes([SIZE, SIZE], |k| rgba(normal_at(&samples, k, texel_m) * 0.5 + 0.5));
     let texture = |kind: &str, rgba, encoding| Texture {
         name: format!("generated {} {kind}", pattern.label()),
         width: SIZE,
@@ -276,8 +275,16 @@ fn image(
     encoding: Encoding,
     texel: impl Fn(Texel) -> [u8; 4] + Sync,
 ) -> Texture {
-    let texels = (0..width * height).into_par_iter().map(|k| Texel::new(k, [width, height]));
-    Texture { name, width, height, rgba: texels.flat_map_iter(&texel).collect(), encoding }
+    let rgba = bytes([width, height], |k| texel(Texel::new(k, [width, height])));
+    Texture { name, width, height, rgba, encoding }
+}
+
+/// The bytes of an image, row by row; `texel` returns those of texel `k`.
+fn bytes([width, height]: [u32; 2], texel: impl Fn(u32) -> [u8; 4] + Sync) -> Vec<u8> {
+    let mut rgba = vec![0; 4 * (width * height) as usize];
+    let texels = rgba.par_chunks_exact_mut(4).zip(0..width * height);
+    texels.for_each(|(bytes, k)| bytes.copy_from_slice(&texel(k)));
+    rgba
 }
 
 /// The unit normal at texel `k` by central differences that wrap; x right, y up, z out.
