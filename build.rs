@@ -8,13 +8,13 @@
 //! Without the feature `compile-shaders` the script does without shaderc. The SPIR-V then comes from `shaders-spirv/`, which
 //! `scripts/package.sh` puts into the package, and the declarations are made from it in the same way.
 
-// The window includes this module, too, and reads a field that this script does not: the files that a compilation read.
+// The window includes this module, too, and reads the field `CompiledStage::files`, which this script does not read.
 #[allow(dead_code)]
 #[path = "src/gpu/glsl.rs"]
 mod glsl;
 #[path = "src/gpu/interface.rs"]
 mod interface;
-// This script alone includes it.
+// No other program includes this module.
 #[path = "src/gpu/declarations.rs"]
 mod declarations;
 
@@ -54,19 +54,19 @@ fn run() -> Result<(), String> {
     std::fs::create_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
     std::fs::write(modules.join(FINGERPRINT), fingerprint).map_err(|e| format!("{FINGERPRINT}: {e}"))?;
     let mut structs: BTreeMap<String, Block> = BTreeMap::new();
-    // The permutations of each program, in the order in which files name the programs.
+    // The files of modules so far; the names of programs in the order of the sources; the permutations by program.
     let mut files = BTreeSet::new();
     let (mut order, mut programs) = (Vec::new(), BTreeMap::<String, Vec<Permutation>>::new());
     for path in glsl::stages(Path::new(ROOT))? {
         let source = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-        let named = glsl::programs(&source, &path)?;
-        if named.is_empty() {
+        let named_programs = glsl::programs(&source, &path)?;
+        if named_programs.is_empty() {
             return Err(format!("{}: it names no program (`#pragma program(Name)`)", path.display()));
         }
         let in_compute = glsl::in_either_stage(&source, &path)?;
-        for written in named {
-            let twins = in_compute.iter().map(|defines| written.in_compute(defines));
-            for named in std::iter::once(written.clone()).chain(twins) {
+        for named in named_programs {
+            let compute_twins = in_compute.iter().map(|defines| named.in_compute(defines));
+            for named in std::iter::once(named.clone()).chain(compute_twins) {
                 let permutation = compile(&compiler, &path, &named, &modules)?;
                 collect(&permutation.interface, &permutation.file, &mut structs)?;
                 if !files.insert(permutation.module.clone()) {
@@ -80,17 +80,17 @@ fn run() -> Result<(), String> {
         }
     }
     let mut groups = Groups::new(glsl::groups(Path::new(ROOT))?);
-    let (mut text, mut all) = (String::new(), String::new());
+    let (mut text, mut shader_list) = (String::new(), String::new());
     for name in &order {
         let permutations = programs.get_mut(name).map_or(&mut [][..], |permutations| &mut permutations[..]);
         find_stored(permutations).map_err(|e| format!("{name}: {e}"))?;
         text.push_str(&program(name, permutations, &mut groups).map_err(|e| format!("{name}: {e}"))?);
         for n in 0..permutations.len() {
-            let _ = writeln!(all, "    {name}::PERMUTATIONS[{n}].shader,");
+            let _ = writeln!(shader_list, "    {name}::PERMUTATIONS[{n}].shader,");
         }
     }
     text.push_str(&groups.text()?);
-    let _ = write!(text, "/// The shaders of all programs.\npub static ALL: &[&Shader] = &[\n{all}];\n");
+    let _ = write!(text, "/// The shaders of all programs.\npub static ALL: &[&Shader] = &[\n{shader_list}];\n");
     let blocks: String = structs.iter().map(|(name, block)| block_struct(block, name)).collect();
     for (name, text) in [("programs.rs", text), ("blocks.rs", blocks)] {
         std::fs::write(out.join(name), text).map_err(|e| format!("{name}: {e}"))?;
@@ -98,8 +98,8 @@ fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Compiles a permutation of a program, writes its SPIR-V module into the folder `modules`, and reads the module's
-/// interface.
+/// Compiles the permutation `named` of the stage file at `path`, writes its SPIR-V into the folder `modules`, and reads
+/// the interface of the module.
 fn compile(compiler: &Compiler, path: &Path, named: &NamedProgram, modules: &Path) -> Result<Permutation, String> {
     let file = path.strip_prefix(ROOT).map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
     let stage = match path.extension().and_then(|e| e.to_str()) {
@@ -198,7 +198,7 @@ impl Compiler {
         }
     }
 
-    /// Reads the words of a module from its file in the package.
+    /// Reads the words of a module from its file in the package. The header of SPIR-V has five words, or 20 bytes.
     fn words(&self, _: &Path, _: &[String], module: &str) -> Result<Vec<u32>, String> {
         let path = Path::new(Self::PACKAGED).join(format!("{module}.spv"));
         let bytes = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;

@@ -1,11 +1,12 @@
-//! Measures what automatically placed captures show of what the mirrors of a scene's views show. Prints a table in CSV
+//! Measures how much of what mirrors reflect the screen and automatically placed captures show. Prints a table in CSV
 //! to standard output.
 //!
 //! For each view, the mirror ray of every reflecting pixel of a small image is followed to where it ends among the
-//! triangles. The table gives the share of those ends that the screen shows, and that the screen or one of the first
-//! 1, 2, 3, 4 and 8 captures shows, by exact tests of visibility; then their medians over the scene's views. Rays that
-//! escape have no end and do not count. The placement knows nothing of the views. The lines before the table of a
-//! scene give the places, what the placement itself expects of them, and how long it took.
+//! triangles. The table gives the share of these ends that the screen shows, and the shares that the screen or one of
+//! the first 1, 2, 3, 4 and 8 captures shows, by exact tests of visibility. The last row has the medians over the
+//! scene's views. Rays that leave the scene have no end and do not count. The placement does not depend on the views.
+//! The lines before the table of a scene give the places, the shares that the placement itself expects to be seen, and
+//! how long it took.
 //!
 //! Usage: `cargo bench --bench captures [-- SCENE…]`, with names of built-in scenes or files, relative ones from `lab/`.
 
@@ -23,24 +24,26 @@ use ssct_truth::reference::surface::World;
 use ssct_truth::reference::world::RAY_START_M;
 use std::time::Instant;
 
+/// Width and height of the images in pixels.
 const SIZE: [u32; 2] = [192, 108];
-/// Numbers of captures.
+/// The numbers of captures that are compared.
 const COUNTS: [usize; 6] = [0, 1, 2, 3, 4, 8];
 
-/// Whether a place lies inside the image.
+/// True if a place lies inside the image, hidden or not.
 fn on_screen(camera: &Camera, place: DVec3) -> bool {
     let clip = camera.view_to_clip() * camera.world_to_view * place.as_vec3().extend(1.0);
     clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w
 }
 
-/// For each number of [`COUNTS`], the share of the ends of a view's mirror rays that the screen or one of so many
-/// captures shows.
+/// Returns, for each number of [`COUNTS`], the share of the ends of a view's mirror rays that the screen or one of that
+/// many captures shows.
 fn shares(scene: &Scene, view: &View, captures: &[Capture]) -> [f64; COUNTS.len()] {
     let materials = scene.materials_in(view);
     let (world, triangles) = (World::new(scene, &materials), Triangles::new(scene, &materials));
     let camera = view.camera(scene, SIZE);
     let first = FirstHits::trace(&world, &camera, SIZE);
-    // For each end, how many captures it takes until one shows the end; 0 if the screen does, and None if nothing does.
+    // For each end, how many captures are needed until one shows it: 0 if the screen shows it, and `None` if nothing
+    // does.
     let needed: Vec<Option<usize>> = first
         .receivers
         .par_iter()
@@ -52,11 +55,11 @@ fn shares(scene: &Scene, view: &View, captures: &[Capture]) -> [f64; COUNTS.len(
             if on_screen(&camera, end) && sees(view.eye) {
                 return Some(Some(0));
             }
-            Some(captures.iter().position(|c| sees(c.position)).map(|k| k + 1))
+            Some(captures.iter().position(|c| sees(c.position)).map(|index| index + 1))
         })
         .collect();
     let all = needed.len().max(1) as f64;
-    COUNTS.map(|count| needed.iter().flatten().filter(|k| **k <= count).count() as f64 / all)
+    COUNTS.map(|count| needed.iter().flatten().filter(|needed| **needed <= count).count() as f64 / all)
 }
 
 /// Places captures in a scene, and prints the scene's lines and table.
@@ -73,7 +76,7 @@ fn measure(scene: &Scene) {
     };
     let all: Vec<_> = scene.views.iter().map(|view| (&view.name, shares(scene, view, &placed.captures))).collect();
     all.iter().for_each(|(name, shares)| row(name, shares));
-    row("median", &std::array::from_fn(|k| median_of(all.iter().map(|(_, shares)| shares[k]))));
+    row("median", &std::array::from_fn(|column| median_of(all.iter().map(|(_, shares)| shares[column]))));
 }
 
 fn main() {

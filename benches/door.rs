@@ -1,12 +1,12 @@
-//! Measures what reflections cost through the door for other renderers, beside the command's own. Prints a table to
-//! standard output.
+//! Compares the cost of reflections through the door for other renderers with their cost in the command. Prints a table
+//! to standard output.
 //!
-//! Each method records the same frames in turn: as the command does, after its scene passes, and through the door, out of
-//! images of another renderer that hold the same G-buffer. Times are those of the passes that count, by the device's
-//! timestamps: the median of [`FRAMES`] frames; `import` is the pass that only the door has, and does not count. The
-//! ratio is the median of the ratios of neighbouring frames.
+//! Each method records the same frames in two ways, in turn: as the command does, after its scene passes, and through
+//! the door, from images of another renderer that have the same G-buffer. Times are those of the passes that count, by
+//! the device's timestamps: the median of [`FRAMES`] frames. `import` is the pass that only the door has; it does not
+//! count. The ratio is the median of the ratios of neighbouring frames.
 //!
-//! Both are told which kinds of reflectors the frame may have ([`ssct::Reflectors`]).
+//! In both ways the method is told which kinds of reflectors the frame may have ([`ssct::Reflectors`]).
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -22,10 +22,13 @@ use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::library;
 use ssct_truth::metrics::bootstrap::median_of;
 
+/// Number of frames that are timed.
 const FRAMES: usize = 11;
+/// Number of frames before them that are not.
 const WARMUP: usize = 2;
+/// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [960, 540];
-/// `None` for the materials of the scene, which differ from pixel to pixel.
+/// The roughness values of all surfaces; `None` for the materials of the scene, which differ from pixel to pixel.
 const ROUGHNESS: [Option<f32>; 3] = [None, Some(0.0), Some(0.1)];
 
 fn main() {
@@ -74,7 +77,7 @@ fn main() {
         }
     }
     for (name, roughness) in ["unified", "ssct", "hzct"].into_iter().flat_map(|n| ROUGHNESS.map(|r| (n, r))) {
-        let method_ratios = ratios.iter().filter(|r| (r.0, r.1) == (name, roughness)).map(|r| r.2);
+        let method_ratios = ratios.iter().filter(|(n, r, _)| (*n, *r) == (name, roughness)).map(|(.., ratio)| *ratio);
         println!("# {name}, roughness {roughness:?}: median ratio {:.3}", median_of(method_ratios));
     }
 }

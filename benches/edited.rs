@@ -1,4 +1,4 @@
-//! Changed copies of the shaders, for benches that measure what a line of them does.
+//! Makes changed copies of the shaders, for benches that measure what a line of a shader does.
 
 use ssct::gpu::shader::Shader;
 use ssct::gpu::{Gpu, glsl, programs};
@@ -19,33 +19,35 @@ type Replaced = Vec<(&'static Shader, Arc<[u8]>)>;
 
 /// The folder of shaders, and a compiler for changed copies of it.
 pub struct Shaders {
+    /// The folder of the unchanged shaders.
     root: PathBuf,
     compiler: shaderc::Compiler,
-    /// Results of earlier calls, since every program must be compiled to find those that some edits change.
+    /// The changed programs of each set of edits so far. They are kept, since finding them takes compiling every
+    /// program.
     compiled: RefCell<HashMap<Edits, Replaced>>,
 }
 
 impl Shaders {
-    /// The shaders of this repository, without a change.
+    /// Takes the shaders of this repository.
     pub fn new() -> Self {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders-glsl");
         Self { root, compiler: shaderc::Compiler::new().expect("a compiler"), compiled: RefCell::default() }
     }
 
-    /// Runs `act`. Every pipeline that is made meanwhile has the shaders with the edits.
+    /// Runs `act` and returns its result. Every pipeline that is made meanwhile has the shaders with the edits.
     pub fn with<T>(&self, gpu: &Gpu, edits: Edits, act: impl FnOnce() -> T) -> T {
         let replaced = self.compiled.borrow_mut().entry(edits).or_insert_with(|| self.edited(edits)).clone();
         for (shader, code) in &replaced {
             gpu.shared().replaced_shaders.set(shader, Some(code.clone()));
         }
-        let done = act();
+        let result = act();
         for (shader, _) in &replaced {
             gpu.shared().replaced_shaders.set(shader, None);
         }
-        done
+        result
     }
 
-    /// The programs whose code some edits change, with their new code.
+    /// Compiles the programs with some edits; returns those whose code the edits change, with their new code.
     fn edited(&self, edits: Edits) -> Replaced {
         if edits.is_empty() {
             return Vec::new();
@@ -60,10 +62,10 @@ impl Shaders {
         }
         let compiled = |&shader: &&'static Shader| {
             let path = copy.path().join(shader.file);
-            let made =
+            let code =
                 glsl::compile(&self.compiler, copy.path(), &path, shader.defines).expect("a shader that compiles");
-            let bytes: Arc<[u8]> = made.words.iter().flat_map(|w| w.to_le_bytes()).collect();
-            let is_edited = edits.iter().any(|(file, ..)| made.files.iter().any(|f| f.ends_with(file)));
+            let bytes: Arc<[u8]> = code.words.iter().flat_map(|w| w.to_le_bytes()).collect();
+            let is_edited = edits.iter().any(|(file, ..)| code.files.iter().any(|f| f.ends_with(file)));
             is_edited.then_some((shader, bytes))
         };
         let found: Vec<_> = programs::ALL.iter().filter_map(compiled).collect();
@@ -83,13 +85,13 @@ impl Shaders {
     }
 }
 
-/// The share of the pixels that differ by more than 1/255 in a channel, and the root mean square difference over all
-/// channels.
+/// Returns the share of the pixels that differ by more than 1/255 in a channel, and the root mean square difference
+/// over all channels. Both pictures have the same size.
 pub fn difference(a: &Rgb, b: &Rgb) -> (f64, f64) {
     let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
     let pixels = a.bytes.chunks_exact(3).zip(b.bytes.chunks_exact(3));
-    let (count, all) = (pixels.filter(|p| differs(*p)).count(), a.bytes.len() / 3);
+    let (differing, all) = (pixels.filter(|p| differs(*p)).count(), a.bytes.len() / 3);
     let square = |(a, b): (&u8, &u8)| ((f64::from(*a) - f64::from(*b)) / 255.0).powi(2);
     let sum: f64 = a.bytes.iter().zip(&b.bytes).map(square).sum();
-    (count as f64 / all as f64, (sum / a.bytes.len() as f64).sqrt())
+    (differing as f64 / all as f64, (sum / a.bytes.len() as f64).sqrt())
 }

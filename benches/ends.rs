@@ -1,16 +1,17 @@
-//! Says where the rays of `unified` with captures end wrongly in the world, and what that adds to its error. Prints a table in
-//! CSV to standard output.
+//! Measures where the rays of `unified` with captures end wrongly in the world, and what that adds to its error. Prints
+//! a table in CSV to standard output.
 //!
-//! All views of a scene are drawn with mirrors at 480×270, and with four captures that the program places. Each row is of
-//! the pixels of one kind in one view: `share` is their number over that of all pixels that reflect, and `of_error` the part
-//! that they have in the summed squared error against the world reference (32 rays a pixel). Three columns say which kind:
+//! All views of a scene are drawn with mirrors at 480×270, and with four captures that the program places. A row is
+//! about the pixels of one kind in one view. `share` is their number over that of all pixels that reflect, and
+//! `of_error` their part of the summed squared error against the world reference (32 rays a pixel). Three columns say
+//! which kind it is:
 //!
 //! - `method`: where the method ended the ray: on the `screen`, in a `capture`, in the `sky`, or where no image sees it
 //!   (`unknown`); `none` is a pixel that is seen from below its normal;
-//! - `end`: `right` by place agreement; else `near` (off by less than a tenth of the ray's length), `before` the true end
-//!   or `behind` it; `other` if one of the two is no place;
-//! - `truth`: what shows the ray's true end: `beside`, if the end is no farther from where the ray begins than two pixels are
-//!   wide there, which the screen cannot tell apart; else `screen`, `capture`, `sky`, or nothing (`hidden`).
+//! - `end`: `right` by place agreement; else `near` (off by less than a tenth of the ray's length), `before` the true
+//!   end or `behind` it; `other` if one of the two ends is no place;
+//! - `truth`: what shows the ray's true end: `beside`, if the ray is no longer than two pixels are high where it
+//!   begins, which the screen cannot tell apart; else `screen`, `capture`, `sky`, or nothing (`hidden`).
 //!
 //! Usage: `cargo bench --bench ends [-- SCENE…]`, with names of built-in scenes or files, relative ones from `lab/`.
 
@@ -32,24 +33,28 @@ use ssct_truth::reference::world::WorldReference;
 use ssct_truth::reference::world_hits::{WorldHit, world_hits};
 use std::collections::BTreeMap;
 
+/// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [480, 270];
+/// Rays a pixel of the reference.
 const RAYS: u32 = 32;
 
 /// A kind of pixels, by the three columns `method`, `end` and `truth`.
 type Kind = [&'static str; 3];
 
-/// The parts of a scene that show a place.
+/// The data of a view that decide the kind of a pixel.
 struct Shown<'a> {
     triangles: &'a Triangles<'a>,
+    /// The places of the captures.
     captures: Vec<DVec3>,
+    /// The place of the camera.
     eye: DVec3,
-    /// Height of a pixel of what is 1 m away, in metres.
+    /// Height in metres that one pixel covers at a distance of 1 m.
     pixel_at_1_m: f64,
 }
 
 impl Shown<'_> {
-    /// The kind of a pixel, by the end of its ray in the world (`truth`) and by the method's end; `None` if the pixel
-    /// has no ray.
+    /// Returns the kind of a pixel whose ray begins at `from`, by the ray's end in the world (`truth`), and by the
+    /// method's path code and end. `None` if the pixel has no ray.
     fn kind(&self, from: &Receiver, truth: &WorldHit, code: PathCode, end: &RayEnd) -> Option<Kind> {
         let method = match (code, end) {
             (PathCode::HiZ, _) => "screen",
@@ -106,14 +111,15 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
     let pixel_at_1_m = 2.0 / (f64::from(data.camera.view_to_clip().y_axis.y.abs()) * f64::from(SIZE[1]));
     let shown = Shown { triangles: &triangles, captures, eye: data.camera.eye().as_dvec3(), pixel_at_1_m };
 
+    // The number of pixels of each kind, and the sum of their squared errors.
     let mut kinds: BTreeMap<Kind, (u32, f64)> = BTreeMap::new();
     let (mut count, mut sum) = (0, 0.0);
     for (i, (hit, code)) in world_hits(&world, &data, &first).iter().zip(codes).enumerate() {
         let Some(kind) = first.receivers[i].as_ref().and_then(|r| shown.kind(r, hit, code, &ends[i])) else { continue };
-        let off = |c: usize| f64::from(color.values[i * color.channels + c] - truth[i][c]).powi(2) / 3.0;
-        let error: f64 = (0..3).map(off).sum();
-        let entry = kinds.entry(kind).or_default();
-        *entry = (entry.0 + 1, entry.1 + error);
+        let squared_error = |c: usize| f64::from(color.values[i * color.channels + c] - truth[i][c]).powi(2) / 3.0;
+        let error: f64 = (0..3).map(squared_error).sum();
+        let (pixels, errors) = kinds.entry(kind).or_default();
+        (*pixels, *errors) = (*pixels + 1, *errors + error);
         (count, sum) = (count + 1, sum + error);
     }
     for ([method, end, truth], (pixels, error)) in kinds {

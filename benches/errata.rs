@@ -1,8 +1,10 @@
 //! Measures what the departures from print change. Each entry of `VARIANTS` changes one thing of a method back to
-//! print, or to another choice, in a copy of its shaders or by its parameters. The image is compared with the unchanged
-//! method's. Prints a table in CSV to standard output, a row for each variant and view: `share` is the share of pixels
-//! of which a channel of the display image differs by more than 1/255, and `rmse` the root mean square difference of
-//! that image. The pages of errata (`shaders-glsl/*/ERRATA.md`) show medians and maxima over the views.
+//! print, or to another choice, in a copy of its shaders or by its parameters. The image is compared with that of the
+//! unchanged method.
+//!
+//! Prints a table in CSV to standard output, with a row for each variant and view. `share` is the share of the pixels
+//! of which a channel of the display image differs by more than 1/255, and `rmse` is the root mean square difference of
+//! the display images. The pages of errata (`shaders-glsl/*/ERRATA.md`) show medians and maxima over the views.
 //!
 //! Usage: `cargo bench --bench errata [-- VARIANT…]`
 
@@ -34,11 +36,11 @@ struct Variant {
     name: &'static str,
     method: &'static str,
     views: Views,
-    /// Parameters of both sides.
+    /// The parameters of both sides.
     both: Change,
-    /// Parameters of the changed side, after those of both.
+    /// The change of parameters on the changed side, made after `both`.
     change: Change,
-    /// Changes of the shaders of the changed side.
+    /// The changes of shaders on the changed side.
     edits: Edits,
 }
 
@@ -58,7 +60,7 @@ enum Views {
 }
 
 impl Views {
-    /// The views, each with its scene before it.
+    /// Returns the views as pairs of a scene and a view.
     fn list(self) -> Vec<(&'static str, &'static str)> {
         let mirrors = ["corridor", "cylinder", "window", "window-floor", "two-cylinders"].map(|v| ("rooms", v));
         let hall = ("atrium", "hall");
@@ -73,10 +75,12 @@ impl Views {
         }
     }
 
+    /// The width and height of the images in pixels.
     fn size(self) -> [u32; 2] {
         if self == Self::Billboards { [640, 360] } else { [960, 540] }
     }
 
+    /// The roughness and the normal deviation of all surfaces; `None` for those of the materials.
     fn globals(self) -> Globals {
         let (roughness, normal_deviation) = match self {
             Self::Gloss => (Some(0.1), Some(0.1)),
@@ -88,14 +92,15 @@ impl Views {
     }
 }
 
+/// Nothing is changed.
 const SAME: Change = Setup::clone;
 
-/// A variant by changed lines of shaders.
+/// Makes a variant by changed lines of shaders.
 const fn edited(name: &'static str, method: &'static str, views: Views, edits: Edits) -> Variant {
     Variant { name, method, views, both: SAME, change: SAME, edits }
 }
 
-/// A variant by changed parameters.
+/// Makes a variant by changed parameters.
 const fn changed(name: &'static str, method: &'static str, views: Views, change: Change) -> Variant {
     Variant { name, method, views, both: SAME, change, edits: &[] }
 }
@@ -327,8 +332,8 @@ fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_scenes
     display(&image::render(stage, &shot, false).expect("an image").reflection)
 }
 
-/// Measures a variant on its views of a scene, and prints a row for each. `kept` has the images of unchanged
-/// methods.
+/// Measures a variant on its views of a scene, and prints a row for each. `kept` has the images of unchanged methods so
+/// far, which other variants compare with, too.
 fn measure(
     stage: &mut Stage,
     variant: &Variant,

@@ -1,4 +1,4 @@
-//! The departures from print of Schmidt's methods, for `cargo bench --bench errata`.
+//! The variants of Schmidt's methods for `cargo bench --bench errata`.
 
 use super::edited::Edits;
 use super::{Change, SAME, Variant, Views, changed, edited};
@@ -20,7 +20,7 @@ const LINEAR_DEPTH: Edits = &[(
 /// Chooses the order "nearest", with which other variants are compared.
 const NEAREST: Change = |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Nearest);
 
-/// The departures, in the order of the page.
+/// The variants, in the order of the page of errata.
 pub const VARIANTS: &[Variant] = &[
     edited(
         "ssr-turned",

@@ -1,8 +1,9 @@
 //! Measures what the colour of a hit costs through the door for other renderers: meshes that have one colour each, and meshes
 //! with textures. Prints a table to standard output.
 //!
-//! Both follow the mirror rays of the same views through the same triangles, in turn; times are those of the passes that count,
-//! by the device's timestamps: the median of [`FRAMES`] frames, and the median of the ratios of neighbouring frames.
+//! For both kinds of meshes, the mirror rays of the same views are followed through the same triangles, frame by frame
+//! in turn. Times are those of the passes that count, by the device's timestamps: the median of [`FRAMES`] frames, and
+//! the median of the ratios of neighbouring frames.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -18,9 +19,13 @@ use ssct_scenes::library;
 use ssct_truth::metrics::bootstrap::median_of;
 use std::time::Instant;
 
+/// Number of frames that are timed.
 const FRAMES: usize = 11;
+/// Number of frames before them that are not.
 const WARMUP: usize = 2;
+/// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [960, 540];
+/// The built-in scenes.
 const SCENES: [&str; 3] = ["rooms", "street", "atrium"];
 
 fn main() {
@@ -34,14 +39,15 @@ fn main() {
         let scene = library::scene(name).expect("a built-in scene");
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
         let (vertices, textures) = (vertices_of(&scene), textures_of(&scene));
+        // The triangles without and with textures, each with the milliseconds and the bytes that making them took.
         let made = [false, true].map(|are_textured| {
             let (before, begun) = (context.allocated_bytes(), Instant::now());
-            let all = meshes_of(&scene, &vertices, are_textured);
-            let given: &[HitTexture] = if are_textured { &textures } else { &[] };
-            let mut triangles = Triangles::with_textures(&context, &all, given).expect("triangles");
-            let took = 1e3 * begun.elapsed().as_secs_f64();
+            let meshes = meshes_of(&scene, &vertices, are_textured);
+            let used_textures: &[HitTexture] = if are_textured { &textures } else { &[] };
+            let mut triangles = Triangles::with_textures(&context, &meshes, used_textures).expect("triangles");
+            let made_ms = 1e3 * begun.elapsed().as_secs_f64();
             upload(&engine, &mut triangles);
-            (triangles, took, context.allocated_bytes() - before)
+            (triangles, made_ms, context.allocated_bytes() - before)
         });
         let globals = Globals { roughness: Some(0.0), ..Globals::default() };
         for view in &scene.views {
@@ -59,12 +65,12 @@ fn main() {
             });
             let mut pairs = Vec::new();
             for frame in 0..WARMUP + FRAMES {
-                let times = [0, 1].map(|which| {
-                    let triangles = Some(&made[which].0);
-                    let input = FrameInput { timed: true, triangles, ..theirs.input() };
-                    engine.frame(&mut views[which], &input).expect("a frame");
+                let times = [0, 1].map(|kind| {
+                    let (triangles, ..) = &made[kind];
+                    let input = FrameInput { timed: true, triangles: Some(triangles), ..theirs.input() };
+                    engine.frame(&mut views[kind], &input).expect("a frame");
                     engine.reset();
-                    counted(&views[which].times(input.slot).expect("times"))
+                    counted(&views[kind].times(input.slot).expect("times"))
                 });
                 if frame >= WARMUP {
                     pairs.push(times);

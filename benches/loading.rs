@@ -1,5 +1,5 @@
-//! How the time of loading grows with a file: each input is there in three sizes, each twice the one before, so that the times
-//! should double, or a little more.
+//! Measures how the time of loading grows with the size of a file. Each input comes in three sizes, each twice as large
+//! as the one before, so the times should double, or grow a little more.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -8,32 +8,34 @@ use ssct_scenes::obj::{ObjFile, ObjOptions};
 use ssct_scenes::{LoadOptions, gltf, obj};
 use std::fmt::Write;
 
-/// The text of an OBJ file with twenty faces, each a spiral of `corners` corners.
+/// Returns the text of an OBJ file with twenty faces, each a spiral of `corners` corners.
 fn spirals(corners: usize) -> String {
     let mut text = String::new();
     for face in 0..20 {
         let half = corners / 2;
-        let arm = |k: usize, radius: f64| {
-            let angle = k as f64 * 0.2;
+        // The line of corner n on a spiral arm that begins at a radius.
+        let corner = |n: usize, radius: f64| {
+            let angle = n as f64 * 0.2;
             let reach = radius + 0.3 * angle;
             format!("v {} {} {face}\n", reach * angle.cos(), reach * angle.sin())
         };
-        text.extend((0..half).map(|k| arm(k, 1.0)).chain((0..half).rev().map(|k| arm(k, 1.5))));
+        // The outline goes out along one arm and back along the other.
+        text.extend((0..half).map(|n| corner(n, 1.0)).chain((0..half).rev().map(|n| corner(n, 1.5))));
         text.push('f');
-        for k in 0..2 * half {
+        for n in 0..2 * half {
             // Writing to a String cannot fail.
-            let _ = write!(text, " {}", face * 2 * half + k + 1);
+            let _ = write!(text, " {}", face * 2 * half + n + 1);
         }
         text.push('\n');
     }
     text
 }
 
-/// The text of a glTF file with a triangle, and with `many` cameras of one name.
-fn cameras(many: usize) -> String {
+/// Returns the text of a glTF file with a triangle, and with `count` cameras of one name.
+fn cameras(count: usize) -> String {
     let camera = r#"{"camera":0,"name":"cam","translation":[0,0,4]}"#;
-    let nodes = vec![camera; many].join(",");
-    let list: Vec<String> = (0..=many).map(|k| k.to_string()).collect();
+    let nodes = vec![camera; count].join(",");
+    let list: Vec<String> = (0..=count).map(|node| node.to_string()).collect();
     let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let data: String = corners.iter().flat_map(|v| v.to_le_bytes()).map(|byte| format!("%{byte:02X}")).collect();
     format!(
@@ -62,9 +64,9 @@ fn loading(criterion: &mut Criterion) {
             b.iter(|| obj::load(&files, &ObjOptions::default()).expect("loads"));
         });
     }
-    for many in [1000, 2000, 4000] {
-        let path = written("a.gltf", &cameras(many));
-        group.bench_function(BenchmarkId::new("cameras of one name", many), |b| {
+    for count in [1000, 2000, 4000] {
+        let path = written("a.gltf", &cameras(count));
+        group.bench_function(BenchmarkId::new("cameras of one name", count), |b| {
             b.iter(|| gltf::load(&path, &LoadOptions::default()).expect("loads"));
         });
     }

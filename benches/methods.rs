@@ -1,5 +1,5 @@
-//! Measures the GPU time of each method's passes in the corridor of the built-in rooms, at 480×270 and
-//! roughness 0.1. Criterion's statistics use the device's timestamps, not the host's clock.
+//! Measures the GPU time of each method's passes in the corridor of the built-in rooms, at 480×270 and roughness 0.1.
+//! Criterion's statistics are those of times by the device's timestamps, and not by the host's clock.
 
 #![allow(clippy::expect_used)]
 
@@ -11,8 +11,10 @@ use ssct_lab::stage::{Globals, Shot, Stage};
 use ssct_scenes::library;
 use std::time::Duration;
 
+/// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [480, 270];
 
+/// Times the passes of every method that count, the scene passes left out.
 fn methods(criterion: &mut Criterion) {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let scene = library::scene("rooms").expect("a built-in scene");

@@ -1,8 +1,9 @@
-//! Measures what a mesh that moves costs among the scene's triangles. Prints a table to standard output.
+//! Measures what a moving mesh costs among the scene's triangles. Prints a table to standard output.
 //!
-//! In each frame the mesh has moved. `whole_ms` is what it takes to build the tree over all triangles anew, with its records, and to
-//! bring it to the device; `moving_ms` what it takes to build the small tree of what moves, and to bring that. Both are wall time,
-//! medians of [`FRAMES`] frames in which they take turns.
+//! The mesh moves before each frame. `whole_ms` is the time to build the tree over all triangles anew, with its
+//! records, and to bring it to the device. `moving_ms` is the time to build a small tree over the moving triangles
+//! alone, and to bring that to the device. Both are wall times, medians of [`FRAMES`] frames, in each of which both are
+//! measured.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -15,15 +16,16 @@ use ssct_scenes::{Scene, library};
 use ssct_truth::metrics::bootstrap::median_of;
 use std::time::Instant;
 
+/// Number of frames that count.
 const FRAMES: usize = 15;
 
-/// Scenes, and the mesh of each that moves.
+/// Built-in scenes, each with the name of the mesh that moves.
 const MOVING: [(&str, &str); 3] = [("rooms", "ball"), ("museum", "ball"), ("street", "car-body")];
 
-/// The wall time of an action, in milliseconds.
-fn milliseconds(run: impl FnOnce()) -> f64 {
+/// Runs an action and returns its wall time in milliseconds.
+fn milliseconds(action: impl FnOnce()) -> f64 {
     let begun = Instant::now();
-    run();
+    action();
     1e3 * begun.elapsed().as_secs_f64()
 }
 
@@ -52,7 +54,7 @@ fn main() {
                 data.prepare_triangles(&mut context, false).expect("triangles");
                 context.once(|frame| data.bring_moving(frame)).expect("a frame");
             });
-            // In the first frame the mesh leaves the tree of what stands.
+            // In the first frame, which does not count, the mesh is also removed from the tree of meshes at rest.
             if frame > 1 {
                 whole.push(whole_ms);
                 moving.push(moving_ms);

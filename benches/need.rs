@@ -1,13 +1,14 @@
 //! Measures how the time of `unified` depends on what a frame needs and on the image's size. Prints a table to
 //! standard output.
 //!
-//! "need": the six views of the built-in rooms at 960×540, in which every pixel reflects, only a rectangle with
-//! a tenth of the pixels, or none. "growth": the same views at 640×480 and 1920×1080. Times are those of the
-//! effect: the median of [`FRAMES`] frames by the device's timestamps; the variants take turns. The table of
-//! needs also gives the time of the passes whose cost does not depend on the number of reflecting pixels
-//! (classification, canvas and colour chain), and the share of the image that the drawn tiles cover. The table
-//! of growth also gives the cells of the pyramid that the mirror ray of a pixel visits: the mean, and the mean
-//! over blocks of 4 × 2 pixels of the block's maximum, for which eight threads in lockstep wait.
+//! "need": the six views of the built-in rooms at 960×540, in which every pixel reflects, only a rectangle with a tenth
+//! of the pixels, or none. "growth": the same views at 640×480 and 1920×1080. Times are those of the effect: the median
+//! of [`FRAMES`] frames by the device's timestamps, with the variants timed in turn.
+//!
+//! The columns on needs also give the time of the passes whose cost does not depend on the number of reflecting pixels
+//! (classification, composite and colour chain), and the share of the image that the drawn tiles cover. The columns on
+//! growth also give the cells of the pyramid that the mirror ray of a pixel visits: the mean, and the mean of the
+//! greatest number in each block of 4 × 2 pixels, for which eight threads in lockstep wait.
 
 #![allow(clippy::expect_used)]
 
@@ -27,13 +28,17 @@ use ssct_truth::metrics::bootstrap::median_of;
 use ssct_truth::reference::unified::Traversal;
 use std::collections::BTreeSet;
 
+/// Number of frames that count.
 const FRAMES: usize = 7;
+/// Width and height in pixels of the frames for "need".
 const SIZE: [u32; 2] = [960, 540];
+/// The two sizes in pixels of the frames for "growth".
 const GROWTH: [[u32; 2]; 2] = [[640, 480], [1920, 1080]];
+/// The roughness values of all surfaces.
 const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
 
-/// Milliseconds of the effect, of its pyramid, and of the other passes that do not depend on the number of
-/// reflecting pixels.
+/// Returns the milliseconds of the effect, of its pyramid, and of the other passes whose time does not depend on the
+/// number of reflecting pixels.
 fn times(report: &FrameReport) -> [f64; 3] {
     let milliseconds = |passes: &dyn Fn(&str) -> bool| {
         report.passes.iter().filter(|p| p.counted && passes(&p.name)).map(|p| p.ms).sum()
@@ -42,8 +47,8 @@ fn times(report: &FrameReport) -> [f64; 3] {
     [milliseconds(&|_| true), milliseconds(&|name| name == "pyramid"), milliseconds(&is_fixed)]
 }
 
-/// The cells that mirror rays visit: the mean over the rays, and the mean over blocks of 4 × 2 pixels of the
-/// block's maximum.
+/// Returns the number of cells that mirror rays visit: the mean over the rays, and the mean of the greatest number in
+/// each block of 4 × 2 pixels.
 fn cells(data: &GBufferData) -> [f64; 2] {
     let (traversal, reflects) = (Traversal::new(data), data.reflecting());
     let steps = |x: u32, y: u32| {
@@ -52,14 +57,14 @@ fn cells(data: &GBufferData) -> [f64; 2] {
     };
     let (mut sum, mut most) = (0.0, 0.0);
     for (top, left) in (0..data.height / 2).flat_map(|y| (0..data.width / 4).map(move |x| (2 * y, 4 * x))) {
-        let of_block: [i32; 8] = std::array::from_fn(|i| steps(left + i as u32 % 4, top + i as u32 / 4));
-        sum += of_block.iter().map(|n| f64::from(*n)).sum::<f64>() / 8.0;
-        most += f64::from(of_block.into_iter().max().unwrap_or(0));
+        let block_steps: [i32; 8] = std::array::from_fn(|i| steps(left + i as u32 % 4, top + i as u32 / 4));
+        sum += block_steps.iter().map(|n| f64::from(*n)).sum::<f64>() / 8.0;
+        most += f64::from(block_steps.into_iter().max().unwrap_or(0));
     }
     [sum, most].map(|n| n / f64::from(data.width / 4 * (data.height / 2)))
 }
 
-/// The share of the pixels in tiles with at least one reflecting pixel; only these tiles are drawn.
+/// Returns the share of the pixels that lie in tiles with at least one reflecting pixel; only these tiles are drawn.
 fn covered(data: &GBufferData) -> f64 {
     let mut tiles = BTreeSet::new();
     for (i, _) in data.reflecting().iter().enumerate().filter(|(_, reflects)| **reflects) {
@@ -95,15 +100,17 @@ fn main() {
         let mut rows = Vec::new();
         for view in &scene.views {
             let materials = || globals.materials(&scene, view);
-            let seen = view.camera(&scene, SIZE);
-            let shot = Shot::new(&mut stage, &unified::INFO, &Setup::on_screen(SIZE), Wants::IMAGE, seen, materials())
-                .expect("a shot");
+            let camera = view.camera(&scene, SIZE);
+            let shot =
+                Shot::new(&mut stage, &unified::INFO, &Setup::on_screen(SIZE), Wants::IMAGE, camera, materials())
+                    .expect("a shot");
             let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
             let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
             let parts = [1.0, 0.1, 0.0].map(|share| {
                 let data = masked(&data, share);
-                let here = data.reflecting().iter().filter(|r| **r).count();
-                assert!((here as f64 / data.depth.len() as f64) < 1.02 * share + 1e-3, "{here} pixels reflect");
+                let reflecting = data.reflecting().iter().filter(|r| **r).count();
+                let is_share = (reflecting as f64 / data.depth.len() as f64) < 1.02 * share + 1e-3;
+                assert!(is_share, "{reflecting} pixels reflect");
                 data
             });
             let images =
@@ -114,22 +121,24 @@ fn main() {
             let effect = Effect::new(&mut stage.context, &unified::INFO, &Setup::on_screen(SIZE), Wants::IMAGE, None)
                 .expect("the effect");
             let shots = GROWTH.map(|size| {
-                let seen = view.camera(&scene, size);
-                Shot::new(&mut stage, &unified::INFO, &Setup::on_screen(size), Wants::IMAGE, seen, materials())
+                let camera = view.camera(&scene, size);
+                Shot::new(&mut stage, &unified::INFO, &Setup::on_screen(size), Wants::IMAGE, camera, materials())
                     .expect("a shot")
             });
 
-            let walked = shots.each_ref().map(|shot| {
+            let cells_visited = shots.each_ref().map(|shot| {
                 stage.run(shot, Mode::Plain).expect("a frame");
                 cells(&gbuffer::read(&mut stage.context, shot).expect("the G-buffer"))
             });
-            let [mean, in_step] = [0, 1].map(|i| walked[1][i] / walked[0][i]);
+            let [mean, in_step] = [0, 1].map(|i| cells_visited[1][i] / cells_visited[0][i]);
 
+            // The times and the number of passes in each frame of a variant, and the time a pixel in each frame of a
+            // size.
             let (mut need, mut growth) = ([vec![], vec![], vec![]], [vec![], vec![]]);
             for frame in 0..=FRAMES {
                 for (i, (images, reflectors)) in images.iter().zip(reflectors).enumerate() {
                     let gbuffer = GBuffer { reflectors, ..images.gbuffer() };
-                    let report = run(&mut stage.context, &effect, gbuffer, &seen);
+                    let report = run(&mut stage.context, &effect, gbuffer, &camera);
                     // The first frame of each variant compiles shaders.
                     if frame > 0 {
                         need[i].push((times(&report), report.recorded.len()));

@@ -1,13 +1,17 @@
-//! Measures where screen space contradicts the world, and how much of that no choice within screen space could
-//! avoid. Prints a table to standard output.
+//! Measures how often rays on the screen end elsewhere than in the world, and how much of that no rule for rays on the
+//! screen could avoid. Prints a table to standard output.
 //!
-//! Mirror rays of every view of a scene, at 960×540 and 641×479, are compared with where they end among the
-//! scene's triangles (docs/definitions.md, "World agreement"). For both versions of the oracle, and therefore for
-//! `unified`, which follows them, the table gives the share of reflecting pixels that are wrong, by kind: a hit
-//! where the world has none, by crossing a block's front or by its side; a hit at another place; a miss.
-//! `least` is the share that remains wrong whichever of the blocks on its path a ray were told to hit, because
-//! the screen shows where the ray ends but no block there meets it. `ssct` is the share that the thesis's
-//! method gets wrong.
+//! Mirror rays of every view of a scene, at 960×540 and 641×479, are compared with where they end among the scene's
+//! triangles (docs/definitions.md, "World agreement"). There is a row for each version of the oracle; `unified` ends
+//! rays where the oracle does. `wrong` is the share of the reflecting pixels whose ray is wrong, and the next columns
+//! divide it by kind:
+//!
+//! - `false_front` and `false_side`: a hit where the world has none, by crossing a block's front, or by its side;
+//! - `displaced`: a hit at another place;
+//! - `missed`: a miss, although the screen shows where the ray ends in the world.
+//!
+//! `least` is the share that remains wrong whichever of the blocks on its path a ray hits: the screen shows where the
+//! ray ends, but no block there meets it. `ssct` is the share that the thesis's method gets wrong.
 //!
 //! Usage: `cargo bench --bench truth [-- SCENE…]`, with names of built-in scenes or files, relative ones from `lab/`.
 
@@ -26,6 +30,7 @@ use ssct_truth::reference::ray::RaySetup;
 use ssct_truth::reference::surface::World;
 use ssct_truth::reference::world_hits::world_hits;
 
+/// Sizes of the pictures in pixels.
 const SIZES: [[u32; 2]; 2] = [[960, 540], [641, 479]];
 
 /// The place of a hit in pixels; `None` for a miss.
@@ -42,6 +47,7 @@ fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let hits = gbuffer::hit_positions(&stage.context.read(hits.0.all()).expect("the hits"));
     let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
 
+    // Where the rays end in the world, if the screen shows the place.
     let world = World::new(scene, &materials);
     let ends: Vec<Place> = world_hits(&world, &data, &FirstHits::shown(&world, &data))
         .iter()
@@ -52,10 +58,12 @@ fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let pixels = (0..data.depth.len()).into_par_iter().map(|i| (i as u32 % data.width, i as u32 / data.width));
     let direction = |x, y| rays.mirror(x, y).filter(|_| reflects[data.index(x, y)]);
     let segment = |x, y| direction(x, y).and_then(|direction| rays.segment(x, y, direction));
-    let meet = |(x, y)| segment(x, y).map_or(vec![], |segment| oracle.meetings(&segment));
-    let meetings: Vec<Vec<Meeting>> = pixels.clone().map(meet).collect();
+    let blocks_met = |(x, y)| segment(x, y).map_or(vec![], |segment| oracle.meetings(&segment));
+    let meetings: Vec<Vec<Meeting>> = pixels.clone().map(blocks_met).collect();
     let place = |meeting: &Meeting| [meeting.position.x, meeting.position.y];
-    let count = |is: &dyn Fn(usize) -> bool| (0..reflects.len()).filter(|i| reflects[*i] && is(*i)).count() as u64;
+    // The number of reflecting pixels for which a condition holds.
+    let count =
+        |holds: &dyn Fn(usize) -> bool| (0..reflects.len()).filter(|i| reflects[*i] && holds(*i)).count() as u64;
     let reflecting = count(&|_| true) as f64;
     let share = |number: u64| number as f64 / reflecting;
     let wrong = |hits: &[Place]| 1.0 - agreement(&reflects, &ends, hits).fraction().expect("pixels that reflect");

@@ -14,32 +14,32 @@ fn main() -> Result<(), String> {
     std::fs::write(out.join("constants.rs"), declared(&source)?).map_err(|e| format!("constants.rs: {e}"))
 }
 
-/// Declares in Rust the constants that GLSL and Rust share. A number with a point becomes an f64, which keeps the decimal as it is
-/// written; code that computes in f32 rounds it once, as GLSL does.
+/// Returns Rust declarations of the constants in a source of GLSL, with their comments. A number with a decimal point
+/// becomes an f64, which keeps the decimal as it is written; code that computes in f32 rounds it once, as GLSL does.
 fn declared(source: &str) -> Result<String, String> {
     let (mut text, mut comment) = (String::new(), String::new());
     for (index, line) in source.lines().enumerate() {
-        if let Some(said) = line.strip_prefix("// ") {
-            let _ = writeln!(comment, "/// {said}");
+        if let Some(words) = line.strip_prefix("// ") {
+            let _ = writeln!(comment, "/// {words}");
             continue;
         }
-        if let Some(declared) = line.strip_prefix("const ") {
-            let (ty, declared) = declared.split_once(' ').unwrap_or_default();
-            let (name, value) = declared.split_once(" = ").unwrap_or_default();
-            let (value, beside) = value.split_once(';').unwrap_or_default();
+        if let Some(declaration) = line.strip_prefix("const ") {
+            let (ty, rest) = declaration.split_once(' ').unwrap_or_default();
+            let (name, value) = rest.split_once(" = ").unwrap_or_default();
+            let (value, comment_beside) = value.split_once(';').unwrap_or_default();
             let (ty, value) = match ty {
                 "int" => ("i32", value),
                 "uint" => ("u32", value.trim_end_matches('u')),
                 "float" => ("f64", value),
                 _ => ("", ""),
             };
-            let beside = beside.trim().trim_start_matches("// ");
-            if value.is_empty() || (comment.is_empty() && beside.is_empty()) {
+            let comment_beside = comment_beside.trim().trim_start_matches("// ");
+            if value.is_empty() || (comment.is_empty() && comment_beside.is_empty()) {
                 let wanted = "`const int|uint|float NAME = VALUE;` with a comment above or beside it";
                 return Err(format!("{CONSTANTS}:{}: {line:?} should be {wanted}", index + 1));
             }
-            if !beside.is_empty() {
-                comment = format!("/// {beside}\n");
+            if !comment_beside.is_empty() {
+                comment = format!("/// {comment_beside}\n");
             }
             let _ = writeln!(text, "{comment}pub const {name}: {ty} = {value};");
         }

@@ -9,20 +9,22 @@ fn main() -> Result<()> {
     write_shader_table()
 }
 
-/// The commit that is built, for records; "unknown" outside a repository, "+" after it for a
-/// working tree that differs.
+/// Returns the short hash of the commit that is built, for records, with a "+" behind it if tracked files differ from
+/// the commit. Returns "unknown" outside a repository.
 fn commit() -> String {
+    // Runs git with arguments; returns what it prints, or `None` if it fails.
     let git = |args: &[&str]| {
-        // Reading must not write: a status that refreshed the index would have the next build run this again.
+        // Without this option `git status` may rewrite the index, after which the next build would run this script
+        // again.
         let mut git = std::process::Command::new("git");
         let output = git.arg("--no-optional-locks").args(args).output().ok().filter(|o| o.status.success())?;
         Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
     };
-    // The index changes with every commit and checkout; in a worktree it is not under `.git`. The
-    // sources decide whether the tree differs.
+    // Changed sources decide whether the hash gets a "+".
     for sources in ["src", "truth/src", "../src", "../shaders-glsl", "../build.rs"] {
         println!("cargo:rerun-if-changed={sources}");
     }
+    // Each commit and checkout changes the index. Git says where it lies, which in a worktree is not under `.git`.
     for file in ["HEAD", "index"].iter().filter_map(|f| git(&["rev-parse", "--path-format=absolute", "--git-path", f]))
     {
         println!("cargo:rerun-if-changed={file}");
@@ -47,11 +49,12 @@ fn write_shader_table() -> Result<()> {
     std::fs::write(Path::new(&output).join("built_in_shaders.rs"), table)
 }
 
-/// Adds a row for each shader of a folder, whose path below `shaders-glsl` is `place`, with a slash behind it.
-fn list(folder: &Path, place: &str, rows: &mut Vec<String>) -> Result<()> {
+/// Adds a row of the table for each file in a folder and its subfolders, except pages (`.md`). `prefix` is the folder's
+/// path below `shaders-glsl`, with a slash at its end; it is empty for `shaders-glsl` itself.
+fn list(folder: &Path, prefix: &str, rows: &mut Vec<String>) -> Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
-        let name = format!("{place}{}", path.file_name().unwrap_or_default().to_string_lossy());
+        let name = format!("{prefix}{}", path.file_name().unwrap_or_default().to_string_lossy());
         if path.is_dir() {
             list(&path, &format!("{name}/"), rows)?;
         } else if path.extension().is_some_and(|extension| extension != "md") {

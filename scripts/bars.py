@@ -12,12 +12,14 @@ from pathlib import Path
 
 
 def ratios(values):
+    """Returns the median, the least and the greatest of some ratios as a text."""
     if not values:
         return "-"
     return f"{statistics.median(values):.3f} ({min(values):.3f} … {max(values):.3f})"
 
 
 def cell(record):
+    """Returns the place of a record: scene, view, width, height and roughness."""
     return (record["scene"], record["view"], record["width"], record["height"], round(record["roughness"], 4))
 
 
@@ -61,6 +63,7 @@ def main():
         here = [e for c, e in errors.items() if c[4] == roughness and c[2:4] == (width, height)]
 
         def rmse(e, method):
+            """Returns a method's RMSE against the screen reference, without the part that the reference's noise adds."""
             r = e[method, "screen"]
             return max(r["rmse"] ** 2 - r["standard_error"] ** 2, 0.0) ** 0.5
 
@@ -82,6 +85,7 @@ def main():
     print(text, end="")
 
     def table(name, head, rows):
+        """Writes a CSV file beside the records."""
         with open(folder / name, "w", newline="") as file:
             csv.writer(file).writerows([head, *rows])
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the passes of a multilayer OpenEXR file of Blender mean, measured against its Position pass.
+"""Measures what the passes of a multilayer OpenEXR file of Blender mean, by comparison with its Position pass.
 
     python scripts/blender_passes.py MAP.toml FILE.exr…
 
@@ -17,11 +17,13 @@ import OpenEXR
 
 
 def channels(path):
+    """Returns the channels of a file by their names, each as an array of floats of shape (height, width)."""
     with OpenEXR.File(path, separate_channels=True) as file:
         return {name: c.pixels.astype(float) for part in file.parts for name, c in part.channels.items()}
 
 
 def passes(path, camera):
+    """Returns the measurements of a file as a record. The camera is the table `camera` of the map."""
     arrays = channels(path)
     vector = lambda name: numpy.stack([arrays[f"ViewLayer.{name}.{axis}"] for axis in "XYZ"], -1)
     depth, normal = arrays["ViewLayer.Depth.Z"], vector("Normal")

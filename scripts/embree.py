@@ -32,6 +32,7 @@ WALKED = "vec3 color = vec3(hit.t, hit.weight);"
 
 
 def run(command, **environment):
+    """Returns the standard output of a command, or ends the script with the command's error."""
     try:
         done = subprocess.run(list(map(str, command)), env=os.environ | environment, capture_output=True, text=True)
     except OSError as error:
@@ -42,7 +43,7 @@ def run(command, **environment):
 
 
 def triangles(folder):
-    """The corners of every triangle of an export, (n, 3, 3), in the meshes' order."""
+    """Returns the corners of every triangle of an export as an array of shape (n, 3, 3), in the order of the meshes."""
     corners = []
     for path in sorted((folder / "meshes").glob("*.ply")):
         header, body = path.read_bytes().split(b"end_header\n", 1)
@@ -54,7 +55,8 @@ def triangles(folder):
 
 
 def mirror_rays(folder):
-    """Origins and directions of the export's mirror rays, (n, 3) each, and the mesh that each meets in double precision."""
+    """Returns the origins and the directions of the export's mirror rays, each of shape (n, 3), and the mesh that each ray
+    meets in double precision, or -1."""
 
     def array(name):
         return np.load(folder / f"{name}.npy")
@@ -66,7 +68,8 @@ def mirror_rays(folder):
 
 
 def follow(arguments, view, shaders):
-    """The record of a run, and the median of its frames' milliseconds in the pass that follows the mirror rays."""
+    """Times `traced` with the shaders of a folder. Returns the record, and the median time in milliseconds of the pass that
+    follows the mirror rays."""
     command = [arguments.ssct, "time", *view, "--method", "traced", "--samples", arguments.samples, "--json"]
     record = json.loads(run(command, LP_NUM_THREADS="1", SSCT_SHADERS=str(shaders)))[0]
     if record["device"]["type"] != "CPU":
@@ -129,6 +132,7 @@ def main():
         writer.writerows(rows)
 
     def summary(values):
+        """Returns the median, the least and the greatest of the rounds as a text."""
         return f"{statistics.median(values):.3g} ({min(values):.3g} to {max(values):.3g})"
 
     agree = np.mean((met >= 0) == (meets >= 0))

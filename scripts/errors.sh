@@ -39,9 +39,11 @@ together() { # folder, scenes separated by spaces, options...
         "${files[@]}" >"$out/$folder/error.json"
 }
 
+# Options of most runs: a small image with few rays. Without a sweep, only the given settings are measured.
 small=(--size 320x180 --rays 16)
 plain=("${small[@]}" --no-sweep)
 
+# Each function from here on measures the folder, or the folders below it, that its name names with - in the place of _.
 bars() {
     [ ! -e "$out/bars/errors.csv" ] || return 0
     WHAT=error ERROR_SIZES=480x270 RAYS=32 SSCT=$ssct "$root/scripts/bars.sh" "$out/bars" "$scenes"

@@ -46,7 +46,7 @@ film turn --way turn "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
 rolls=(--way rest --moving ball --step=-0.02,0,-0.02)
 film moving "${rolls[@]}" "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${rest[@]}"
 
-# By default, `unified` traces own rays on a GPU alone; --own-rays traces them on every device.
+# By default, `unified` traces own rays only on a GPU. The option --own-rays traces them on every device.
 own=(--variant "stochastic --fallback captures --history on")
 for rays in 4 8; do
     own+=(--variant "unified --own-rays $rays" --variant "unified --own-rays $rays --history on")
@@ -54,7 +54,7 @@ done
 film own-rays/rooms --way walk "${in_rooms[@]}" --roughness 0.3,0.6 "${at[@]}" "${own[@]}"
 film own-rays/museum --way walk "${in_museum[@]}" --roughness 0.3,0.6 "${at[@]}" "${own[@]}"
 
-# Everything stands still from frame 32 on: a third of a film of 97 frames.
+# In these films of 97 frames, everything stands still from frame 32 on, after a third of the film.
 at=(--frames 97 --size 160x90 --rays 16)
 film stop --way stop "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"
 film thing-stops "${rolls[@]}" --step-frames 32 "${in_rooms[@]}" --roughness 0.1 "${at[@]}" "${stops[@]}"

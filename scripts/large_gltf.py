@@ -17,7 +17,7 @@ from pathlib import Path
 
 
 def png(side: int, seed: int) -> bytes:
-    """A picture of noise around one colour, as an RGB file."""
+    """Returns a picture of noise around one colour as the bytes of a PNG file. `side` is its width and height in texels."""
     noise = random.Random(seed)
     # Five bits of noise are added to one random colour of the picture, so that pictures can be told apart.
     tables = [bytes(base * 7 // 8 + (n >> 3) for n in range(256)) for base in noise.randbytes(3)]
@@ -29,6 +29,7 @@ def png(side: int, seed: int) -> bytes:
         rows += b"\0" + row
 
     def chunk(kind: bytes, data: bytes) -> bytes:
+        """Returns a chunk of a PNG file: length, kind, data and checksum."""
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     header = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
@@ -36,7 +37,10 @@ def png(side: int, seed: int) -> bytes:
 
 
 def grid(cells: int, x0: float, z0: float, side: float) -> tuple[bytes, bytes]:
-    """Vertices (position, normal, texture coordinates) and indices of one tile."""
+    """Returns the vertices (position, normal, texture coordinates) and the indices of one tile, both as bytes.
+
+    The tile begins at (x0, z0) and is `side` metres wide. It has `cells` squares of two triangles along each side.
+    """
     vertices, indices = bytearray(), bytearray()
     for j in range(cells + 1):
         for i in range(cells + 1):
@@ -72,6 +76,7 @@ def main() -> None:
              "materials": [], "textures": [], "images": [], "accessors": [], "bufferViews": [], "buffers": []}
 
     def view(data: bytes, stride: int | None = None) -> int:
+        """Appends data to the buffer, and returns the index of its view. `stride` is the bytes from vertex to vertex."""
         section = {"buffer": 0, "byteOffset": len(buffer), "byteLength": len(data)}
         if stride:
             section["byteStride"] = stride
@@ -80,6 +85,7 @@ def main() -> None:
         return len(scene["bufferViews"]) - 1
 
     def accessor(buffer_view: int, offset: int, component: int, count: int, kind: str, **bounds: list[float]) -> int:
+        """Adds an accessor to a view, and returns its index. `component` is glTF's number of the type of a component."""
         scene["accessors"].append({"bufferView": buffer_view, "byteOffset": offset, "componentType": component,
                                    "count": count, "type": kind, **bounds})
         return len(scene["accessors"]) - 1

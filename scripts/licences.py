@@ -23,10 +23,11 @@ TEXTS = re.compile(r"^(licen[cs]e|copying|copyright|notice|unlicense|ofl|ufl)", 
 
 
 def allowed(expression):
-    """Whether the licences that an SPDX expression leaves a choice of may be passed on."""
+    """Returns whether an SPDX expression can be met by licences of ALLOWED alone."""
     words = re.findall(r"[()]|[^\s()]+", expression.replace("/", " OR "))
 
     def joined(word, part, join):
+        """Reads parts with a word between them, and joins their values: any for OR, all for AND."""
         values = [part()]
         while words[:1] == [word]:
             del words[0]
@@ -34,9 +35,11 @@ def allowed(expression):
         return join(values)
 
     def choice():
+        """Reads an expression, in which AND binds more strongly than OR."""
         return joined("OR", lambda: joined("AND", one, all), any)
 
     def one():
+        """Reads the name of a licence, perhaps WITH an exception, or an expression in brackets."""
         name = words.pop(0)
         if name == "(":
             value = choice()
@@ -51,7 +54,7 @@ def allowed(expression):
 
 
 def crates():
-    """The crates that the programs contain on x86-64 Linux, without those that only build or test them."""
+    """Returns the packages that the programs contain on x86-64 Linux, without packages that only build or test them."""
     cargo = os.environ.get("CARGO", "cargo")
     root = Path(__file__).resolve().parent.parent
     command = [cargo, "metadata", "--format-version", "1", "--filter-platform", "x86_64-unknown-linux-gnu"]
@@ -72,7 +75,7 @@ def crates():
 
 
 def texts(package):
-    """The texts of a crate's licences, by the names of their files."""
+    """Yields the file name and the text of each licence of a crate."""
     folder = Path(package["manifest_path"]).parent
     named = [folder / package["license_file"]] if package["license_file"] else []
     for path in sorted(set(named + [path for path in folder.iterdir() if TEXTS.match(path.name)])):

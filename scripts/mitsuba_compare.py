@@ -66,17 +66,19 @@ class Truth:
         self.images = {}
 
     def array(self, name):
+        """Returns an array of the export by its name."""
         return np.load(self.folder / f"{name}.npy")
 
     def image(self, index):
-        """A data image without decoding, values 0...1."""
+        """Returns an image without decoding, as RGBA values from 0 to 1."""
         if index not in self.images:
             path = self.folder / self.info["textures"][index]["file"]
             self.images[index] = np.asarray(Image.open(path).convert("RGBA"), dtype=np.float64) / 255
         return self.images[index]
 
     def sample(self, index, uv):
-        """Samples an image, bilinear and repeating; (0, 0) is the top left corner."""
+        """Returns the RGBA values of an image at `uv`, of shape (n, 2). The lookup is bilinear and repeats the image, whose
+        top left corner is (0, 0)."""
         image = self.image(index)
         size = np.array([image.shape[1], image.shape[0]])
         position = (uv % 1.0) * size - 0.5
@@ -89,8 +91,8 @@ class Truth:
         return top * (1 - w[:, 1]) + bottom * w[:, 1]
 
     def trace(self, origin, direction):
-        """Mitsuba's hits as a dict of arrays; mesh -1 is a miss. Rays pass through the holes of alpha masks and through
-        single-sided materials from behind."""
+        """Returns Mitsuba's hits as a dict of arrays, in which mesh -1 is a miss. Rays pass through the holes of alpha masks
+        and through single-sided materials from behind."""
         origin, direction = (np.asarray(v, dtype=np.float64) for v in (origin, direction))
         hit = self.trace_once(origin, direction)
         for _ in range(64):
@@ -104,6 +106,7 @@ class Truth:
         raise RuntimeError("a ray passes more than 64 masked surfaces")
 
     def trace_once(self, origin, direction):
+        """Returns the first hits as a dict of arrays, holes and single-sided materials included."""
         ray = mi.Ray3f(mi.Point3f(origin.T.astype(np.float32)), mi.Vector3f(direction.T.astype(np.float32)))
         si = self.scene.ray_intersect(ray)
         valid = np.array(si.is_valid())
@@ -123,6 +126,7 @@ class Truth:
         }
 
     def holes(self, hit, direction):
+        """Returns for each hit whether the ray passes it."""
         holes = np.zeros(len(hit["mesh"]), bool)
         for index, material in enumerate(self.info["materials"]):
             if material["single_sided"]:
@@ -134,7 +138,7 @@ class Truth:
         return holes
 
     def normals(self, hit, direction):
-        """Shading normals computed as in `gbuffer.frag`, flipped to the visible side."""
+        """Returns the normals of shading, computed as in `gbuffer.frag` and flipped to the visible side."""
         normal = unit(hit["smooth"])
         for index, material in enumerate(self.info["materials"]):
             deviation = material["normal_deviation"]
@@ -157,7 +161,7 @@ class Truth:
         return np.where(dot(hit["flat"], direction) > 0, -normal, normal)
 
     def lit(self, hit, direction):
-        """Lit colour = albedo * mix(0.2, 1, min(sum of lights, 1)); black where nothing was hit."""
+        """Returns the lit colour albedo * mix(0.2, 1, min(sum of lights, 1)), with emission, or black without a hit."""
         normal = self.normals(hit, direction)
         shading = np.zeros((len(normal), 1))
         for light in self.info["lights"]:
@@ -176,7 +180,7 @@ class Truth:
         return np.where((hit["mesh"] >= 0)[:, None], color, 0.0)
 
     def emission(self, hit):
-        """The share of the albedo that is emitted."""
+        """Returns for each hit the share of the albedo that is emitted."""
         share = np.zeros((len(hit["mesh"]), 1))
         for index, material in enumerate(self.info["materials"]):
             mask = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
@@ -188,28 +192,33 @@ class Truth:
 
 
 def si_barycentrics(scene, ray):
-    """Weights of the triangle's vertices, from Mitsuba's own (u, v) of the primitive."""
+    """Returns the weights of the triangle's vertices, from Mitsuba's own (u, v) of the primitive."""
     pi = scene.ray_intersect_preliminary(ray)
     u, v = pi.prim_uv.x, pi.prim_uv.y
     return mi.Vector3f(1 - u - v, u, v)
 
 
 def dot(a, b):
+    """Returns the scalar products of two arrays of vectors, as a column of shape (n, 1)."""
     return np.sum(a * b, axis=1, keepdims=True)
 
 
 def unit(a):
+    """Returns vectors of unit length."""
     return a / np.maximum(np.linalg.norm(a, axis=1, keepdims=True), 1e-300)
 
 
 def check_geometry(truth, name, hit, near):
-    """Compares Mitsuba's hits with ours: same mesh and triangle, and the distance between them."""
+    """Compares Mitsuba's hits with the exported hits `name`: mesh, triangle, and the distance between the positions.
+
+    A hit agrees if the positions are at most `near` metres apart. Returns a record of shares and distances.
+    """
     mesh, triangle = truth.array(f"{name}_mesh"), truth.array(f"{name}_triangle")
     position = truth.array(f"{name}_position")
     both = (mesh >= 0) & (hit["mesh"] >= 0)
     same = (mesh == hit["mesh"]) & (triangle == hit["triangle"])
     apart = np.linalg.norm(position - hit["position"], axis=1)
-    # On a shared edge both triangles are correct, so only the position is compared.
+    # On an edge that two triangles share, both are correct, so that only the positions decide.
     agree = ((mesh < 0) & (hit["mesh"] < 0)) | (both & (apart <= near))
     return {
         "rays": len(mesh),
@@ -221,7 +230,7 @@ def check_geometry(truth, name, hit, near):
 
 
 def sensor_rays(truth):
-    """The rays of Mitsuba's own sensor through the pixels' centres, starting at the near plane."""
+    """Returns origins and directions of the rays of Mitsuba's own sensor through the pixels' centres, from the near plane on."""
     width, height = truth.info["width"], truth.info["height"]
     index = dr.arange(mi.UInt32, width * height)
     position = mi.Point2f((mi.Float(index % width) + 0.5) / width, (mi.Float(index // width) + 0.5) / height)
@@ -230,8 +239,8 @@ def sensor_rays(truth):
 
 
 def sample_reflection(truth, samples, seed, scale=1.0):
-    """Mean and variance of a sample of each receiver's reflection, with Mitsuba's rays and random numbers.
-    All roughness values are multiplied by `scale`."""
+    """Samples each receiver's reflection with Mitsuba's rays and random numbers. Returns the mean of the samples, and the
+    variance of a single sample. All roughness values are multiplied by `scale`."""
     position, normal = truth.array("receiver_position"), truth.array("receiver_normal")
     geometric, incoming = truth.array("receiver_geometric"), truth.array("receiver_incoming")
     roughness = truth.array("receiver_roughness") * scale
@@ -266,6 +275,7 @@ def sample_reflection(truth, samples, seed, scale=1.0):
 
 
 def check_reflection(truth, samples, seed):
+    """Compares the glossy reflections with the exported ones by z-tests, and returns a record of the results."""
     ours, our_error = truth.array("reflection_mean"), truth.array("reflection_error")
     glossy = truth.array("receiver_roughness") > 0
     n = truth.info["samples"]
@@ -277,8 +287,8 @@ def check_reflection(truth, samples, seed):
     z = ((mean - ours) / deviation)[glossy]
     p = np.array([math.erfc(abs(v) / math.sqrt(2)) for v in z.ravel()]).reshape(z.shape)
     alpha = 1 - (1 - SIGNIFICANCE) ** (1 / len(z))
-    # The derivative of the image by the logarithm of roughness, from the same random numbers at 1.2 and
-    # 1 / 1.2 times the roughness. They differ from the random numbers of the comparison.
+    # The derivative of the image by the logarithm of roughness, from equal random numbers at 1.2 and 1 / 1.2 times the
+    # roughness. The comparison above has other random numbers.
     few = max(samples // 2, 2)
     rougher, smoother = (sample_reflection(truth, few, seed + 1, scale)[0] for scale in (1.2, 1 / 1.2))
     slope = ((rougher - smoother) / (2 * math.log(1.2)))[glossy] / deviation[glossy]

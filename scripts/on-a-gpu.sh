@@ -90,7 +90,7 @@ for round in ${before:+1 2 3}; do
     done
 done
 
-# 4. The programs as compilers compile them: the device's own compiler, and AMD's if scripts/drivers.sh has fetched it.
+# 4. Statistics of the compiled programs, by the device's own compiler, and by AMD's if scripts/drivers.sh has fetched it.
 run shaders "$ssct" shaders -o "$out/shaders" --resume
 if radv=$("$root/scripts/drivers.sh" --radv 2>/dev/null) && [ -n "$radv" ]; then
     read -r -a variables <<<"${radv#export }"

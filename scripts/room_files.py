@@ -25,7 +25,11 @@ MAP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "examples",
 
 
 def separate(material, channel, socket, folder):
-    """Gives an input of the shader an image of its own in the place of a channel of another image."""
+    """Copies a channel of a combined image into an image of its own, and connects it with an input of the shader.
+
+    `channel` is the index of the channel, and `socket` the name of the input. The image is saved in the folder.
+    An input without such a combined image stays as it is.
+    """
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     links = shader.inputs[socket].links
     if not links or links[0].from_node.type != "SEPARATE_COLOR":
@@ -45,7 +49,7 @@ def separate(material, channel, socket, folder):
 
 
 def add_aovs(material):
-    """Writes what feeds the shader's inputs as AOVs, too."""
+    """Makes the render write the values of three inputs of the shader as AOVs (arbitrary output variables)."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
     shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     for name, kind, socket in AOVS:
@@ -62,6 +66,7 @@ def add_aovs(material):
 
 
 def render(folder, samples):
+    """Renders the scene by Cycles to room.exr, with a filter of nearly no width, so that a pixel shows its centre."""
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples = "CYCLES", samples
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
@@ -79,6 +84,7 @@ def render(folder, samples):
 
 
 def write_map(folder):
+    """Writes map.toml: the map of the examples with the camera of this scene."""
     lens, place = bpy.context.scene.camera.data, bpy.context.scene.camera.matrix_world
     text = open(MAP).read()
     begin, end = text.index("focal-length-mm"), text.index("[depth]")
@@ -89,12 +95,15 @@ def write_map(folder):
 
 
 def ours(vector):
-    """A vector of Blender, right-handed with z up, in right-handed axes with y up, as in scene files."""
+    """Converts a vector from Blender's axes (right-handed, z up) to the axes of scene files (right-handed, y up)."""
     return [round(float(v), 5) for v in (vector[0], vector[2], -vector[1])]
 
 
 def write_scene_file(folder, name):
-    """A scene file of an OBJ file, with the view and the lights."""
+    """Writes a scene file for an OBJ file, with the view and the lights of Blender's scene.
+
+    The energies are relative to the light that is brightest at the centre of the scene.
+    """
     corners = np.array([thing.matrix_world @ Vector(corner) for thing in bpy.data.objects if thing.type == "MESH"
                         for corner in thing.bound_box])
     centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
@@ -121,7 +130,7 @@ def write_scene_file(folder, name):
 
 
 def instanced(source, target):
-    """Moves the place of every node with a mesh into an instance of EXT_mesh_gpu_instancing."""
+    """Copies a binary glTF file, and moves the transform of every node with a mesh into EXT_mesh_gpu_instancing."""
     data = open(source, "rb").read()
     length = struct.unpack_from("<I", data, 12)[0]
     document, binary = json.loads(data[20 : 20 + length]), bytearray(data[28 + length :])

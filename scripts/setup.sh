@@ -9,17 +9,17 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/packages.sh
 source "$root/scripts/packages.sh"
 packages=(
-    g++                     # nv-flip is C++
+    g++                     # compiles the C++ of the crate nv-flip
     libvulkan1              # the loader that ash opens at run time
     mesa-vulkan-drivers     # lavapipe: Vulkan on the CPU
     vulkan-validationlayers # ssct --validation, and the tests
-    libshaderc-dev          # build.rs compiles GLSL through shaderc,
-    glslang-dev             # which is glslang
-    spirv-tools             # and the SPIRV-Tools archives
+    libshaderc-dev          # shaderc, with which build.rs compiles GLSL
+    glslang-dev             # the code of glslang, which Debian's archive of shaderc lacks
+    spirv-tools             # the code of SPIRV-Tools, which that archive lacks, too
     spirv-headers
-    libvulkan-dev           # Vulkan's headers, for the example in C,
-    cmake pkg-config        # which a test builds with each of the two
-    xvfb xdotool            # the window's test, without a screen, with mouse and keys
+    libvulkan-dev           # Vulkan's headers, for the example in C
+    cmake pkg-config        # with each of these two, a test builds the example in C
+    xvfb xdotool            # the window's test: a display without a screen, and mouse and keys
     # What ssct view loads at run time:
     libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0 xkb-data libwayland-client0
 )

@@ -21,7 +21,7 @@ table() { # folder, options of the scene...
     "$ssct" time --table 5.8 --samples "${SAMPLES:-25}" "$@" -o "$whole" --resume
     cp "$whole/time.txt" "$whole/time.json" "$folder/"
     python3 - "$whole/time-samples.csv" >"$folder/time-samples.csv" <<'PYTHON'
-"""Of each sample the sum over the passes of the effect."""
+"""Prints for each sample the time of the effect: the sum over its passes."""
 import csv
 import sys
 

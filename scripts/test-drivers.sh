@@ -48,7 +48,8 @@ SSCT_DEVICE=SwiftShader check SwiftShader area_light:: billboard:: camera_captur
 unset VK_ADD_DRIVER_FILES VK_LAYER_PATH
 eval "$(scripts/drivers.sh --mesa)"
 if [ -n "${VK_DRIVER_FILES:-}" ]; then
-    # The quick study is skipped: it takes two minutes and draws what other tests draw, and test-debian.sh makes one on this Mesa.
+    # The quick study is skipped, since it takes two minutes and draws the images of other tests. test-debian.sh makes a quick
+    # study on this Mesa.
     check 'Mesa 25' --skip cli::a_quick_study bounces:: camera_capture:: captures:: cli:: cube_maps:: filters:: gloss_twin:: golden:: gbuffer_maps:: \
         many:: mirror:: planar:: ray_queries:: renewal:: stochastic:: unified:: unified_stages:: validation::
 else

@@ -47,7 +47,7 @@ impl Context {
         self.gpu.info()
     }
 
-    /// Whether passes can be timed: the queue family has timestamps.
+    /// Whether passes can be timed, which needs a queue family with timestamps.
     pub fn has_timestamps(&self) -> bool {
         self.gpu.has_timestamps()
     }

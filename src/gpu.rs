@@ -1,8 +1,8 @@
-//! Vulkan, and nothing of reflections: device, memory, images, synchronisation, pipelines, the
-//! frame with its timestamps, and reading results back.
+//! Vulkan, and nothing about reflections: device, memory, images, synchronisation, pipelines, the frame with its
+//! timestamps, and reading results back.
 //!
-//! A [`Gpu`] is a cheap handle that every resource keeps, so that resources destroy themselves. One [`FrameContext`]
-//! records and submits one frame at a time; `frame.rs` gives each pass its label, its timestamps and its barriers.
+//! A [`Gpu`] is a cheap handle to a device. Every resource keeps one, so that resources destroy themselves. A
+//! [`FrameContext`] records one frame at a time; `frame.rs` gives each pass its label, its timestamps and its barriers.
 
 pub mod device;
 pub mod executables;

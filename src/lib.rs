@@ -47,7 +47,7 @@
 //!
 //! The modules are public with the feature `internals` alone. The feature is for the laboratory, and promises nothing.
 
-// Without the feature, items that the laboratory alone uses are unused.
+// Some items are used by the laboratory alone, and are unused without the feature.
 #![cfg_attr(not(feature = "internals"), allow(dead_code, unused_imports))]
 
 #[cfg(not(feature = "internals"))]

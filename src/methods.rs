@@ -1,5 +1,6 @@
-//! The methods, one file each, and the table of all of them. A method chooses passes and wires their outputs to their inputs; its
-//! `record` reads like the data flow. The passes around every method, down to the composite, are in [`effect`].
+//! The methods, one file each, and the table of all of them. The `record` of a method calls passes in the order of the
+//! data flow, each with the outputs of earlier ones. The passes around every method, down to the composite, are in
+//! [`effect`].
 
 pub mod area_light;
 mod beyond;
@@ -60,25 +61,24 @@ pub struct Input<'a, 's> {
     pub captures: Option<Captures<'a>>,
     /// The triangles of the scene, where rays are followed among them.
     pub triangles: Option<TriangleBuffers<'s>>,
-    /// The second layer of depth, at the size of the G-buffer, where the method is set up for one ([`layers`]). A pixel without a
-    /// second surface has the depth 0.
+    /// The second layer of depth, at the size of the G-buffer, if the method is set up for one ([`layers`]). A pixel
+    /// without a second surface has depth 0 in it.
     pub behind: Option<GBuffer<'a>>,
-    /// The reflection behind which this method's reflection shows, if this method is a fallback.
+    /// The reflection behind which this method's own reflection shows, if the method is a fallback.
     pub in_front: Option<Reflection<'a>>,
     /// The motion of surfaces since the frame before, for a history, if the caller knows it.
     pub motion: Option<SurfaceMotion<'s>>,
-    /// How many frames with other directions of rays came before this one since the history began; 0 without a history, so that
-    /// frames are equal.
+    /// Number of frames of a history before this one that had other directions of rays; 0 without a history.
     pub frame: u32,
-    /// Frames with other directions of rays since the camera last moved; 0 while the camera moves.
+    /// Number of frames with other directions of rays since the camera last moved; 0 while the camera moves.
     pub rested: u32,
-    /// How many bounces came before this one in the frame. From the second bounce on, the lit colour contains the reflections of
-    /// the bounce before. All else is unchanged, so that images that do not depend on colour are still valid.
+    /// Number of bounces before this one in the frame. From the second bounce on, the lit colour contains the
+    /// reflections of the bounce before. Images that do not depend on this colour remain valid.
     pub bounce: u32,
 }
 
 impl<'a, 's> Input<'a, 's> {
-    /// A G-buffer without its scene.
+    /// Makes the input for a G-buffer without its scene.
     pub fn of_screen(gbuffer: GBuffer<'a>, camera: &'s Camera) -> Self {
         Self {
             gbuffer,
@@ -96,12 +96,12 @@ impl<'a, 's> Input<'a, 's> {
         }
     }
 
-    /// In the first bounce, runs a pass that reads no colour. In later bounces, `made` returns the images of that pass.
+    /// In the first bounce, `make` runs a pass that reads no colour. In later bounces, `made` returns its images.
     pub(crate) fn once<T>(&self, make: impl FnOnce() -> Result<T>, made: impl FnOnce() -> T) -> Result<T> {
         if self.bounce == 0 { make() } else { Ok(made()) }
     }
 
-    /// The scene, for a method that needs one.
+    /// Returns the scene, for a method that needs one.
     ///
     /// # Errors
     /// [`Error::Usage`] if there is none.
@@ -115,16 +115,16 @@ impl<'a, 's> Input<'a, 's> {
 pub struct SceneInput<'a> {
     /// Meshes, textures, lights.
     pub data: &'a SceneData,
-    /// The materials of the view with the global factors.
+    /// The materials of the view, with the factors that the user sets for all of them.
     pub materials: &'a [Material],
 }
 
 /// An image that a method made along the way, for inspection.
 #[derive(Clone, Copy)]
 pub struct Intermediate<'a> {
-    /// File stem; the number of a level, or of a volume's slice, follows it where there is more than one.
+    /// File stem, to which the number of a level, or of a volume's slice, is added if there are several.
     pub name: &'static str,
-    /// The kind of its numbers.
+    /// The meaning of the image's numbers.
     pub content: Content,
     /// The image.
     pub image: &'a Image,
@@ -146,25 +146,25 @@ pub struct MethodOutput<'a> {
     pub composite: Option<&'a Image>,
     /// Where each ray ended.
     pub hits: Option<Hits<'a>>,
-    /// Where the rays of each pixel ended ([`ENDS`](crate::passes::lost::ENDS)), if the method knows it and a history asks for it.
+    /// Where the rays of each pixel ended ([`ENDS`](crate::passes::lost::ENDS)), for a history; `None` if not known.
     pub ends: Option<&'a Image>,
     /// Other images that the method made.
     pub intermediates: Vec<Intermediate<'a>>,
 }
 
 impl<'a> MethodOutput<'a> {
-    /// A reflection without intermediates.
+    /// Makes an output that is a reflection without intermediates.
     pub fn new(reflection: Reflection<'a>) -> Self {
         Self { reflection: Some(reflection), composite: None, hits: None, ends: None, intermediates: Vec::new() }
     }
 
-    /// An output without a reflection: the image is the lit colour.
+    /// Makes an output without a reflection, whose finished image is the lit colour.
     pub fn nothing(gbuffer: &GBuffer<'a>) -> Self {
         Self { reflection: None, composite: Some(gbuffer.color), hits: None, ends: None, intermediates: Vec::new() }
     }
 }
 
-/// A method of one size on one device.
+/// A method for images of one size, on one device.
 pub trait Method: Send {
     /// Makes the images that outlive frames, such as captured maps, from the scene. The effect calls this function
     /// before the first frame, and again when materials change. The call is not part of any frame's time.
@@ -199,11 +199,11 @@ pub struct MethodRequest {
     pub captures: Option<[u32; 2]>,
     /// How shaders read the triangles that the method gets; `None` if it gets none.
     pub triangles: Option<TriangleReading>,
-    /// Whether another reflection shows in front of the method's ([`Input::in_front`]).
+    /// Whether the method is a fallback, behind another reflection ([`Input::in_front`]).
     pub behind: bool,
 }
 
-/// A method that is not in the table, but was added while the program runs.
+/// A method that is not in the table, but is added while the program runs.
 pub trait Added: Send + Sync {
     /// The method's own parameters.
     fn parameters(&self) -> Vec<Parameter>;
@@ -215,10 +215,10 @@ pub trait Added: Send + Sync {
     fn create(&self, gpu: &Gpu, request: &MethodRequest) -> Result<Box<dyn Method>>;
 }
 
-/// Makes a method.
+/// A function that makes a method.
 pub type CreateMethod = fn(&Gpu, &MethodRequest) -> Result<Box<dyn Method>>;
 
-/// A row of the table.
+/// A row of the table of methods.
 pub struct MethodInfo {
     /// Name on the command line and in records.
     pub name: &'static str,
@@ -242,7 +242,7 @@ pub struct MethodInfo {
     pub takes_orthographic: bool,
     /// Whether the method traces through the thesis's Hi-Z chain, whose steps a twin on the CPU can follow.
     pub traces_hi_z: bool,
-    /// The own parameters of a method of the table.
+    /// Returns the own parameters of a method of the table.
     pub parameters: fn() -> Vec<Parameter>,
     /// Makes a method of the table.
     pub create: CreateMethod,
@@ -251,7 +251,7 @@ pub struct MethodInfo {
 }
 
 impl MethodInfo {
-    /// A screen-space method that fades and has no parameters of its own. A row of the table overrides the fields that differ.
+    /// Makes the row of a screen-space method that fades and has no own parameters. Methods override what differs.
     const fn screen(name: &'static str, summary: &'static str, source: &'static str, create: CreateMethod) -> Self {
         Self {
             name,
@@ -271,7 +271,7 @@ impl MethodInfo {
         }
     }
 
-    /// A method that needs the scene, does not fade and has no parameters. A row of the table overrides what differs.
+    /// Makes the row of a method that needs the scene, does not fade and has no own parameters.
     const fn scene(name: &'static str, summary: &'static str, source: &'static str, create: CreateMethod) -> Self {
         Self { sees: MethodScope::Scene, fades: false, ..Self::screen(name, summary, source, create) }
     }
@@ -294,10 +294,10 @@ impl MethodInfo {
         self.make(gpu, &request)
     }
 
-    /// Describes a screen-space method that is not in the table. The strings live as long as the program.
+    /// Makes the row of a screen-space method that is not in the table. The strings live as long as the program.
     pub fn added(name: &'static str, summary: &'static str, source: &'static str, added: &'static dyn Added) -> Self {
         let none: CreateMethod = |_, _| Err(Error::Usage("this method is made by what added it".into()));
-        // No camera is refused here, since the method itself may refuse one.
+        // Orthographic cameras are not refused here; the method itself may refuse them.
         Self { added: Some(added), takes_orthographic: true, ..Self::screen(name, summary, source, none) }
     }
 
@@ -312,17 +312,17 @@ impl MethodInfo {
         }
     }
 
-    /// The method's own parameters.
+    /// Returns the method's own parameters.
     pub fn own_parameters(&self) -> Vec<Parameter> {
         self.added.map_or_else(self.parameters, |added| added.parameters())
     }
 
-    /// The needs of the method that a scene does not meet.
+    /// Returns the parts that the method needs and a scene lacks.
     pub fn lacks(&self, scene: &Scene) -> Vec<Need> {
         self.needs.iter().copied().filter(|need| !need.is_met(scene)).collect()
     }
 
-    /// Whether the method works on a G-buffer of any origin.
+    /// Whether the method needs no more than a G-buffer, wherever that comes from.
     pub fn is_screen_space(&self) -> bool {
         self.sees == MethodScope::Screen
     }
@@ -332,20 +332,20 @@ impl MethodInfo {
         self.own_parameters().iter().any(|p| p.name == "layers") && setup.parameters::<LayerParams>().has_second()
     }
 
-    /// Every parameter that the method reads: parameters of the effect around it, and its own.
+    /// Returns every parameter that the method reads: those of the effect around the method, then its own.
     pub fn reads(&self) -> Vec<Parameter> {
-        let reads = |p: &Parameter| match p.name {
+        let is_read = |parameter: &Parameter| match parameter.name {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
             "beyond" => self.takes_captures && self.takes_triangles,
             "tracer" | "own_rays" => self.takes_triangles,
             "captures" | "capture_side" | "captures_per_frame" => self.takes_captures,
             "definitions" => true,
-            // Methods that follow rays among triangles alone have no other stage than compute.
+            // Methods that follow rays among triangles alone run in compute shaders only.
             "stage" => self.is_screen_space() || !self.takes_triangles,
             _ => self.is_screen_space(),
         };
-        EffectParams::table().into_iter().filter(reads).chain(self.own_parameters()).collect()
+        EffectParams::table().into_iter().filter(is_read).chain(self.own_parameters()).collect()
     }
 }
 
@@ -375,7 +375,7 @@ pub const METHODS: &[MethodInfo] = &[
 /// Methods that were added while the program runs.
 static ADDED: RwLock<Vec<&'static MethodInfo>> = RwLock::new(Vec::new());
 
-/// Every method: those of the table, then those that were added.
+/// Returns every method: the methods of the table, then the added ones.
 pub fn all() -> Vec<&'static MethodInfo> {
     let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
     METHODS.iter().chain(added.iter().copied()).collect()
@@ -416,16 +416,16 @@ pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo
     Ok(methods)
 }
 
-/// Refuses a given parameter that none of the methods in `methods` reads.
+/// Refuses a parameter that was given, if none of `methods` reads it.
 ///
 /// # Errors
 /// [`Error::Usage`] with the parameter and the methods that have it.
 pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
-    // Parameters of the effect are taken even if no method reads them. The oracle judges every method, and a fallback or a lower
-    // resolution that a method cannot have is refused when its effect is made.
-    let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
+    // Parameters of the effect are taken even if no method reads them. The oracle judges every method, and a fallback
+    // or a lower resolution that a method cannot have is refused when its effect is made.
+    let effect_names: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
     let has = |m: &MethodInfo, name: &str| m.own_parameters().iter().any(|p| p.name == name);
-    for name in setup.values.given().filter(|name| !around.contains(name)) {
+    for name in setup.values.given().filter(|name| !effect_names.contains(name)) {
         if !methods.iter().any(|m| has(m, name)) {
             let typed = name.replace('_', "-");
             let chosen: Vec<_> = methods.iter().map(|m| m.name).collect();
@@ -440,7 +440,7 @@ pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
     Ok(())
 }
 
-/// The method of a name, or an error that lists the names there are.
+/// Returns the method of a name, or an error that lists the names of all methods.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {
     let all = all();
     all.iter().find(|m| m.name == name).copied().ok_or_else(|| {
@@ -449,8 +449,8 @@ pub fn find(name: &str) -> Result<&'static MethodInfo> {
     })
 }
 
-/// Every parameter with the methods that read it, in the order of the tables. A name is listed again if methods have other values
-/// or texts for it; its domain is the same everywhere.
+/// Returns every parameter with the methods that read it, in the order of the tables. A name is listed again where
+/// methods have other default values or texts for it; its domain is the same everywhere.
 pub fn parameters() -> Vec<(Parameter, Vec<&'static MethodInfo>)> {
     let mut all: Vec<(Parameter, Vec<&'static MethodInfo>)> =
         EffectParams::table().into_iter().map(|p| (p, Vec::new())).collect();

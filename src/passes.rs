@@ -1,7 +1,7 @@
 //! The passes, one file each, and the typed values that flow between them.
 //!
-//! A pass owns its pipelines and the images it writes; `record` takes what it reads and returns
-//! what it wrote. No pass knows a method or another pass, only the types below.
+//! A pass owns its pipelines and the images that it writes; its `record` takes what the pass reads and returns what the
+//! pass wrote. No pass imports a method or another pass, only the types below.
 
 pub mod area_light;
 pub mod billboard;
@@ -68,7 +68,7 @@ pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Format of [`Hits`].
 pub const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Format of a ray trace colour before it is encoded, with all the digits that a fragment program hands to the encoding.
+/// Format of a ray trace colour before it is encoded as sRGB, wide enough that nothing is rounded until then.
 pub const UNENCODED_COLOR: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// The texel of [`Hits`] for a pixel in which no ray begins.
@@ -80,13 +80,13 @@ pub const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Format of materials: reflectivity and roughness, as `unified` loads them.
 pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 
-/// An image of one level that is drawn into, read, and stored to by compute shaders.
+/// Makes an image of one level that passes can draw into, read, and store to from compute shaders.
 pub(crate) fn stored_target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
     Image::target_in(gpu, ShaderStage::Compute, name, format, extent)
 }
 
-/// Makes an image of one texel that is bound as a program's hits if nobody wants them. The program writes nothing to it, but Vulkan
-/// requires the format that the shader names.
+/// Makes an image of one texel that is bound in place of the image of hits if nobody wants hits. The program writes
+/// nothing to this image, but Vulkan requires the format that the shader names.
 fn unwanted_hits(gpu: &Gpu) -> Result<Image> {
     stored_target(gpu, "unwanted hits", HITS, [1, 1])
 }
@@ -120,7 +120,7 @@ impl Default for MarchNumbers {
     }
 }
 
-/// Makes the constants of a program that includes `thesis/linear_ray_march.glsl`: its own, and [`MarchNumbers`].
+/// Makes the constants of a program that includes `thesis/linear_ray_march.glsl`: its own and [`MarchNumbers`].
 macro_rules! march_constants {
     ($constants:ident { $($own:ident $(: $value:expr)?),* }, $march:expr) => {{
         let march: $crate::passes::MarchNumbers = $march;
@@ -155,8 +155,8 @@ pub struct GBuffer<'a> {
 }
 
 impl<'a> GBuffer<'a> {
-    /// Returns the levels of the colour chain without the finest. An image of one pixel has no others, and no ray hits in it: its
-    /// depth is bound in their place, and is never read.
+    /// Returns the levels of the colour chain without the finest. An image of one pixel has no coarser levels. Its
+    /// depth is bound in their place and is never read, since no ray hits in such an image.
     pub(crate) fn coarse_colors(&self) -> Sampled<'a> {
         self.color.coarse().map_or(Sampled::nearest(self.depth.all()), Sampled::trilinear)
     }
@@ -180,17 +180,18 @@ pub struct Reflectors {
 pub const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 
 impl Reflectors {
-    /// The kinds are not known, so that every kind may be there.
+    /// Nothing is known of the frame, so that every kind may occur.
     pub const UNKNOWN: Self = Self { mirrors: true, narrow: true, wide: true, everywhere: false };
 
-    /// The kinds that can occur in a frame, given its reflectivity and roughness if they are constant.
+    /// Returns the kinds that can occur in a frame with these values (0 to 1) in all pixels; `None` where a value
+    /// varies.
     pub fn for_constants(reflectivity: Option<f32>, roughness: Option<f32>) -> Self {
-        let reflects = reflectivity.is_none_or(|r| f64::from(r) > constants::REFLECTS_ABOVE);
-        let may = |is: fn(f32) -> bool| reflects && roughness.is_none_or(is);
+        let reflects = reflectivity.is_none_or(|value| f64::from(value) > constants::REFLECTS_ABOVE);
+        let may_occur = |is_of_kind: fn(f32) -> bool| reflects && roughness.is_none_or(is_of_kind);
         Self {
-            mirrors: may(|r| r <= 0.0),
-            narrow: may(|r| r > 0.0 && r <= WIDE_ABOVE),
-            wide: may(|r| r > WIDE_ABOVE),
+            mirrors: may_occur(|roughness| roughness <= 0.0),
+            narrow: may_occur(|roughness| roughness > 0.0 && roughness <= WIDE_ABOVE),
+            wide: may_occur(|roughness| roughness > WIDE_ABOVE),
             everywhere: reflects && reflectivity.is_some(),
         }
     }
@@ -216,17 +217,17 @@ impl Reflectors {
         self.narrow || self.wide
     }
 
-    /// How many of the three kinds there may be.
+    /// Returns how many of the three kinds may occur.
     pub fn kinds(self) -> usize {
         [self.mirrors, self.narrow, self.wide].into_iter().filter(|kind| *kind).count()
     }
 }
 
-/// Standard depth, minimum in R and maximum in G, full chain. RG32F.
+/// The Hi-Z chain of standard depth: the minimum in R, and in G the maximum if it is wanted (R32F or RG32F).
 #[derive(Clone, Copy)]
 pub struct HiZ<'a>(pub &'a Image);
 
-/// Reversed depth of the nearest front (R) and the farthest back (G) in each cell. One image has all levels. RG32F.
+/// Reversed depths of the nearest front (R) and the farthest back (G) in each cell, all levels in one image. RG32F.
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
 
@@ -245,14 +246,15 @@ impl<'a> Canvas<'a> {
         self.composite.into_iter().chain(self.reflection)
     }
 
-    /// The targets over tiles, in the order of the shaders' outputs.
+    /// Returns the targets of fragment programs over tiles, in the order of their outputs, for up to two images.
     fn targets(self, tiles: tiles::Tiles) -> [Target<'a>; 2] {
-        let mut images = self.images();
-        [(); 2].map(|()| images.next().map_or(Target::unwanted(), |image| tiles.target(image)))
+        let mut targets = self.images().map(|image| tiles.target(image));
+        let mut next = || targets.next().unwrap_or(Target::unwanted());
+        [next(), next()]
     }
 
-    /// The two images that compute programs store to, in the order of their bindings; `None` if no image is wanted. A single image
-    /// is bound in both places, and the program stores to the first of them.
+    /// Returns the two images that compute programs store to, in the order of their bindings; `None` if no image is
+    /// wanted. A single image is bound twice, and the program stores to the first binding alone.
     fn stored(self) -> Option<[&'a Image; 2]> {
         let mut images = self.images();
         let first = images.next()?;
@@ -266,7 +268,7 @@ impl<'a> Canvas<'a> {
             if color.image().format() == composite.format() {
                 frame.copy("composite", color, composite.all())?;
             } else {
-                // A blit converts the format, since the precision study hands over 32-bit floats.
+                // A blit also converts the format: the precision study hands over 32-bit floats.
                 frame.blit("composite", color, composite.all())?;
             }
         }
@@ -277,7 +279,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// Share of each cell that the Hi-Z buffer leaves visible, full chain, level 0 all 1. R8.
+/// The visibility chain: the share of each cell that the Hi-Z buffer leaves visible, 1 in all of level 0. R8.
 #[derive(Clone, Copy)]
 pub struct Visibility<'a>(pub &'a Image);
 
@@ -297,41 +299,41 @@ pub struct CubeMap<'a>(pub &'a Image);
 /// Captures of a scene: cubes of images, all of one size, each made at a place by the scene passes.
 #[derive(Clone, Copy)]
 pub struct Captures<'a> {
-    /// Fronts and backs of each face's blocks, as [`Pyramid`] has them: layer 6 k + f is face f of capture k. RG32F.
+    /// The [`Pyramid`] of each face: layer 6 k + f is face f of capture k. RG32F.
     pub pyramid: &'a Image,
-    /// Normals in the view space of each face, in layers as [`Self::pyramid`]. RGBA8 snorm.
+    /// Normals in the view space of each face, in the same layers as [`Self::pyramid`]. RGBA8 snorm.
     pub normal: &'a Image,
     /// Lit colour with its chain, an array of cube maps: 0 for sky, and in alpha the share that is not sky. RGBA16F.
     pub color: &'a Image,
     /// The places of the captures in the world, in metres. Each frame moves a capture that follows the camera.
     pub places: &'a [Cell<Vec3>],
-    /// The parameters of `unified` that every face has.
+    /// The parameters of `unified` for a face, which all faces share.
     pub face: &'a UnifiedBlock,
-    /// Reversed depth of a face at z = 1 m, without its offset: near (1 + k), as in [`lost::unit`].
+    /// Metres in one view unit of a face ([`lost::view_unit_m()`]).
     pub face_unit: f32,
     /// A box in the world, in metres, outside of which nothing stands.
     pub bounds: Aabb,
 }
 
-/// Reflection colour in rgb before fade and reflectivity, and the fade in alpha. A miss is 0. RGBA16F.
+/// A reflection: in rgb its colour, before fade and reflectivity, and in alpha its fade. A miss is 0. RGBA16F.
 #[derive(Clone, Copy)]
 pub struct Reflection<'a>(pub &'a Image);
 
-/// Ray trace colour of SSLR and its mask, full chains (thesis §4.3). Level 0 is what the rays found.
+/// The mip chains of SSLR's ray trace colour and of its mask (thesis §4.3). Level 0 holds what the rays found.
 #[derive(Clone, Copy)]
 pub struct RayTraceColor<'a> {
     /// Colour, 0 for a miss, and in alpha the ray's length in screen space, at most 1. RGBA8, with sRGB-encoded colour.
     pub color: &'a Image,
     /// 1 where a ray hit, else 0. R8.
     pub mask: &'a Image,
-    /// The colour before it is encoded, if compute programs make it, since these cannot store to an sRGB format. The image has the
-    /// format [`UNENCODED_COLOR`] and the levels of the chain.
+    /// The colour before it is encoded, if compute programs make it, since these cannot store to an sRGB format. The
+    /// image has the format [`UNENCODED_COLOR`] and as many levels as `color`.
     pub unencoded: Option<&'a Image>,
 }
 
 impl RayTraceColor<'_> {
-    /// Records pass "NAME/encode", which converts a level's colour into `to`, the same level of the encoded image, if a compute
-    /// program made it.
+    /// Records pass "NAME/encode" if a compute program made the colour. The pass encodes a level of the colour into
+    /// `to`, the same level of the encoded image.
     fn encode(&self, frame: &mut Frame, name: &str, to: ImageSlice) -> Result<()> {
         let Some(unencoded) = self.unencoded else { return Ok(()) };
         frame.convert(&format!("{name}/encode"), unencoded.level(to.base_level()), to)
@@ -388,7 +390,7 @@ pub enum Content {
     Steps,
 }
 
-/// The camera's uniform block. Matrices are inverted and multiplied in f64, then rounded once.
+/// Returns a camera's uniform block for images of a size in pixels. Matrices are inverted in f64, then rounded once.
 pub fn camera_block(camera: &Camera, extent: [u32; 2]) -> CameraBlock {
     let standard = camera.view_to_clip().as_dmat4();
     let reversed = camera.view_to_clip_reversed().as_dmat4();
@@ -400,13 +402,13 @@ pub fn camera_block(camera: &Camera, extent: [u32; 2]) -> CameraBlock {
         clip_to_view_reversed: reversed.inverse().as_mat4().to_cols_array_2d(),
         world_to_view: view.as_mat4().to_cols_array_2d(),
         view_to_world: view.inverse().as_mat4().to_cols_array_2d(),
-        resolution: extent.map(|v| v as f32),
+        resolution: extent.map(|side| side as f32),
         near_plane: camera.lens.near_m,
         far_plane: camera.lens.far_m,
     }
 }
 
-/// A pipeline for each kind of projection, made when a frame first has a camera of that kind.
+/// One pipeline for each kind of projection, made when a frame first has a camera of that kind.
 struct PerProjection<P>([OnceLock<P>; 2]);
 
 impl<P> PerProjection<P> {
@@ -419,11 +421,11 @@ impl<P> PerProjection<P> {
     /// # Errors
     /// Errors of `make`.
     fn get(&self, kind: ProjectionKind, make: impl FnOnce() -> Result<P>) -> Result<&P> {
-        let kept = &self.0[usize::from(kind.is_orthographic())];
-        if let Some(made) = kept.get() {
-            return Ok(made);
+        let slot = &self.0[usize::from(kind.is_orthographic())];
+        if let Some(pipeline) = slot.get() {
+            return Ok(pipeline);
         }
-        let made = make()?;
-        Ok(kept.get_or_init(|| made))
+        let pipeline = make()?;
+        Ok(slot.get_or_init(|| pipeline))
     }
 }

@@ -1,5 +1,5 @@
-//! Counts the work of rays and cones, by shaders that count. Columns: claim, method, scene, view, size (the height),
-//! variant, value.
+//! Counts the work of rays and cones, with changed shaders that count it. Columns: claim, method, scene, view, size
+//! (the height), variant, value.
 //!
 //! - `cone-samples`: samples of a cone that hit something, by roughness, at most 7 as published; `cone-levels`: the mean
 //!   level that they read; `cone-samples-unbounded`, `cone-levels-unbounded`: at most 64.
@@ -25,7 +25,8 @@ const SIZE: [u32; 2] = [960, 540];
 /// The greatest number of a cone's samples where 7 are not enough.
 const UNBOUNDED: u32 = 64;
 
-/// Changes the colour of the reflection to counts: the number of the cone's samples, the sum of their levels, and 1.
+/// Makes a shader write counts in place of the reflection's colour: the number of the cone's samples, the sum of their
+/// levels, and 1.
 const CONE: Edits = &[
     ("thesis/cone_trace.glsl", "vec4 C = vec4(0.0);", "vec4 C = vec4(0.0);\n    float counted = 0.0, levels = 0.0;"),
     (
@@ -38,7 +39,8 @@ const CONE: Edits = &[
 
 const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
 
-/// Changes the colour of the reflection to counts: the number of depths that the ray has read, 0, and 1.
+/// Makes a shader write counts in place of the reflection's colour: the number of depths that the ray has read, 0, and
+/// 1.
 const MARCH: Edits = &[
     (
         SCHMIDT,
@@ -69,23 +71,23 @@ pub const MARCHED: Edit = (
     "        // 9-11: Check if ray steps",
     "        counted += 1.0;\n        // 9-11: Check if ray steps",
 );
-/// Changes the place of a miss of `sslr` to the counter's number.
+/// Makes `sslr` write the counter in place of where a ray missed.
 pub const MISS_OF_SSLR: Edit = (
     "thesis/sslr_ray_trace.frag",
     "out_hit = vec4(hit, PATH_LINEAR_MISS);",
     "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR_MISS);",
 );
-/// Changes the place of a hit of `sslr` to the counter's number.
+/// Makes `sslr` write the counter in place of where a ray hit.
 pub const HIT_OF_SSLR: Edit = (
     "thesis/sslr_ray_trace.frag",
     "out_hit = vec4(hit, PATH_LINEAR);",
     "out_hit = vec4(counted, 0.0, 0.0, PATH_LINEAR);",
 );
 
-/// Changes the place where a ray of `sslr` ended to the number of depths that it has read, whether it hit or not.
+/// Makes `sslr` write the number of depths that a ray has read, in place of where it ended, whether it hit or not.
 const UNIFORM: Edits = &[COUNTER, MARCHED, MISS_OF_SSLR, HIT_OF_SSLR];
 
-/// One image to draw with shaders that count.
+/// An image to draw with shaders that count.
 struct Counted<'a> {
     method: &'a str,
     edits: Edits,
@@ -110,7 +112,7 @@ impl Counted<'_> {
     }
 }
 
-/// The mean of a channel where the third channel is 1.
+/// Returns the mean of a channel over the texels whose third channel is 1, which marks counts.
 fn counted(image: &Pixels, channel: usize) -> f64 {
     mean(image.texels().filter(|t| t[2] == 1.0).map(|t| f64::from(t[channel])))
 }

@@ -4,11 +4,12 @@
 //! Columns: claim, method, scene, view, roughness, and then numbers. `share` and `rmse` say by how much the display
 //! images differ, as in `cargo bench --bench errata`. `error` and `error_changed` are the RMSE of the reflection
 //! against the reference, unchanged and changed. Mirrors also have `right` and `right_changed`, the shares of right
-//! hits by the oracle, and `false` and `false_changed`, the shares of false ones.
+//! hits by the oracle, and `false` and `false_changed`, the shares of false hits.
 //!
 //! Claims of the documents are compared with the exact image of the same screen, at 480×270. Claims named `dda-…` are
 //! those of the errata of that method, at 320×180. All others are compared with the world: `billboards-…` and `car-…`
-//! (the bodies of the cars alone) at 640×360, and `behind-…` (what stands behind a method of the screen) at 320×180.
+//! (only the bodies of the cars reflect) at 640×360, and `behind-…` (the fallback behind a screen-space method) at
+//! 320×180.
 
 use super::edited::{Edits, difference};
 use super::{Bench, Change, SAME, THESIS, globals, method, scene};
@@ -52,7 +53,7 @@ enum Place {
 }
 
 impl Place {
-    /// Scenes with the names of their views; no name stands for all views.
+    /// The scenes of the place, each with the names of its views; an empty list stands for all views.
     fn views(self) -> &'static [(&'static str, &'static [&'static str])] {
         match self {
             Self::Thesis => THESIS,
@@ -63,6 +64,7 @@ impl Place {
         }
     }
 
+    /// The width and height of the images in pixels.
     fn size(self) -> [u32; 2] {
         match self {
             Self::Thesis => [480, 270],
@@ -71,6 +73,7 @@ impl Place {
         }
     }
 
+    /// The global factors for a roughness.
     fn globals(self, roughness: f32) -> Globals {
         match self {
             Self::Dda | Self::Behind => Globals { roughness: Some(roughness), ..Globals::default() },
@@ -78,7 +81,7 @@ impl Place {
         }
     }
 
-    /// The materials of a view, of which some may reflect nothing here.
+    /// Returns the materials of a view at a roughness. At the place `Car`, only the bodies of cars reflect.
     fn materials(self, scene: &Scene, view: &View, roughness: f32) -> Vec<Material> {
         let mut materials = self.globals(roughness).materials(scene, view);
         if self == Self::Car {
@@ -96,35 +99,37 @@ struct Claim {
     name: &'static str,
     method: &'static str,
     place: Place,
+    /// The roughness values at which the claim is measured.
     roughness: &'static [f32],
-    /// Parameters of both sides.
+    /// The parameters of both sides.
     both: Change,
-    /// Parameters of the changed side, after those of both.
+    /// The change of parameters on the changed side, made after `both`.
     change: Change,
+    /// The changes of shaders on the changed side.
     edits: Edits,
 }
 
-/// A claim about lines of shaders, on the thesis's views.
+/// Makes a claim about lines of shaders, on the thesis's views.
 const fn edited(name: &'static str, method: &'static str, roughness: &'static [f32], edits: Edits) -> Claim {
     Claim { name, method, place: Place::Thesis, roughness, both: SAME, change: SAME, edits }
 }
 
-/// A claim about lines of the shader of `dda`, with parameters of both sides.
+/// Makes a claim about lines of the shader of `dda`; `both` sets parameters of both sides.
 const fn dda(name: &'static str, both: Change, edits: Edits) -> Claim {
     Claim { name, method: "dda", place: Place::Dda, roughness: &[0.0], both, change: SAME, edits }
 }
 
-/// A claim about parameters of `billboard`.
+/// Makes a claim about parameters of `billboard`.
 const fn billboards(name: &'static str, change: Change) -> Claim {
     Claim { name, method: "billboard", place: Place::Billboards, roughness: &[0.0], both: SAME, change, edits: &[] }
 }
 
-/// A claim about the fallback behind `ssct`.
+/// Makes a claim about the fallback behind `ssct`.
 const fn behind(name: &'static str, change: Change) -> Claim {
     Claim { name, method: "ssct", place: Place::Behind, roughness: &[0.0, 0.1], both: SAME, change, edits: &[] }
 }
 
-/// A claim about how a method shows the bodies of cars.
+/// Makes a claim about how a method shows the bodies of cars.
 const fn car(name: &'static str, method: &'static str, edits: Edits) -> Claim {
     Claim { name, method, place: Place::Car, roughness: &[0.0], both: SAME, change: SAME, edits }
 }
@@ -141,21 +146,22 @@ const FIRST_STEP: &str = "float from = REFINE && i == 1 ? OWN_PIXEL : max(s - 0.
 const FROM_START: Edits = &[(DDA, FIRST_STEP, "float from = i == 1 ? 0.0 : max(s - 0.5 * dda.stride, OWN_PIXEL);")];
 const SECOND_WAY: Edits = &[(DDA, "meets = meets || (behind && !was_behind[l]);", "")];
 
-/// A Hi-Z buffer of true minima: every texel that a cell covers is read.
+/// Makes a Hi-Z buffer of true minima: every texel that a cell covers is read.
 pub const TRUE_MINIMA: Edits = &[(
     "thesis/hi_z.frag",
     FOUR,
     "float z_min = z0.r;\n    for (int y = 0; y <= hiz.Offset.y; ++y)\n        for (int x = 0; x <= hiz.Offset.x; ++x)\n            z_min = min(z_min, ReadDepth(P_sample + ivec2(x, y)).r);",
 )];
 
-/// The Hi-Z buffer read between the four cells around a place, in place of the cell itself.
+/// Interpolates the Hi-Z buffer between the four cells around a place, in place of reading the cell there.
 const LINEAR_HI_Z: Edits = &[(
     "thesis/hi_z_ray_trace.glsl",
     "    return textureLod(hiZBuffer, ray, level).r;",
     "    int l = int(level);\n    ivec2 last = textureSize(hiZBuffer, l) - 1;\n    vec2 place = ray * vec2(last + 1) - 0.5;\n    ivec2 a = clamp(ivec2(floor(place)), ivec2(0), last), b = min(a + 1, last);\n    vec2 share = clamp(place - vec2(a), 0.0, 1.0);\n    float near = mix(texelFetch(hiZBuffer, a, l).r, texelFetch(hiZBuffer, ivec2(b.x, a.y), l).r, share.x);\n    return mix(near, mix(texelFetch(hiZBuffer, ivec2(a.x, b.y), l).r, texelFetch(hiZBuffer, b, l).r, share.x), share.y);",
 )];
 
-/// The linear march over depths in metres, between which it interpolates along the ray as if they were straight on the screen.
+/// Makes the linear march compare depths in metres. It interpolates them linearly along the ray on the screen, as if
+/// the ray were straight in them.
 const LINEAR_DEPTH: Edits = &[
     (
         MARCH,
@@ -180,28 +186,29 @@ const LINEAR_DEPTH: Edits = &[
     ),
 ];
 
-/// Schmidt's march that compares depths as they are stored, with the same number for the thickness.
+/// Makes Schmidt's march compare depths as they are stored, with the same number for the thickness.
 const POST_PROJECTED: Edits = &[(
     SCHMIDT,
     "    return (2.0 * camera.near_plane)\n        / (camera.far_plane + camera.near_plane - z * (camera.far_plane - camera.near_plane));",
     "    return z;",
 )];
 
-/// Schmidt's march whose ray is straight in linearised depth.
+/// Makes the ray of Schmidt's march straight in linearised depth.
 const STRAIGHT_IN_LINEAR: Edits = &[(
     SCHMIDT,
     "        float currentDepth = linearizeDepth(currentSamplePosition.z);\n        float sampledDepth = SampleDepth(samplingPosition, currentDepth, 0.001);",
     "        float first = linearizeDepth(ssPosition.z);\n        float currentDepth = first + float(count + 2) * (linearizeDepth(ssPosition.z + ssReflectionVector.z) - first);\n        float sampledDepth = SampleDepth(samplingPosition, currentDepth, 0.001);",
 )];
 
-/// Nothing is reflected.
+/// Makes Schmidt's shader reflect nothing.
 const BLACK: Edits = &[(
     SCHMIDT,
     "        out_reflection = ScreenSpaceReflections(vsPosition, vsNormal, vsReflectionVector);",
     "        out_reflection = vec4(0.0);",
 )];
 
-/// The cone's angle by Eq. 4.5 with another ξ, for the exponent of the lobe that a roughness stands for.
+/// Makes a claim that computes the cone's angle by Eq. 4.5 with another ξ, from the exponent of the lobe that a
+/// roughness stands for.
 macro_rules! xi {
     ($value:literal) => {
         edited(
@@ -325,12 +332,15 @@ struct Truth {
 
 /// An image of a method.
 struct Made {
+    /// The reflection as a display image.
     shown: Rgb,
+    /// The reflection in linear colour.
     color: Colors,
+    /// Positions of the hits in pixels, if the method tells them.
     hits: Option<Vec<Option<[f64; 2]>>>,
 }
 
-/// A view of a scene at a roughness, as a claim's place wants it.
+/// A view of a scene at a roughness, drawn as a claim's place says.
 struct At<'a> {
     scene: &'a Scene,
     view: &'a View,
@@ -352,8 +362,8 @@ impl At<'_> {
         (Made { shown: display(&image.reflection), color, hits }, shot)
     }
 
-    /// The truth for the G-buffer that a shot drew last: the exact image of the screen or of the world, as the place
-    /// says.
+    /// Makes the truth for the G-buffer that a shot drew last: the exact image of the screen or of the world, as the
+    /// place says.
     fn truth(&self, stage: &mut Stage, shot: &Shot) -> Truth {
         let data = gbuffer::read(&mut stage.context, shot).expect("the G-buffer");
         let mask = data.reflecting();
@@ -379,14 +389,14 @@ impl At<'_> {
     }
 }
 
-/// The shares of right and of false hits; empty where hits do not compare.
+/// Returns the shares of right and of false hits as texts; empty where there are no hits to compare.
 fn hits(truth: &Truth, made: &Made) -> [String; 2] {
     let Some((oracle, hits)) = truth.hits.as_ref().zip(made.hits.as_ref()) else { return Default::default() };
     let agreement = HitAgreement::new(&truth.mask, hits, oracle);
     [agreement.hit_agreement, agreement.false_hits].map(|share| share.map_or_else(String::new, |s| format!("{s:.6}")))
 }
 
-/// Unchanged images of methods, and truths, which several claims need. The keys name all that they depend on.
+/// Unchanged images of methods, and truths, which several claims need. Their keys name everything on which they depend.
 #[derive(Default)]
 struct Kept {
     images: HashMap<String, Made>,

@@ -1,13 +1,13 @@
-//! Measures claims of the documents on the methods that they are about. A claim is measured by counts (steps, samples,
-//! rays) where a count decides it, by errors where an image does, and else by times of variants that take turns. Prints
-//! tables in CSV to standard output.
+//! Measures claims of the documents about methods. A claim is measured by counts (steps, samples, rays) if a count
+//! decides it, by errors if an image does, and otherwise by times of variants that are timed in turn. Prints tables in
+//! CSV to standard output.
 //!
 //! - `counts`: `value` is a mean over pixels, or a share of them: see [`counts`].
 //! - `judged`: a method unchanged and with one thing changed, each compared with the exact image of the same screen or
 //!   with the world: see [`judged`].
 //! - `times`: the time of variants over that of the first one of the same turn: see [`times`].
 //! - `rays`: the time of the pass that traces, where only the order of its rays differs: see [`rays`].
-//! - `popping`: how much the picture jumps where a method goes over to another cube map: see [`popping`].
+//! - `popping`: how much the picture jumps when a method switches to another cube map: see [`popping`].
 //!
 //! Usage: `cargo bench --bench claims -- counts|judged|times|rays|popping [CLAIM…]`
 
@@ -45,30 +45,33 @@ const THESIS: &[(&str, &[&str])] = &[
 struct Bench {
     gpu: Gpu,
     shaders: Shaders,
+    /// The names of the claims; empty for all.
     wanted: Vec<String>,
 }
 
 impl Bench {
-    /// Whether a claim was asked for; all are if none was.
+    /// True if a claim was asked for. Without names of claims, all are.
     fn wants(&self, claim: &str) -> bool {
         self.wanted.is_empty() || self.wanted.iter().any(|name| name == claim)
     }
 }
 
+/// Returns the built-in method with a name.
 fn method(name: &str) -> &'static MethodInfo {
     METHODS.iter().find(|m| m.name == name).expect("a method")
 }
 
+/// Makes the built-in scene with a name.
 fn scene(name: &str) -> Scene {
     library::scene(name).expect("a built-in scene")
 }
 
-/// Factors of a row: one roughness for all surfaces, and one normal deviation.
+/// Returns the global factors that give all surfaces one roughness and one normal deviation.
 fn globals(roughness: f32, normal_deviation: f32) -> Globals {
     Globals { roughness: Some(roughness), normal_deviation: Some(normal_deviation), ..Globals::default() }
 }
 
-/// The mean of some values; 0 if there are none.
+/// Returns the mean of some values; 0 if there are none.
 fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for value in values {

@@ -1,12 +1,13 @@
-//! Measures how much the picture jumps where a method goes over to another cube map (thesis §3.1.3), on walks of half a
+//! Measures how much the picture jumps when a method switches to another cube map (thesis §3.1.3), on walks of half a
 //! metre past every place that is equally far from two of the maps.
 //!
 //! Columns: claim, method, scene, variant, and then `value`, the greatest change from one frame to the next over the
 //! median change. `past` names the walk with the greatest change, by the numbers of its two maps in the scene's order.
 //!
-//! - `one`: the map captured nearest to the camera, alone. `pixels`: the two nearest, each pixel by its own distances, as the
-//!   methods stand. `camera`: the two nearest, all pixels by the camera's distances.
-//! - `traced`, which knows no maps, says how much the scene itself changes.
+//! - `one`: only the map that was captured nearest to the camera counts.
+//! - `pixels`: the two nearest maps count, weighed by the distances of each pixel, as the methods do it.
+//! - `camera`: the two nearest maps count, weighed for all pixels by the distances of the camera.
+//! - `none`: the method `traced`, which has no maps, shows how much the scene itself changes.
 
 use super::edited::{Edits, difference};
 use super::{Bench, globals, method, scene};
@@ -16,39 +17,42 @@ use ssct_lab::report::images::{Rgb, display};
 use ssct_lab::stage::{Shot, Stage, gbuffer};
 use ssct_scenes::{Scene, View};
 
+/// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [320, 180];
 /// Metres from one frame to the next: 1.4 m/s at 60 frames a second.
 const STEP_M: f32 = 1.4 / 60.0;
-/// Frames of a walk before its middle, and after.
+/// Frames of a walk before its middle, and as many after it.
 const HALF: i32 = 11;
+/// Roughness of all surfaces.
 const ROUGHNESS: f32 = 0.1;
+/// The shader of both methods with cube maps, and the lines of it that variants change.
 const SHADER: &str = "schmidt/pccm.frag";
 const WEIGHED: &str = "float second = distances[0] * distances[0] / max(dot(distances, distances), 1e-12);";
 const DISTANCE: &str = "distances[k] = distance(pixel.position, map.position.xyz);";
 const INSIDE: &str = "if (inside[0] != inside[1]) {";
-/// Leaves the boxes of the maps aside, so that the camera alone decides which map counts.
+/// Ignores the boxes of the maps, so that distances alone decide which map counts.
 const BY_CAMERA: (&str, &str, &str) = (SHADER, INSIDE, "if (false) {");
 const ONE: Edits = &[BY_CAMERA, (SHADER, WEIGHED, "float second = 0.0;")];
 const CAMERA: Edits =
     &[BY_CAMERA, (SHADER, DISTANCE, "distances[k] = distance(camera.view_to_world[3].xyz, map.position.xyz);")];
 const VARIANTS: [(&str, Edits); 3] = [("one", ONE), ("pixels", &[]), ("camera", CAMERA)];
 
-/// A walk past the middle between each two maps: the numbers of the maps in the scene's order, as `a-b`, and the views
-/// of the walk, which look ahead and down.
+/// Returns a walk past the middle between each two maps: the numbers of the maps in the scene's order, as `a-b`, and
+/// the views of the walk, which look ahead and a little down.
 fn walks(scene: &Scene) -> Vec<(String, Vec<View>)> {
     let places: Vec<Vec3> = scene.probes.iter().map(|probe| probe.position).collect();
     let ahead = (places[places.len() - 1] - places[0]).normalize();
-    let seen = |eye| View { eye, look_at: eye + ahead + Vec3::NEG_Y * 0.2, ..scene.views[0].clone() };
+    let view = |eye| View { eye, look_at: eye + ahead + Vec3::NEG_Y * 0.2, ..scene.views[0].clone() };
     let past = |a: usize, b: usize| {
         let middle = 0.5 * (places[a] + places[b]);
         // The frames stand beside the middle and never on it.
-        let steps = (-HALF..HALF).map(|n| seen(middle + (n as f32 + 0.5) * STEP_M * ahead));
+        let steps = (-HALF..HALF).map(|n| view(middle + (n as f32 + 0.5) * STEP_M * ahead));
         (format!("{a}-{b}"), steps.collect())
     };
     (0..places.len()).flat_map(|a| (a + 1..places.len()).map(move |b| past(a, b))).collect()
 }
 
-/// The reflections of a method along a walk, as they are shown.
+/// Returns display images of the reflections of the method `name` along a walk, with edits of its shaders.
 fn shown(bench: &Bench, stage: &mut Stage, name: &str, edits: Edits, (scene, walk): (&Scene, &[View])) -> Vec<Rgb> {
     let materials = globals(ROUGHNESS, 0.1).materials(scene, &walk[0]);
     let camera = |view: &View| view.camera(scene, SIZE);
@@ -72,12 +76,16 @@ pub fn run(bench: &Bench) {
         let walks = walks(&scene);
         let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
         let mut row = |name: &str, variant: &str, edits: Edits| {
+            // The root mean square change between neighbouring frames, each with the name of its walk.
             let mut changes = Vec::new();
             for (past, walk) in &walks {
                 let images = shown(bench, &mut stage, name, edits, (&scene, walk));
-                changes.extend(images.windows(2).map(|two| (difference(&two[0], &two[1]).1, past)));
+                changes.extend(images.windows(2).map(|two| {
+                    let (_, rmse) = difference(&two[0], &two[1]);
+                    (rmse, past)
+                }));
             }
-            changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+            changes.sort_by(|(a, _), (b, _)| a.total_cmp(b));
             let ((greatest, past), (median, _)) = (changes[changes.len() - 1], changes[changes.len() / 2]);
             println!("popping,{name},{},{variant},{:.2},{past}", scene.name, greatest / median);
         };

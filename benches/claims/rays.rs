@@ -1,19 +1,23 @@
-//! Measures what rays lose by waiting for their neighbours, and by reading memory far from their neighbours' reads. The
-//! times are those of the tracing pass, with only the order of the rays changed, frame by frame in turn.
+//! Measures how much longer rays take because they wait for their neighbours, and because they read memory far from
+//! where their neighbours read. Times are those of the tracing pass. Variants, which differ only in the order of the
+//! rays, are timed frame by frame in turn.
 //!
 //! Columns: claim, method, scene, view, roughness, variant, and then three ratios of the pass's time over the first
 //! variant's time in the same turn: `ratio` is the median, and `least` and `greatest` are the ends of the middle half.
 //!
-//! - `order`: each pixel follows the ray of another one. `pixels`: its own. `kinds`: within a tile of 64×64 pixels, rays
-//!   towards the camera come first. `steps`: within a tile, by direction, and then by the number of steps, so that rays that
-//!   run in step are as long as each other. `mixed`: within a tile, in any order; `mixed-kinds`: the same, and then rays
-//!   towards the camera come first. `scattered`: rays stay in their group of eight, and the groups stand anywhere in the image.
-//! - `alone`: one ray in eight is alive, in turn each of a group; the mean over that of the whole image. Where groups lose
-//!   nothing by waiting it is 1, and where the longest ray is all that counts, an eighth.
-//! - `in-step`: the mean number of steps over the number for which a group of 8 or 32 rays runs, counted, not timed: the
-//!   longest ray of each direction, since rays of different directions take different branches one after the other.
-//! - `normals`: rays are reflected at the normals of shading, with all of their bumps, at those of the geometry, or at the
-//!   world's up; and `steps-…`, by how much the mean number of steps changes.
+//! - `order`: each pixel follows the ray of another pixel. `pixels`: each follows its own ray. `kinds`: within a tile
+//!   of 64×64 pixels, rays towards the camera come first. `steps`: within a tile, rays are sorted by direction, and
+//!   then by their number of steps, so that rays that run in step are about equally long. `mixed`: within a tile, rays
+//!   are shuffled. `mixed-kinds`: they are shuffled, and then rays towards the camera come first. `scattered`: the
+//!   groups of eight rays are shuffled over the whole image.
+//! - `alone`: only one ray in each group of eight is traced, in turn each of the eight; the mean of these times over
+//!   the time of the whole image. The ratio is 1 if groups lose nothing by waiting, and an eighth if one long ray
+//!   of each group takes all the time.
+//! - `in-step`: the mean number of steps of a ray over the number of steps for which its group of 8 or 32 rays runs. It
+//!   is counted and not timed. A group runs for its longest ray of each direction, since rays of different directions
+//!   take different branches one after the other.
+//! - `normals`: rays are reflected at the normals of shading, with all of their bumps, at those of the geometry, or at
+//!   the world's up. `steps-…` is the ratio of the mean numbers of steps.
 
 use super::counts::{COUNTER, HIT_OF_SSLR, MARCHED, MISS_OF_SSLR};
 use super::edited::Edits;
@@ -30,10 +34,13 @@ use ssct::passes::trace_normals::TraceNormals;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
 use ssct_scenes::{Camera, GBufferData, Material, Scene, View};
 
+/// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [960, 540];
+/// Number of turns that count. One more turn before them does not.
 const TURNS: usize = 7;
-/// Pixels that run in step on lavapipe, and the tile that one of its threads fills.
+/// Width and height in pixels of the group that runs in step on lavapipe.
 const GROUP: [u32; 2] = [4, 2];
+/// Side in pixels of the tile that a thread of lavapipe fills.
 const TILE: u32 = 64;
 /// Methods with a roughness, which only the steps of `sslr` depend on.
 const METHODS: [(&str, f32); 4] = [("ssct", 0.0), ("hzct", 0.0), ("sslr", 0.0), ("sslr", 0.1)];
@@ -44,14 +51,15 @@ const PIXEL: &str = "thesis/pixel.glsl";
 const READ: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;";
 const OF_MATERIAL: &str = "pixel.roughness = material.g;";
 
-/// Makes a pixel follow the ray of another pixel, whose place stands in its material: the column, and the row plus 1.
-/// Its roughness becomes a constant.
+/// Makes a pixel follow the ray of another pixel, whose place stands in its material: the column as roughness, and the
+/// row plus 1 as reflectivity. `MIRRORS` and `ROUGH` also make the roughness a constant.
 const ELSEWHERE: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;\n    coord = max(ivec2(material.g, \
                          material.r - 1.0), 0);\n    fragCoord = vec2(coord) + 0.5;";
 const MIRRORS: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.0;")];
 const ROUGH: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.1;")];
 
-/// Changes the place where a ray ended to its number of steps, in the traversal, the marches and the search together.
+/// Makes shaders write a ray's number of steps, in the traversal, the marches and the search together, in place of
+/// where the ray ended.
 const COUNTING: Edits = &[
     COUNTER,
     MARCHED,
@@ -75,12 +83,12 @@ const COUNTING: Edits = &[
     HIT_OF_SSLR,
 ];
 
-/// A setup that traces in a pass of its own.
+/// Returns the setup with a change: rays are traced in a pass of its own.
 fn split(setup: &Setup) -> Setup {
     setup.with(|p: &mut ThesisDrawing| p.split = true)
 }
 
-/// Milliseconds of the pass that traces.
+/// Returns the milliseconds of the pass that traces.
 fn traced_ms(report: &FrameReport) -> f64 {
     report.passes.iter().filter(|p| p.name == "ray trace").map(|p| p.ms).sum()
 }
@@ -89,7 +97,7 @@ fn traced_ms(report: &FrameReport) -> f64 {
 /// ray.
 type Work = Option<(bool, u32)>;
 
-/// The work of every pixel's ray, with a setup and the scene's materials.
+/// Counts the work of every pixel's ray, with a setup and the scene's materials.
 fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, materials: &[Material]) -> Vec<Work> {
     let hits = bench.shaders.with(&bench.gpu, COUNTING, || {
         let (info, camera) = (method(place.method), place.camera());
@@ -105,16 +113,17 @@ fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, material
     hits.texels().map(ray_work).collect()
 }
 
-/// The indices of all pixels: a list for each tile, in which the pixels of a group follow each other.
+/// Returns the indices of all pixels: a list for each tile, in which the pixels of a group follow each other.
 fn in_groups() -> Vec<Vec<usize>> {
     let [width, height] = SIZE;
+    // Divides a box into boxes of w × h pixels, row by row; the last ones may be smaller.
     let boxes = |[left, top, right, bottom]: [u32; 4], [w, h]: [u32; 2]| {
         let rows = (top..bottom).step_by(h as usize);
-        let all = move |y: u32| {
+        let boxes_in_row = move |y: u32| {
             let (end, columns) = ((y + h).min(bottom), (left..right).step_by(w as usize));
             columns.map(move |x| [x, y, (x + w).min(right), end]).collect::<Vec<_>>()
         };
-        rows.flat_map(all).collect::<Vec<_>>()
+        rows.flat_map(boxes_in_row).collect::<Vec<_>>()
     };
     let pixels = |tile: [u32; 4]| {
         let groups = boxes(tile, GROUP).into_iter().flat_map(|group| boxes(group, [1, 1]));
@@ -123,11 +132,11 @@ fn in_groups() -> Vec<Vec<usize>> {
     boxes([0, 0, width, height], [TILE; 2]).into_iter().map(pixels).collect()
 }
 
-/// A random order that is equal in every run.
+/// A random generator with a fixed seed, so that orders are equal in every run.
 struct Shuffle(u64);
 
 impl Shuffle {
-    /// A number below `end`, by a linear congruential generator.
+    /// Returns a number below `end`, by a linear congruential generator.
     fn below(&mut self, end: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) % end as u64) as usize
@@ -141,7 +150,7 @@ impl Shuffle {
     }
 }
 
-/// For each pixel, the index of the pixel whose ray it follows in one of the [`ORDERS`].
+/// Returns, for each pixel, the index of the pixel whose ray it follows in the order `name` of [`ORDERS`].
 fn order(name: &str, work: &[Work]) -> Vec<usize> {
     let tiles = in_groups();
     let mut shuffle = Shuffle(1);
@@ -169,7 +178,8 @@ fn order(name: &str, work: &[Work]) -> Vec<usize> {
     followed
 }
 
-/// A G-buffer whose material says which pixel's ray each pixel follows, if any.
+/// Returns a G-buffer whose material says which pixel's ray each pixel follows, if any, as the edit [`ELSEWHERE`] reads
+/// it.
 fn following(data: &GBufferData, followed: impl Iterator<Item = Option<usize>>) -> GBufferData {
     let mut changed = data.clone();
     let materials = changed.reflectivity.iter_mut().zip(&mut changed.roughness);
@@ -199,13 +209,13 @@ impl Place<'_> {
         );
     }
 
+    /// The camera of the view.
     fn camera(&self) -> Camera {
         self.view.camera(self.scene, SIZE)
     }
 }
 
-/// Times the tracing pass on several G-buffers, which take turns. Returns the milliseconds on each G-buffer, turn by
-/// turn.
+/// Times the tracing pass on several G-buffers in turn. Returns for each turn the milliseconds on each G-buffer.
 fn turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData]) -> Vec<Vec<f64>> {
     let edits = if place.roughness == 0.0 { MIRRORS } else { ROUGH };
     let setup = split(&Setup::new(SIZE));
@@ -215,22 +225,24 @@ fn turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData])
         let info = method(place.method);
         let effect = Effect::new(&mut stage.context, info, &setup, Wants::IMAGE, None).expect("the effect");
         let mut turn = || {
-            let one = |images: &GBufferImages| {
+            let tracing_ms = |images: &GBufferImages| {
                 let mut frame = stage.context.begin(Mode::Timed).expect("a frame");
                 frame.begin_effect();
                 effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &place.camera())).expect("the effect");
                 traced_ms(&frame.finish().expect("the frame's end"))
             };
-            images.iter().map(one).collect::<Vec<_>>()
+            images.iter().map(tracing_ms).collect::<Vec<_>>()
         };
         turn();
         (0..TURNS).map(|_| turn()).collect()
     })
 }
 
-/// The mean number of steps of a ray over the number of steps for which its group of `width` × `height` pixels runs.
+/// Returns the mean number of steps of a ray over the number of steps for which its group of `width` × `height` pixels
+/// runs.
 fn in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
     let [columns, rows] = SIZE.map(|side| side as usize);
+    // The steps of all rays, and the steps for which their groups run, counted for each pixel of a group.
     let (mut sum, mut most) = (0.0, 0.0);
     for (top, left) in (0..rows / height).flat_map(|y| (0..columns / width).map(move |x| (y * height, x * width))) {
         let rays = (0..width * height).filter_map(|i| work[(top + i / width) * columns + left + i % width]);
@@ -265,12 +277,14 @@ fn orders(bench: &Bench, stage: &mut Stage, place: &Place) {
         }
     }
     if bench.wants("alone") {
-        let group = |i: usize| [i % SIZE[0] as usize % 4, i / SIZE[0] as usize % 2];
-        let own = |lane: usize| {
-            let is_own = move |i: usize| group(i) == [lane % 4, lane / 4];
-            following(&data, (0..work.len()).map(|i| alive(i).filter(|i| is_own(*i))))
+        let place_in_group = |i: usize| [i % SIZE[0] as usize % 4, i / SIZE[0] as usize % 2];
+        // The rays of one pixel of each group, whose number in the group is `lane`.
+        let rays_of_lane = |lane: usize| {
+            let is_in_lane = move |i: usize| place_in_group(i) == [lane % 4, lane / 4];
+            following(&data, (0..work.len()).map(|i| alive(i).filter(|i| is_in_lane(*i))))
         };
-        let parts: Vec<_> = [following(&data, (0..work.len()).map(alive))].into_iter().chain((0..8).map(own)).collect();
+        let all_rays = following(&data, (0..work.len()).map(alive));
+        let parts: Vec<_> = [all_rays].into_iter().chain((0..8).map(rays_of_lane)).collect();
         let turns = turns(bench, stage, place, &parts);
         place.row("alone", "1/8", spread(turns.iter().map(|t| super::mean(t[1..].iter().copied()) / t[0])));
     }

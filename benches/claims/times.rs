@@ -1,4 +1,4 @@
-//! Times variants that take turns, frame by frame.
+//! Times variants in turn: each variant draws one frame before the first variant draws its next.
 //!
 //! Columns: claim, method, scene, view, variant, and then ratios of a variant's time over the first variant's time in
 //! the same turn. `ratio` is the median for the effect, and `least` and `greatest` are the ends of the middle half.
@@ -9,11 +9,12 @@
 //! - `gaussian`: the colour chain by a Gaussian in place of the device's filter.
 //! - `split`: ray trace and cone trace in two passes in place of one.
 //! - `ray-traced`: the world reference of 16 rays a pixel on all cores, over Schmidt's optimised march, at 480×270.
-//! - `true-minima`: every texel is read for the Hi-Z buffer, in place of four.
-//! - `roughness`: from roughness 0.1 on.
-//! - `angle`: the cone's angle by way of its exponent and back, in place of half the roughness, which is the same.
+//! - `true-minima`: for the Hi-Z buffer every texel that a cell covers is read, in place of four.
+//! - `roughness`: roughness 0.3, 0.6 and 1, over 0.1.
+//! - `angle`: the cone's angle is computed from the exponent of the lobe, in place of half the roughness, which is
+//!   equal.
 //! - `triangles`: a scene whose every triangle is cut into 16, which shows the same picture.
-//! - `reflecting`: only a rectangle with that share of the pixels reflects.
+//! - `reflecting`: only a rectangle in the middle reflects, whose share of the pixels is the variant.
 
 use super::edited::Edits;
 use super::judged::TRUE_MINIMA;
@@ -35,10 +36,11 @@ use ssct_truth::reference::surface::World;
 use ssct_truth::reference::world::WorldReference;
 use std::time::Instant;
 
-/// Turns that count; one before them does not.
+/// Number of turns that count. One more turn before them does not.
 const TURNS: usize = 11;
+/// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [960, 540];
-/// Eq. 4.5 with an arc cosine, of the exponent that a roughness stands for.
+/// Computes the cone's angle by Eq. 4.5 with an arc cosine, from the exponent of the lobe that a roughness stands for.
 const DETOUR: Edits = &[(
     "thesis/cone_angle.glsl",
     "return 0.5 * max(roughness, 0.0);",
@@ -50,47 +52,52 @@ const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 /// Milliseconds of the effect, and of the scene passes.
 type Times = [f64; 2];
 
-/// The times of a frame.
+/// Returns the times of a frame.
 fn times(report: &FrameReport) -> Times {
     [true, false].map(|counted| report.passes.iter().filter(|p| p.counted == counted).map(|p| p.ms).sum())
 }
 
-/// The value at a share of the way through the sorted values, without interpolation.
+/// Returns the value at a share (0…1) of the way through the sorted values, without interpolation.
 fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     values[((values.len() - 1) as f64 * share).round() as usize]
 }
 
-/// The median of some values, and the two ends of their middle half (the quartiles).
+/// Returns the median of some values, and the two ends of their middle half (the quartiles).
 pub fn spread(values: impl IntoIterator<Item = f64>) -> [f64; 3] {
     let values: Vec<_> = values.into_iter().collect();
     [0.5, 0.25, 0.75].map(|share| quantile(values.clone(), share))
 }
 
-/// Prints a row for each variant of the turns.
+/// Prints a row for each variant. Each of `turns` has the times of all variants, in their order.
 fn print(claim: &str, method: &str, (scene, view): (&str, &str), variants: &[&str], turns: &[Vec<Times>]) {
     for (n, variant) in variants.iter().enumerate() {
-        let over = |part: usize| spread(turns.iter().map(|t| t[n][part] / t[0][part]));
-        let ([ratio, least, greatest], [drawn, ..]) = (over(0), over(1));
-        let drawn = if drawn.is_finite() { format!("{drawn:.3}") } else { String::new() };
-        println!("{claim},{method},{scene},{view},{variant},{ratio:.3},{least:.3},{greatest:.3},{drawn}");
+        // The ratios to the first variant: part 0 of the times is the effect, and part 1 the scene passes.
+        let ratios = |part: usize| spread(turns.iter().map(|turn| turn[n][part] / turn[0][part]));
+        let ([ratio, least, greatest], [scene_ratio, ..]) = (ratios(0), ratios(1));
+        let scene_ratio = if scene_ratio.is_finite() { format!("{scene_ratio:.3}") } else { String::new() };
+        println!("{claim},{method},{scene},{view},{variant},{ratio:.3},{least:.3},{greatest:.3},{scene_ratio}");
     }
 }
 
 /// A variant of a method.
 struct Variant {
+    /// The name of the variant in the table.
     name: &'static str,
+    /// The change of parameters.
     change: Change,
+    /// The changes of shaders.
     edits: Edits,
+    /// The roughness and the normal deviation of the surfaces.
     globals: Globals,
 }
 
-/// A variant by a change of parameters, at a roughness which is also the normal deviation.
+/// Makes a variant by a change of parameters, at a roughness that is also the normal deviation.
 fn changed(name: &'static str, roughness: f32, change: Change) -> Variant {
     Variant { name, change, edits: &[], globals: globals(roughness, roughness) }
 }
 
-/// Times variants of a method on a view.
+/// Times variants of the method `name` in turn on a view, and prints their rows.
 fn take_turns(bench: &Bench, claim: &str, name: &str, subject: (&Scene, &View, &mut Stage), variants: &[Variant]) {
     let (scene, view, stage) = subject;
     let shot = |variant: &Variant, stage: &mut Stage| {
@@ -123,7 +130,7 @@ fn of_views(bench: &Bench, claim: &str, places: &[(&str, &str)], variants: &[(&s
     }
 }
 
-/// A vertex in the middle of two.
+/// Returns the vertex in the middle of two others.
 fn middle(a: &Vertex, b: &Vertex) -> Vertex {
     let direction = |a: [f32; 3], b: [f32; 3]| (Vec3::from(a) + Vec3::from(b)).normalize_or(Vec3::from(a)).to_array();
     let tangent = |v: &Vertex| Vec4::from(v.tangent).truncate().to_array();
@@ -135,7 +142,7 @@ fn middle(a: &Vertex, b: &Vertex) -> Vertex {
     }
 }
 
-/// A mesh whose every triangle is cut into four.
+/// Cuts every triangle of a mesh into four, at the middles of its edges.
 fn cut(mesh: &Mesh) -> Mesh {
     let mut cut = Mesh { vertices: Vec::new(), indices: Vec::new(), ..mesh.clone() };
     for corners in mesh.indices.chunks_exact(3) {
@@ -148,7 +155,7 @@ fn cut(mesh: &Mesh) -> Mesh {
     cut
 }
 
-/// Times methods on a scene in turn with a copy of it, whose every triangle is cut into 16.
+/// Times methods in turn on a scene and on a copy of it in which every triangle is cut into 16.
 fn triangles(bench: &Bench) {
     let plain = scene("rooms");
     let meshes = plain.meshes.iter().map(|m| cut(&cut(m))).collect();
@@ -171,7 +178,7 @@ fn triangles(bench: &Bench) {
     }
 }
 
-/// Times screen-space methods in turn where all, half, a quarter and a tenth of the pixels reflect.
+/// Times screen-space methods in turn on G-buffers in which all, half, a quarter and a tenth of the pixels reflect.
 fn reflecting(bench: &Bench) {
     let scene = scene("rooms");
     let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
@@ -187,13 +194,13 @@ fn reflecting(bench: &Bench) {
         for name in ["ssr", "ssr-fast"] {
             let effect = Effect::new(&mut stage.context, method(name), &setup, Wants::IMAGE, None).expect("the effect");
             let mut turn = || {
-                let one = |images: &GBufferImages| {
+                let frame_times = |images: &GBufferImages| {
                     let mut frame = stage.context.begin(Mode::Timed).expect("a frame");
                     frame.begin_effect();
                     effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &camera)).expect("the effect");
                     times(&frame.finish().expect("the frame's end"))
                 };
-                images.iter().map(one).collect::<Vec<_>>()
+                images.iter().map(frame_times).collect::<Vec<_>>()
             };
             turn();
             let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
@@ -202,7 +209,7 @@ fn reflecting(bench: &Bench) {
     }
 }
 
-/// Times the world reference in turn with Schmidt's optimised march, on the view of his figure 47.
+/// Times Schmidt's optimised march and the world reference in turn, on the view of his figure 47.
 fn ray_traced(bench: &Bench) {
     const SMALL: [u32; 2] = [480, 270];
     let scene = scene("street");

@@ -1,5 +1,5 @@
-//! Parts that all functions for C share: codes and sentences of failures, structs that begin with their size, texts,
-//! and a guard that turns panics into failures.
+//! What all functions for C share: codes and sentences of failures, structs that begin with their size, texts, and a
+//! guard that turns panics into failures.
 
 use crate::live;
 use std::any::Any;
@@ -46,8 +46,8 @@ impl Failure {
 
     /// Makes the failure for a panic, whose message is part of the sentence.
     fn of_panic(payload: &(dyn Any + Send)) -> Self {
-        let said = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
-        let sentence = format!("ssct has a fault, please report it: {}", said.unwrap_or("it does not say what"));
+        let message = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+        let sentence = format!("ssct has a fault, please report it: {}", message.unwrap_or("it does not say what"));
         Self { code: SsctResult::Internal, sentence }
     }
 }
@@ -85,9 +85,10 @@ pub extern "C" fn ssct_last_error() -> *const c_char {
 /// Runs the body of a function for C, and returns the code of the result. Keeps the sentence of a failure for
 /// `ssct_last_error`, and turns a panic into a failure.
 pub fn guard(run: impl FnOnce() -> Outcome<()>) -> SsctResult {
-    // Objects that a panic may have left half changed refuse to be used again (`Guarded`).
-    let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|payload| Err(Failure::of_panic(&*payload)));
-    match ended {
+    // `AssertUnwindSafe` is right, since an object that a panic may have left half changed refuses further use
+    // (`Guarded`).
+    let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|payload| Err(Failure::of_panic(&*payload)));
+    match outcome {
         Ok(()) => SsctResult::Ok,
         Err(Failure { code, sentence }) => {
             LAST.set(text(&sentence));
@@ -98,9 +99,9 @@ pub fn guard(run: impl FnOnce() -> Outcome<()>) -> SsctResult {
 
 /// Runs the body of a function for C that returns a value and not a code. Returns `otherwise` if the body fails.
 pub fn or<T>(otherwise: T, run: impl FnOnce() -> Outcome<T>) -> T {
-    let mut made = otherwise;
-    guard(|| run().map(|value| made = value));
-    made
+    let mut returned = otherwise;
+    guard(|| run().map(|value| returned = value));
+    returned
 }
 
 /// An object behind a handle. After a panic in a call that changed the object, every later use of the object fails.
@@ -129,9 +130,9 @@ impl<T> Guarded<T> {
     pub fn with<R>(&mut self, run: impl FnOnce(&mut T) -> Outcome<R>) -> Outcome<R> {
         self.get()?;
         self.is_broken = true;
-        let ended = run(&mut self.value);
+        let outcome = run(&mut self.value);
         self.is_broken = false;
-        ended
+        outcome
     }
 }
 
@@ -179,7 +180,7 @@ pub unsafe fn size_of_theirs<T: SizedStruct>(argument: &str, pointer: *const T) 
     // SAFETY: by the contract, the size comes first.
     let size = unsafe { pointer.cast::<usize>().read_unaligned() };
     let (name, known) = (T::NAME, size_of::<T>());
-    // No struct is longer than a page; a greater size was never set by the caller.
+    // No struct is longer than 4096 bytes, so that a caller who states a greater size never set the field.
     if !(known..=4096).contains(&size) {
         return Err(Failure::usage(format!(
             "the struct_size of the {name} of the argument {argument} is {size}; it must be sizeof({name}), which is {known}"
@@ -237,8 +238,8 @@ pub fn text(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
-/// Makes an object, and writes its address to `to` for the caller; NULL if `make` fails. [`destroy`] takes the object
-/// back.
+/// Makes an object, and writes its address to `to` for the caller, or NULL if `make` fails. The caller later destroys
+/// the object by [`destroy`].
 ///
 /// # Safety
 /// `to` is NULL, or a valid place for a pointer.

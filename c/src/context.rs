@@ -18,7 +18,7 @@ use std::sync::OnceLock;
 /// A device of yours that reflections are recorded for. Destroying the context destroys none of your handles.
 pub struct SsctContext {
     pub(crate) context: Context,
-    /// Name, driver, version of Vulkan, and kind of the device.
+    /// Name, driver, version of Vulkan, and kind of the device, for `ssct_context_device_info`.
     device: [CString; 4],
 }
 
@@ -103,28 +103,28 @@ pub unsafe extern "C" fn ssct_enable_features(
 ) -> SsctResult {
     guard(|| {
         // SAFETY: the header asks for pointers to such structs.
-        let all = unsafe {
+        let (features, features12, features13) = unsafe {
             (
                 needed_mut("features", features)?,
                 needed_mut("features12", features12)?,
                 needed_mut("features13", features13)?,
             )
         };
-        check_s_type("features12", all.1.s_type, VkPhysicalDeviceVulkan12Features::default().s_type)?;
-        check_s_type("features13", all.2.s_type, VkPhysicalDeviceVulkan13Features::default().s_type)?;
-        ssct::enable_features(all.0, all.1, all.2);
+        check_s_type("features12", features12.s_type, VkPhysicalDeviceVulkan12Features::default().s_type)?;
+        check_s_type("features13", features13.s_type, VkPhysicalDeviceVulkan13Features::default().s_type)?;
+        ssct::enable_features(features, features12, features13);
         Ok(())
     })
 }
 
-/// Refuses a struct whose `sType` is not the one that Vulkan gives its type.
-fn check_s_type(argument: &str, is: vk::StructureType, should: vk::StructureType) -> Outcome<()> {
-    if is == should {
+/// Refuses a struct whose `sType` is not `needed`, the one that Vulkan gives the struct's type.
+fn check_s_type(argument: &str, given: vk::StructureType, needed: vk::StructureType) -> Outcome<()> {
+    if given == needed {
         return Ok(());
     }
     Err(Failure::usage(format!(
-        "sType of the argument {argument} is {}; it must be VK_STRUCTURE_TYPE_{should:?}",
-        is.as_raw()
+        "sType of the argument {argument} is {}; it must be VK_STRUCTURE_TYPE_{needed:?}",
+        given.as_raw()
     )))
 }
 
@@ -140,8 +140,9 @@ pub unsafe extern "C" fn ssct_context_create(
             let info = take("info", info)?;
             Context::new(handles(&info)?)?
         };
-        let told = context.info();
-        let device = [&told.name, &told.driver, &told.api, &told.kind].map(|told| text(told));
+        let device_info = context.info();
+        let texts = [&device_info.name, &device_info.driver, &device_info.api, &device_info.kind];
+        let device = texts.map(|words| text(words));
         Ok(SsctContext { context, device })
     };
     // SAFETY: the header asks for a valid place.
@@ -164,7 +165,7 @@ pub unsafe extern "C" fn ssct_context_device_info(
     guard(|| {
         // SAFETY: the header asks for such pointers.
         let (context, struct_size) = unsafe { (live::read("context", context)?, size_of_theirs("info", info)?) };
-        let [name, driver, api, kind] = context.device.each_ref().map(|told| told.as_ptr());
+        let [name, driver, api, kind] = context.device.each_ref().map(|words| words.as_ptr());
         // SAFETY: the header asks for a struct of the stated size, which is at least the size of `SsctDeviceInfo`.
         unsafe { info.write(SsctDeviceInfo { struct_size, name, driver, api, kind }) };
         Ok(())
@@ -224,13 +225,13 @@ impl Methods {
     /// Makes the rows of all methods that need no scene.
     fn new() -> Self {
         let texts: Vec<_> = ssct::methods().flat_map(|(name, summary)| [text(name), text(summary)]).collect();
-        let row = |pair: &[CString; 2]| SsctMethod { name: pair[0].as_ptr(), summary: pair[1].as_ptr() };
+        let row = |[name, summary]: &[CString; 2]| SsctMethod { name: name.as_ptr(), summary: summary.as_ptr() };
         let rows = texts.as_chunks::<2>().0.iter().map(row).collect();
         Self { _texts: texts, rows }
     }
 }
 
-/// Converts the handles to the struct that the door takes.
+/// Converts the caller's handles and features to the Rust interface's type, and loads the functions of Vulkan.
 ///
 /// # Safety
 /// The handles are NULL or belong together, and pointers are NULL or to such structs.

@@ -202,7 +202,7 @@ pub extern "C" fn ssct_image_use(kind: SsctUse) -> SsctImageUse {
     })
 }
 
-/// Makes the failure of a field whose value is none of the constants of some names.
+/// Makes the failure of a field whose value is none of the constants `names`, such as SSCT_CLIP_Y_*.
 pub fn none_of(names: &str, field: &str, value: u32) -> Failure {
     Failure::usage(format!("{field} is {value}, which is none of {names}"))
 }
@@ -231,9 +231,9 @@ pub unsafe fn image(argument: &str, pointer: *const SsctImage, layers: u32) -> O
     if part.aspect_mask.is_empty() {
         part.aspect_mask = aspects(format);
     }
-    for (count, otherwise) in [(&mut part.level_count, 1), (&mut part.layer_count, layers)] {
+    for (count, default) in [(&mut part.level_count, 1), (&mut part.layer_count, layers)] {
         if *count == 0 {
-            *count = otherwise;
+            *count = default;
         }
     }
     if usage.is_empty() {
@@ -300,7 +300,7 @@ pub unsafe fn normals(pointer: *const SsctNormals) -> Outcome<NormalInput> {
 }
 
 /// Copies the caller's factor into the Rust interface's type: one value if `image` is NULL, else a channel of the
-/// image.
+/// image. Its part has one layer unless the caller gives a number of layers.
 ///
 /// # Safety
 /// The contract is that of [`image`].
@@ -325,8 +325,8 @@ pub unsafe fn motion(argument: &str, pointer: *const SsctMotion) -> Outcome<Opti
     }
     // SAFETY: the caller keeps to the contract of this function.
     unsafe {
-        let SsctMotion { image: held, scale, jittered, .. } = take(argument, pointer)?;
-        let image = image(&format!("{argument}.image"), held, 1)?;
+        let SsctMotion { image: pointer, scale, jittered, .. } = take(argument, pointer)?;
+        let image = image(&format!("{argument}.image"), pointer, 1)?;
         Ok(Some(MotionInput { image, scale, jittered: jittered != vk::FALSE }))
     }
 }

@@ -1,5 +1,5 @@
-//! A table of the objects that callers have, by their addresses. A call refuses, with a sentence, a handle whose object
-//! was destroyed, is of another type, or is used by another call, since to read memory through such a handle would be
+//! A table of the objects that callers have, by their addresses. A call refuses a handle, with a sentence, if the
+//! object was destroyed, is of another type, or is used by another call: reading memory through such a handle would be
 //! undefined behaviour.
 
 use crate::border::{Failure, Outcome};

@@ -79,7 +79,7 @@ pub struct CallersMemory {
 }
 
 impl CallersMemory {
-    /// Fails if one of the two functions is NULL.
+    /// Copies the caller's allocator. Fails if one of its two functions is NULL.
     pub fn new(memory: &SsctMemory) -> Outcome<Self> {
         let missing = |field| Failure::usage(format!("the field {field} of SsctMemory is NULL"));
         Ok(Self {
@@ -112,7 +112,7 @@ unsafe impl DeviceMemory for CallersMemory {
         let name = text(name);
         // SAFETY: the caller gave the function for these arguments, which live through the call. The function returns
         // NULL or a text.
-        let why = unsafe {
+        let failure = unsafe {
             let why = (self.allocate)(self.user_data, name.as_ptr(), requirements, place, linear, &mut block);
             if why.is_null() {
                 None
@@ -120,7 +120,7 @@ unsafe impl DeviceMemory for CallersMemory {
                 Some(text_of("allocate", why).unwrap_or("it does not say why").to_owned())
             }
         };
-        if let Some(why) = why {
+        if let Some(why) = failure {
             return Err(why);
         }
         let mapped = NonNull::new(block.mapped.cast::<u8>());

@@ -256,8 +256,8 @@ pub unsafe extern "C" fn ssct_reflections_create(
     unsafe { create("reflections", reflections, make) }
 }
 
-/// Makes reflections from the caller's description, whose pointers are already read into `method`, `parameters` and
-/// `triangles`.
+/// Makes reflections from the caller's description `info`. Its pointers were already read into `method`, `parameters`
+/// and `triangles`.
 fn reflections_of(
     context: &SsctContext,
     info: &SsctReflectionsInfo,
@@ -386,22 +386,22 @@ pub unsafe extern "C" fn ssct_reflections_times(
         let (mut object, times, count) = unsafe {
             (live::write("reflections", reflections)?, needed_mut("times", times)?, needed_mut("count", count)?)
         };
-        let taken = object.reflections.with(|r| Ok(r.times(slot as usize)?))?;
-        let names: Vec<_> = taken.iter().map(|t| text(&t.name)).collect();
-        let row = |(t, name): (&ssct::PassTime, &CString)| SsctPassTime {
+        let pass_times = object.reflections.with(|r| Ok(r.times(slot as usize)?))?;
+        let names: Vec<_> = pass_times.iter().map(|time| text(&time.name)).collect();
+        let row = |(time, name): (&ssct::PassTime, &CString)| SsctPassTime {
             name: name.as_ptr(),
-            ms: t.ms,
-            start_ms: t.start_ms,
-            counted: t.counted,
+            ms: time.ms,
+            start_ms: time.start_ms,
+            counted: time.counted,
         };
-        let rows = taken.iter().zip(&names).map(row).collect();
+        let rows = pass_times.iter().zip(&names).map(row).collect();
         object.times = Times { _names: names, rows };
         (*times, *count) = (object.times.rows.as_ptr(), object.times.rows.len() as u32);
         Ok(())
     })
 }
 
-/// Runs a function on the reflections that the closure `object` finds, and returns the code of the result.
+/// Runs a function that changes reflections, and returns the code of the result. The closure `object` finds the object.
 fn with<'a>(
     object: impl FnOnce() -> Outcome<Written<'a, SsctReflections>>,
     run: impl FnOnce(&mut Reflections) -> Outcome<()>,

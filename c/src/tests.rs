@@ -46,6 +46,7 @@ fn refused(result: SsctResult, code: SsctResult, words: &str) {
 
 /// A projection with an angle of view of a quarter turn, along +z, with y up, and reversed depth without a far plane.
 const CLIP: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 0., 1., 0., 0., 0.1, 0.];
+/// The identity: view space is world space.
 const WORLD: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
 
 /// Width and height of the reflections in pixels.
@@ -199,7 +200,8 @@ struct Objects {
     gives: bool,
 }
 
-/// Gives each image or buffer a memory object of its own, or fails if `Objects::gives` is false.
+/// The caller's `allocate`: gives each image or buffer a memory object of its own, or fails if `Objects::gives` is
+/// false.
 unsafe extern "C" fn allocate(
     objects: *mut c_void,
     name: *const c_char,
@@ -215,9 +217,9 @@ unsafe extern "C" fn allocate(
         return c"nothing is left".as_ptr();
     }
     let is_device = place == SSCT_MEMORY_PLACE_DEVICE;
-    let like = if is_device { P::DEVICE_LOCAL } else { P::HOST_VISIBLE | P::HOST_COHERENT };
+    let wanted = if is_device { P::DEVICE_LOCAL } else { P::HOST_VISIBLE | P::HOST_COHERENT };
     let kinds = objects.kinds.memory_types_as_slice();
-    let fits = |i: &usize| requirements.memory_type_bits >> i & 1 == 1 && kinds[*i].property_flags.contains(like);
+    let fits = |i: &usize| requirements.memory_type_bits >> i & 1 == 1 && kinds[*i].property_flags.contains(wanted);
     let kind = (0..kinds.len()).find(fits).unwrap() as u32;
     let info = vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
     unsafe {
@@ -305,7 +307,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
 
         // The expected composites in half floats: the mirror's own colour plus half of the wall's, and the mirror's own
         // colour alone.
-        let [with, without]: [[u16; 3]; 2] = [[0x3900, 0x3800, 0x3900], [0x3800, 0x3400, 0x3000]];
+        let [with_wall, without]: [[u16; 3]; 2] = [[0x3900, 0x3800, 0x3900], [0x3800, 0x3400, 0x3000]];
         let outputs = ssct_image_use(SSCT_USE_TRANSFER_SOURCE);
         let show = |reflections, frame: &SsctFrame| {
             let mut recorded = sized::<SsctRecorded>(size_of::<SsctRecorded>());
@@ -332,7 +334,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
                 assert_eq!(result, SsctResult::Ok, "{}", said());
             }
             let shown = show(reflections, &given);
-            assert!(shown.iter().all(|texel| *texel == with), "{method:?}: {:x?}", shown[0]);
+            assert!(shown.iter().all(|texel| *texel == with_wall), "{method:?}: {:x?}", shown[0]);
             ssct_reflections_destroy(reflections);
         }
         // The mirror's triangle lies a little in front of the depth image, so that it stops its own rays unless its
@@ -349,7 +351,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
         let shown = show(reflections, &given);
         assert!(shown.iter().all(|texel| *texel == [0x3c00, 0x3400, 0x3000]), "{:x?}", shown[0]);
         let shown = show(reflections, &SsctFrame { triangle_numbers: &numbers, ..given });
-        assert!(shown.iter().all(|texel| *texel == with), "{:x?}", shown[0]);
+        assert!(shown.iter().all(|texel| *texel == with_wall), "{:x?}", shown[0]);
         let wrong = SsctImage { format: vk::Format::R32_SFLOAT, ..numbers };
         let frame = SsctFrame { triangle_numbers: &wrong, ..given };
         let result = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
@@ -374,7 +376,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
         assert_eq!(result, SsctResult::Ok, "{}", said());
         let reflections = made(context, &SsctReflectionsInfo { triangles: made_of, ..view(SIDE) });
         let shown = show(reflections, &SsctFrame { triangles: made_of, ..given });
-        assert!(shown.iter().all(|texel| *texel == with), "{:x?}", shown[0]);
+        assert!(shown.iter().all(|texel| *texel == with_wall), "{:x?}", shown[0]);
         ssct_reflections_destroy(reflections);
         ssct_triangles_destroy(made_of);
         let result = ssct_triangles_record_upload(triangles, program.commands);

@@ -82,10 +82,10 @@ pub unsafe extern "C" fn ssct_triangles_create_textured(
         // SAFETY: the header asks for such pointers.
         let textures = unsafe { array("textures", textures, texture_count) }?;
         // SAFETY: the header asks for such pointers.
-        let taken: Vec<_> = meshes.iter().map(|m| unsafe { mesh(m) }).collect::<Outcome<_>>()?;
+        let meshes: Vec<_> = meshes.iter().map(|m| unsafe { mesh(m) }).collect::<Outcome<_>>()?;
         // SAFETY: the header asks for such pointers.
         let textures: Vec<_> = textures.iter().map(|t| unsafe { texture(t) }).collect::<Outcome<_>>()?;
-        let triangles = Triangles::with_textures(&context.context, &taken, &textures)?;
+        let triangles = Triangles::with_textures(&context.context, &meshes, &textures)?;
         Ok(SsctTriangles { triangles: Guarded::new(triangles) })
     };
     // SAFETY: the header asks for a valid place.

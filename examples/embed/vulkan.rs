@@ -1,4 +1,4 @@
-//! The renderer itself. Only the features that its device is made with, and `handles`, are there for reflections.
+//! The renderer itself. Only the features of its device and the function `handles` are made for reflections.
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -7,13 +7,15 @@ use std::error::Error;
 
 /// Width and height of all images.
 pub const SIZE: [u32; 2] = [640, 360];
+/// The format of colour images: four 16-bit floats.
 pub const HALF: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+/// The format of the depth buffer.
 pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 const EXTENT: vk::Extent2D = vk::Extent2D { width: SIZE[0], height: SIZE[1] };
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// The device with its allocator and the first queue; `features` are the ones that the device was made with.
+/// The device with its allocator and its first queue; `features` are those that the device was made with.
 pub struct Renderer {
     entry: ash::Entry,
     instance: ash::Instance,
@@ -73,7 +75,7 @@ impl Renderer {
         }
     }
 
-    /// The handles from which `ssct` makes its context on this device.
+    /// Returns the handles from which `ssct` makes its context on this device.
     pub fn handles(&self) -> ssct::DeviceHandles {
         ssct::DeviceHandles {
             entry: self.entry.clone(),
@@ -218,8 +220,8 @@ impl Renderer {
         }
     }
 
-    /// Records the render pass, which draws the scene through a camera with the matrices view to clip and world to
-    /// view.
+    /// Records the render pass, which draws the scene through a camera with the matrices `clip` (view to clip) and
+    /// `view` (world to view).
     pub fn draw(&self, commands: vk::CommandBuffer, pass: &Pass, clip: &[f32; 16], view: &[f32; 16]) {
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(pass.pass)
@@ -237,8 +239,8 @@ impl Renderer {
         }
     }
 
-    /// Records copies of images in the layout `TRANSFER_SRC_OPTIMAL`, submits, and waits. Returns the channels of each
-    /// image.
+    /// Records copies of images, which must be in the layout `TRANSFER_SRC_OPTIMAL`, submits the command buffer, and
+    /// waits. Returns the numbers of each image, texel by texel.
     pub fn submit_and_read(
         &mut self,
         commands: vk::CommandBuffer,
@@ -303,7 +305,7 @@ impl Renderer {
     }
 }
 
-/// Writes linear light as a picture, with a gamma of 2.2, which is close to sRGB.
+/// Writes linear RGBA as a picture, with a gamma of 2.2, which is close to sRGB.
 pub fn write_png(path: &str, rgba: &[f32]) -> Result<()> {
     let rgb = rgba.as_chunks::<4>().0.iter().flat_map(|t| [t[0], t[1], t[2]]);
     let bytes = rgb.map(|v| (v.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8).collect();

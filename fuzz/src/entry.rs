@@ -1,5 +1,5 @@
-//! The loaders as functions of bytes. Each returns true if the bytes were loaded. The functions panic if an error is no
-//! proper message, or if loaded data are invalid.
+//! The loaders as functions of bytes, for fuzzing. Each function returns true if the bytes were loaded. It panics if an
+//! error names no file, or if loaded data are invalid.
 
 use exr::meta::MetaData;
 use glam::Vec3;
@@ -36,13 +36,13 @@ pub const ENTRIES: [(&str, Entry); 10] = [
     ("run", run),
 ];
 
-/// Loads an OBJ file, which is followed by a byte 0 and the MTL file `a.mtl`. The folder also has the images `x.png`,
-/// which can be a normal map, and `y.tga`.
+/// Loads an OBJ file. The input is this file, a byte 0 and the MTL file `a.mtl`. The folder also has the images
+/// `x.png`, which can be a normal map, and `y.tga`.
 pub fn obj(data: &[u8]) -> bool {
     let mut parts = data.splitn(2, |b| *b == 0);
     let (object, library) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
-    // Inputs that name a generated image are skipped: generating one takes half a second and says nothing about
-    // the file.
+    // Inputs that name a generated image are skipped, since generating it takes half a second and does not test the
+    // loader.
     if String::from_utf8_lossy(library).lines().any(|line| pattern::named(line).is_some()) {
         return false;
     }
@@ -53,7 +53,7 @@ pub fn obj(data: &[u8]) -> bool {
     })
 }
 
-/// Loads a glTF file, which is text or binary. The folder also has the buffer `b.bin`, and the images `x.png` and
+/// Loads a glTF file, which may be text or binary. The folder also has the buffer `b.bin`, and the images `x.png` and
 /// `y.tga`.
 pub fn gltf(data: &[u8]) -> bool {
     let name = if data.starts_with(b"glTF") { "a.glb" } else { "a.gltf" };
@@ -77,8 +77,9 @@ pub fn camera_path(data: &[u8]) -> bool {
     judged(path::parse(text, Path::new("a.toml")), sound_path)
 }
 
-/// Loads an image, and converts it for a use. The first byte chooses the use, and the extension of the file name, which
-/// decides the format if the content does not.
+/// Loads an image, and converts it for a use: as it is, as a mask, as a reflectivity map or as a normal map. The first
+/// byte of the input chooses the use (bits 2 and 3) and the extension of the file's name (bits 0 and 1). The extension
+/// decides the format if the content does not. The upper four bits give the tilt of a normal map.
 pub fn texture(data: &[u8]) -> bool {
     let Some((&choice, bytes)) = data.split_first() else { return false };
     let name = ["a.tga", "a.png", "a.jpg", "a.bmp"][usize::from(choice & 3)];
@@ -101,8 +102,8 @@ pub fn gbuffer(data: &[u8]) -> bool {
     judged(gbuffer_file::decode(data, Path::new("a.exr")), sound_gbuffer)
 }
 
-/// Loads a G-buffer by a map, which is followed by a byte 0 and the main file `a.exr`. Without that byte, the main file
-/// is [`frame`]. The folder also has `x.png`, which has the size of [`frame`], and `m.exr`, which is [`frame`].
+/// Loads a G-buffer by a map. The input is the map, a byte 0 and the main file `a.exr`. Without the byte 0, the main
+/// file is [`frame`]. The folder also has `x.png`, which has the size of [`frame`], and `m.exr`, which is [`frame`].
 pub fn gbuffer_map(data: &[u8]) -> bool {
     /// Greatest width and height, in pixels. Larger images take more memory than an input may.
     const SIDE: usize = 256;
@@ -121,8 +122,8 @@ pub fn gbuffer_map(data: &[u8]) -> bool {
     })
 }
 
-/// Checks a method from a folder: its manifest, after a byte 0 its shader `a.frag`, and after another byte 0 `a.comp`.
-/// The shaders are compiled, reflected and compared with the manifest, but not run.
+/// Checks a method from a folder. The input is its manifest, a byte 0, its shader `a.frag`, another byte 0 and its
+/// shader `a.comp`. The shaders are compiled, reflected and compared with the manifest, but not run.
 pub fn method(data: &[u8]) -> bool {
     let mut parts = data.splitn(3, |b| *b == 0);
     let [manifest, fragment, compute] = [(); 3].map(|()| parts.next().unwrap_or_default());
@@ -131,15 +132,15 @@ pub fn method(data: &[u8]) -> bool {
         write(folder, "a.frag", fragment);
         write(folder, "a.comp", compute);
         match custom::check(folder) {
-            // A manifest may name any file as a shader, and so does the error.
+            // A manifest may name any file as a shader, and the error then names this file.
             Err(Error::Io { .. }) => false,
             checked => judged(checked, |()| ()),
         }
     })
 }
 
-/// Checks a method of one fragment shader `a.frag`, which is followed by the files `b.glsl` and `c.glsl`, each after a
-/// byte 0. All three files may include `b.glsl` and `c.glsl`.
+/// Checks a method of one fragment shader. The input is the shader `a.frag` and the files `b.glsl` and `c.glsl`, each
+/// after a byte 0. All three files may include `b.glsl` and `c.glsl`.
 pub fn includes(data: &[u8]) -> bool {
     const MANIFEST: &str = "name = \"a\"\nsummary = \"a\"\n[image.result]\nformat = \"rgba16f\"\n[[pass]]\nname = \"one\"\n\
         shader = \"a.frag\"\ntargets = [\"result\"]\n[output]\nreflection = \"result\"\n";
@@ -150,13 +151,14 @@ pub fn includes(data: &[u8]) -> bool {
         for (name, text) in ["a.frag", "b.glsl", "c.glsl"].into_iter().zip(files) {
             write(folder, name, text);
         }
-        // An include may name any file, and so does the error.
+        // An include may name any file, and the error then names this file, so that the error is not checked.
         custom::check(folder).is_ok()
     })
 }
 
-/// Reads the folder of a run: its list of cells, after a byte 0 its journal, and after another byte 0 its records. The
-/// function reads it as `ssct merge` and `ssct index` do, and as a run of three studies: error, precision and time.
+/// Reads the folder of a run. The input is its list of cells, a byte 0, its journal, another byte 0 and its records.
+/// The function reads the folder as `ssct merge` and `ssct index` do, and as a run of three studies: error, precision
+/// and time.
 pub fn run(data: &[u8]) -> bool {
     let mut parts = data.splitn(3, |b| *b == 0);
     let files = [(); 3].map(|()| parts.next().unwrap_or_default());
@@ -182,7 +184,7 @@ pub fn run(data: &[u8]) -> bool {
         let rows = engine::rows::<ErrorRecord>(&input.cells, &input.journal);
         assert!(!is_sound || rows.iter().all(|row| row.head.width > 0 && row.head.height > 0));
         let kind = ResultKind { read: |_, result, journal| journal.value(&result.key).cloned(), is_time: |_| false };
-        // Two results of a cell may differ in their figures.
+        // Merging fails if two results of a cell differ in their figures.
         let Ok(merged) = merge(&[input], kind) else { return false };
         assert!(merged.results.len() <= merged.lines.len() * merged.cells.cells.len().max(1));
         is_sound && others.len() == 2 && !rows.is_empty()
@@ -203,7 +205,7 @@ fn sound_gbuffer(g: &GBufferData) {
     sound_camera(&g.camera);
 }
 
-/// An OpenEXR file with a G-buffer of 4×4 pixels in the program's own conventions.
+/// Returns an OpenEXR file with a G-buffer of 4×4 pixels in the program's own conventions.
 pub fn frame() -> Vec<u8> {
     let n = 16;
     let gbuffer = GBufferData {
@@ -220,7 +222,8 @@ pub fn frame() -> Vec<u8> {
     gbuffer_file::encode(&gbuffer, Path::new("a.exr")).expect("encodes")
 }
 
-/// Returns true if the result is a value, which `sound` checks. Panics if it is an error that names none of the files.
+/// Checks the result of a loader. Returns true if it is a value, which `sound` checks, and false if it is an error.
+/// Panics if the error names none of the files.
 fn judged<T>(result: Result<T>, sound: impl Fn(&T)) -> bool {
     match result {
         Ok(value) => {
@@ -269,7 +272,7 @@ fn sound_scene(scene: &Scene) {
     scene.paths.iter().for_each(sound_path);
 }
 
-/// Panics unless a path has finite places, and is read back equal after it was written.
+/// Panics unless a path has finite places, and is read back as the same path after it was written.
 fn sound_path(path: &CameraPath) {
     for step in 0..=8 {
         let (eye, look_at) = path.eye_and_look_at(step as f32 / 8.0);
@@ -300,7 +303,7 @@ pub const OBJ: &[u8] = b"mtllib a.mtl\ng left\nusemtl m\ns 1\nv 0 0 0\nv 1 0 0\n
 pub const MTL: &[u8] = b"newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 10\nmap_Kd x.png\nbump -bm 0.5 x.png\nmap_d y.tga\n\
     newmtl n\nPr 0.5\nmap_Ks -s 1 1 y.tga\nd 1\n";
 
-/// The buffer of a square for glTF files: positions, normals, texture coordinates and indices.
+/// Returns the buffer of a square for glTF files: positions, normals, texture coordinates and indices, in bytes.
 pub fn square() -> Vec<u8> {
     let positions = [0.0_f32, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 1.0, 0.0];
     let normals = [0.0_f32, 0.0, 1.0].repeat(4);
@@ -336,7 +339,7 @@ fn in_folder(run: impl FnOnce(&Path) -> bool) -> bool {
     })
 }
 
-/// Writes a file of a folder.
+/// Writes a file into a folder.
 fn write(folder: &Path, name: &str, bytes: &[u8]) {
     std::fs::write(folder.join(name), bytes).expect("a file");
 }

@@ -6,9 +6,9 @@ mod seeds;
 
 pub use memory::{Counting, bounded};
 
-/// Prepares a target: rayon uses only the calling thread, because an input takes less time than waking another
-/// thread. If the variable `SSCT_FUZZ_SEEDS` is set, writes the seeds of every target into that folder instead
-/// and exits.
+/// Prepares a target: rayon uses only the calling thread, because an input takes less time than waking another thread.
+/// If the environment variable `SSCT_FUZZ_SEEDS` names a folder, the function writes the seeds of every target into it
+/// instead, and ends the program.
 pub fn prepare() {
     if let Some(folder) = std::env::var_os("SSCT_FUZZ_SEEDS") {
         seeds::write_all(folder.as_ref());

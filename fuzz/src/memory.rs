@@ -1,10 +1,10 @@
-//! An allocator that counts, so that the memory that an input takes can be limited.
+//! An allocator that counts the allocated bytes, so that the memory that an input takes can be limited.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// Limit of memory: the bytes that any input may take, and the bytes that each of its bytes may take in addition. A
-/// byte of a compressed image unpacks to 8 KiB at most, of which a few copies exist during a conversion.
+/// The limit of memory in bytes: a constant, and a number that is multiplied by the length of the input. A byte of a
+/// compressed image unpacks to 8 KiB at most, of which a few copies exist during a conversion.
 const BOUND: (usize, usize) = (64 << 20, 128 << 10);
 
 /// The system's allocator, which also counts. The binary must make it the global allocator.
@@ -17,13 +17,13 @@ static PEAK: AtomicUsize = AtomicUsize::new(0);
 /// Bytes that were allocated since the program began, also those that are freed again.
 static TOTAL: AtomicUsize = AtomicUsize::new(0);
 
-/// Bytes that are allocated now.
+/// Returns the number of bytes that are allocated now.
 pub fn live() -> usize {
     LIVE.load(Relaxed)
 }
 
-/// Bytes that were allocated since the program began, also those that are freed again. Only the tests, which include
-/// this file, call it.
+/// Returns the number of bytes that were allocated since the program began, also those that are freed again. Only the
+/// tests, which include this file, call the function.
 #[allow(dead_code)]
 pub fn allocated() -> usize {
     TOTAL.load(Relaxed)
@@ -63,14 +63,15 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// Runs an entry on an input and returns its result. Panics if the entry takes more memory than an input of that length
-/// may. Memory that other threads take meanwhile counts too.
+/// Runs an entry on an input and returns its result. Panics if the entry takes more memory than an input of this length
+/// may. Memory that other threads take in the meantime counts, too.
 pub fn bounded<T>(entry: impl FnOnce(&[u8]) -> T, data: &[u8]) -> T {
     let before = live();
     PEAK.store(before, Relaxed);
-    let made = entry(data);
+    let result = entry(data);
     let taken = PEAK.load(Relaxed).saturating_sub(before);
-    let bound = BOUND.0 + BOUND.1 * data.len();
+    let (constant, per_byte) = BOUND;
+    let bound = constant + per_byte * data.len();
     assert!(taken <= bound, "{} bytes of input took {taken} bytes of memory, more than {bound}", data.len());
-    made
+    result
 }

@@ -48,7 +48,7 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
 "bufferViews":[{"buffer":0,"byteLength":96,"byteStride":12},{"buffer":0,"byteOffset":96,"byteLength":32},{"buffer":0,
 "byteOffset":128,"byteLength":12}],"buffers":[{"byteLength":140,"uri":"b.bin"}]}"#;
 
-/// Writes all seeds as `ROOT/TARGET/seed-*`.
+/// Writes the seeds of all targets, as files `seed-*` in a folder of the target's name below `root`.
 pub fn write_all(root: &Path) {
     let both = [entry::OBJ, b"\0", entry::MTL].concat();
     let plain =
@@ -67,14 +67,14 @@ pub fn write_all(root: &Path) {
     write(root, "gbuffer", &gbuffers);
 }
 
-/// The example method `march`, whose fragment shader is written for OpenGL.
+/// Returns the example method `march`, whose fragment shader is written for OpenGL, as an input of [`entry::method`].
 fn march() -> Vec<u8> {
     let manifest = include_str!("../../examples/methods/march/method.toml").replace("march.frag", "a.frag");
     [manifest.as_bytes(), b"\0", include_bytes!("../../examples/methods/march/march.frag")].concat()
 }
 
-/// A method of a compute pass and a fragment pass. They have a buffer, a storage image, an image of the frame before, a
-/// uniform block and a constant.
+/// Returns a method of a compute pass and a fragment pass, as an input of [`entry::method`]. The passes have a buffer,
+/// a storage image, an image of the previous frame, a uniform block and a constant.
 fn passes() -> Vec<u8> {
     let manifest = "name = \"two\"\nsummary = \"two passes\"\npatience-s = 2.5\n[conventions]\nclip-depth = \"reversed\"\n\
         [parameter.steps]\nhelp = \"Steps\"\ndefault = 16\nrange = [1, 64]\n[image.ends]\nformat = \"rgba32f\"\nscale = 0.5\n\
@@ -95,8 +95,8 @@ fn passes() -> Vec<u8> {
     [manifest, fragment, compute].join("\0").into_bytes()
 }
 
-/// Three methods whose shaders include each other: without a cycle, in a cycle that a guard ends, and in an endless
-/// cycle.
+/// Returns three methods as inputs of [`entry::includes`]. Their shaders include each other without a cycle, in a cycle
+/// that a guard ends, and in an endless cycle.
 fn includes() -> Vec<Vec<u8>> {
     let fragment =
         "#version 460\n#include \"b.glsl\"\nlayout(location = 0) out vec4 made;\nvoid main() { made = b(); }\n";
@@ -107,7 +107,7 @@ fn includes() -> Vec<Vec<u8>> {
     all.iter().map(|files| files.join("\0").into_bytes()).collect()
 }
 
-/// [`GLTF`] as a binary file, which contains its buffer.
+/// Returns [`GLTF`] as a binary file, which contains its buffer.
 fn glb() -> Vec<u8> {
     let mut text = GLTF.replace(",\"uri\":\"b.bin\"", "").into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
@@ -116,7 +116,7 @@ fn glb() -> Vec<u8> {
     [b"glTF".as_slice(), &2_u32.to_le_bytes(), &(12 + chunks.len() as u32).to_le_bytes(), &chunks].concat()
 }
 
-/// Writes the seeds of a target as `ROOT/TARGET/seed-*`.
+/// Writes the seeds of a target, as files `seed-*` in a folder of the target's name below `root`.
 fn write(root: &Path, target: &str, seeds: &[Vec<u8>]) {
     let folder = root.join(target);
     std::fs::create_dir_all(&folder).expect("a folder");
@@ -125,7 +125,8 @@ fn write(root: &Path, target: &str, seeds: &[Vec<u8>]) {
     }
 }
 
-/// Images of several formats, each after the byte by which [`entry::texture`] chooses the file name and the use.
+/// Returns images of several formats, as inputs of [`entry::texture`]: each follows the byte that chooses the file's
+/// name and the use.
 fn textures() -> Vec<Vec<u8>> {
     let image = RgbaImage::from_fn(5, 4, |x, y| image::Rgba([x as u8 * 50, y as u8 * 60, 200, 255 - x as u8]));
     let image = DynamicImage::from(image);
@@ -148,11 +149,13 @@ fn textures() -> Vec<Vec<u8>> {
             }
         }
     }
-    // TGA variants that the encoder does not write: colour maps, and both plain and run-length encoded data of
-    // each depth.
+    // TGA variants that the encoder does not write: colour maps, and both plain and run-length encoded data of several
+    // depths. Each has the image type of the header, the bits of a pixel, and its bytes.
     for (kind, depth, pixel) in
         [(1, 8, 1), (2, 16, 2), (2, 24, 3), (2, 32, 4), (3, 8, 1), (9, 8, 1), (10, 16, 2), (11, 8, 1)]
     {
+        // 1 with a colour map, else 0, and the map's fields in the header: first entry, number of entries and bits of
+        // an entry.
         let map = if kind % 8 == 1 { (1, [0, 0, 4, 0, 24]) } else { (0, [0; 5]) };
         let mut bytes = vec![0, 0, map.0, kind];
         bytes.extend(map.1);
@@ -160,6 +163,7 @@ fn textures() -> Vec<Vec<u8>> {
         bytes.extend((0..12 * map.0).map(|i| i * 20));
         for row in 0..3_u8 {
             let texel = |i: usize| vec![(row + i as u8) % 4; pixel];
+            // Run-length encoded rows have a run of two equal pixels, and then two single ones.
             if kind > 8 {
                 bytes.push(0x81);
                 bytes.extend(texel(0));
@@ -200,14 +204,15 @@ const MATRIX: &str = "[conventions]\nview = \"right\"\n[camera]\n\
     space = \"view\"\nencoding = \"octahedral-888\"\n[roughness]\nchannel = \"roughness\"\nkind = \"phong-exponent\"\n\
     [reflectivity]\nvalue = [1, 0.5, 0]\n[[color]]\nfile = \"m.exr\"\nchannel = \"R\"\n";
 
-/// The three maps alone, and [`MAP`] followed by each G-buffer of one part and of two parts.
+/// Returns inputs of [`entry::gbuffer_map`]: the three maps alone, and [`MAP`] followed by each G-buffer of one part
+/// and of two parts.
 fn maps(gbuffers: &[Vec<u8>]) -> Vec<Vec<u8>> {
     let with = |map: &str, image: &[u8]| [map.as_bytes(), b"\0", image].concat();
     let alone = [MAP, OTHER, MATRIX].map(|map| map.as_bytes().to_vec());
     alone.into_iter().chain(gbuffers.iter().chain(&parts()).map(|image| with(MAP, image))).collect()
 }
 
-/// OpenEXR files with the channels of [`MAP`] in two parts. The part of the colours has a lossy compression.
+/// Returns OpenEXR files with the channels of [`MAP`] in two parts. The part of the colours has a lossy compression.
 fn parts() -> Vec<Vec<u8>> {
     let flat = |name: &str| AnyChannel::new(name, FlatSamples::F32((0..6).map(|i| i as f32 / 8.0).collect()));
     let layer = |part: &str, names: &[&str], compression, blocks| {
@@ -236,8 +241,8 @@ fn parts() -> Vec<Vec<u8>> {
     ]
 }
 
-/// G-buffers in eight compressions, as scan lines and as tiles, with channels of 32 bits and of 16 bits. One has the
-/// channel `Z` instead of `depth`.
+/// Returns OpenEXR files of G-buffers in eight compressions, as scan lines and as tiles, with channels of 32 bits and
+/// of 16 bits. One has the channel `Z` instead of `depth`, and few attributes.
 fn gbuffers() -> Vec<Vec<u8>> {
     let n = 6;
     let gbuffer = GBufferData {

@@ -88,8 +88,7 @@ pub enum NormalSpace {
     World,
 }
 
-/// How the texels of an image hold unit normals. The variants stand in the order of the codes from `CONVERT_VIEW_NORMAL` on in
-/// GLSL.
+/// How the texels of an image hold unit normals, in the order of the codes from `CONVERT_VIEW_NORMAL` on in GLSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NormalEncoding {
     /// A texel holds x, y and z without a mapping, in floats or signed normalised numbers.

@@ -1,5 +1,4 @@
-//! The error of plain data and of files. Every variant names what is wrong and where, so that its text is the whole sentence that
-//! a user reads.
+//! The error of plain data and of files. The text of every variant is the whole sentence that a user reads.
 
 use std::path::{Path, PathBuf};
 

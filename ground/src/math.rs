@@ -34,7 +34,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 /// "Surfaces". NaN becomes black.
 pub fn display_byte(linear: f32) -> u8 {
     let (linear, table) = (linear.clamp(0.0, 1.0), &*DISPLAY_BYTES);
-    let mut byte = table.first[(linear * DisplayBytes::PARTS as f32) as usize]; // the first candidate
+    let mut byte = table.first[(linear * DisplayBytes::PARTS as f32) as usize]; // the least byte that it can be
     while linear >= table.least[usize::from(byte) + 1] {
         byte += 1;
     }
@@ -48,7 +48,7 @@ fn encoded_byte(linear: f32) -> u8 {
 
 static DISPLAY_BYTES: LazyLock<DisplayBytes> = LazyLock::new(DisplayBytes::new);
 
-/// A table of the linear values at which sRGB bytes begin, since to compute a power for each colour takes longer.
+/// A table of the linear values at which sRGB bytes begin. Looking a byte up is faster than computing a power.
 struct DisplayBytes {
     /// The byte at the lower end of each of [`Self::PARTS`] equal parts of 0…1; the last entry is the byte of 1.
     first: [u8; Self::PARTS + 1],
@@ -57,12 +57,13 @@ struct DisplayBytes {
 }
 
 impl DisplayBytes {
-    /// The number of parts is a power of two, so that the product of a value and this number is exact.
+    /// The number of parts: a power of two, so that the product of a value and this number is exact.
     const PARTS: usize = 4096;
 
+    /// Computes both arrays from [`encoded_byte`].
     fn new() -> Self {
         let first = std::array::from_fn(|part| encoded_byte(part as f32 / Self::PARTS as f32));
-        // Each entry is found by a binary search over the bits of floats, which have the order of the positive floats.
+        // A binary search over the bits of floats finds each entry; positive floats and their bits have the same order.
         let mut least = [f32::INFINITY; 257];
         for (byte, least) in (0..=255).zip(&mut least) {
             let (mut below, mut above) = (0, 1.0_f32.to_bits());

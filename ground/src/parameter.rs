@@ -135,7 +135,7 @@ impl Parameter {
         self
     }
 
-    /// Sets the name and the help, without the space with which a line of a doc comment begins.
+    /// Sets the name, and the help without spaces around it: a line of a doc comment begins with a space.
     #[doc(hidden)]
     pub fn named(self, name: &'static str, help: &str) -> Self {
         Self { name, help: help.trim().to_owned(), ..self }
@@ -260,8 +260,8 @@ pub trait Parameters: Sized {
     fn list(&self) -> Vec<Value>;
 }
 
-/// Values by the names of parameters. A parameter without a value here has that of the preset. Parameters of several
-/// methods may be here, and each method reads its own.
+/// Values that were given to parameters, by the parameters' names. Any other parameter has the preset's value. There
+/// may be values for several methods, each of which reads its own.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Values {
     /// The preset that gives the values of all other parameters.
@@ -286,7 +286,7 @@ impl Values {
         self.given.keys().copied()
     }
 
-    /// Returns these values after a function changed some parameters.
+    /// Returns these values with some parameters changed by a function; only those that it changes are given a value.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
         let mut all = P::from_values(self);
@@ -306,7 +306,7 @@ impl Values {
 #[doc(hidden)]
 pub fn take<T: Field>(values: &Values, parameter: &Parameter) -> T {
     let taken = T::from_value(values.value(parameter));
-    // The published value was made from a T.
+    // The conversion of the published value succeeds, since that value was made from a T.
     taken.or_else(|| T::from_value(parameter.published)).unwrap_or_else(|| unreachable!("{}", parameter.name))
 }
 

@@ -40,7 +40,7 @@ pub struct Scene {
     pub name: String,
     /// Triangle meshes; each has one material.
     pub meshes: Vec<Mesh>,
-    /// Materials; [`Mesh::material`] is an index into them.
+    /// Materials; [`Mesh::material`] is an index into this list.
     pub materials: Vec<Material>,
     /// Images; materials and impostors refer to them by index.
     pub textures: Vec<Texture>,
@@ -61,7 +61,7 @@ pub struct Scene {
     pub views: Vec<View>,
     /// Named paths of the camera.
     pub paths: Vec<CameraPath>,
-    /// Named motions of the meshes. The meshes stand where they do before any motion begins.
+    /// Named motions of the meshes. [`Scene::meshes`] stand as they do before any motion begins.
     pub motions: Vec<Motion>,
     /// One sentence for each thing that was replaced or left out while the scene was loaded.
     pub warnings: Vec<String>,
@@ -109,7 +109,7 @@ impl Mesh {
         self.bounds = Aabb::around(&self.vertices);
     }
 
-    /// Moves the mesh to where a placement has it.
+    /// Moves the mesh by a placement.
     pub fn place(&mut self, placement: &Placement) {
         self.vertices.iter_mut().for_each(|v| placement.place_vertex(v));
         self.bounds = Aabb::around(&self.vertices);
@@ -137,9 +137,9 @@ pub struct Material {
     pub albedo_map: Option<usize>,
     /// Tangent-space normal map, green up, linear.
     pub normal_map: Option<usize>,
-    /// Alpha mask (red channel, linear): the surface has holes where it is below ½.
+    /// Alpha mask (red channel, linear): the surface has holes where the mask is below ½.
     pub alpha_mask: Option<usize>,
-    /// Reflectivity, 0…1; a pixel reflects if it is above 1e-4.
+    /// Reflectivity, 0…1; a pixel reflects if its reflectivity is above 1e-4.
     pub reflectivity: f32,
     /// Reflectivity image (red channel, linear), a factor on [`Material::reflectivity`].
     pub reflectivity_map: Option<usize>,
@@ -147,8 +147,8 @@ pub struct Material {
     pub roughness: f32,
     /// Roughness image (green channel, linear), a factor on [`Material::roughness`].
     pub roughness_map: Option<usize>,
-    /// The share of the albedo, 0…1, that is emitted, and is as bright as under full light, whatever the lights are. The alpha
-    /// channel of the albedo image is a factor on this share.
+    /// The share of the albedo, 0…1, that is emitted: it is as bright as under full light, whatever the lights are. The
+    /// alpha channel of the albedo image is a factor on this share.
     pub emission: f32,
     /// Whether the surface is absent when it is seen from behind.
     pub single_sided: bool,
@@ -260,8 +260,7 @@ impl Aabb {
     /// The box of all of space.
     pub const ALL: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
 
-    /// The box between its least and its greatest corner; `None` if a number is not finite, or if the corners are in
-    /// the wrong order.
+    /// The box between its least and its greatest corner; `None` if they are not finite, or are in the wrong order.
     pub fn between([min, max]: [[f32; 3]; 2]) -> Option<Self> {
         let (min, max) = (Vec3::from(min), Vec3::from(max));
         (min.is_finite() && max.is_finite() && min.cmple(max).all()).then_some(Self { min, max })
@@ -269,9 +268,9 @@ impl Aabb {
 
     /// The box around some vertices; empty for none.
     pub fn around(vertices: &[Vertex]) -> Self {
-        vertices.iter().fold(Self::default(), |b, v| {
-            let p = Vec3::from(v.position);
-            Self { min: b.min.min(p), max: b.max.max(p) }
+        vertices.iter().fold(Self::default(), |bounds, vertex| {
+            let point = Vec3::from(vertex.position);
+            Self { min: bounds.min.min(point), max: bounds.max.max(point) }
         })
     }
 
@@ -290,18 +289,19 @@ impl Aabb {
         if placement.is_offset() || !self.min.cmple(self.max).all() {
             return self.moved(placement.offset);
         }
+        // Each bit of a corner's number says whether the corner is at the greatest or the least value of one axis.
         let corner = |i: u32| Vec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), self.max, self.min);
         let corners = (0..8).map(|i| placement.place(corner(i)));
-        corners.fold(Self::default(), |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+        corners.fold(Self::default(), |bounds, p| Self { min: bounds.min.min(p), max: bounds.max.max(p) })
     }
 
-    /// The box that is larger on every side by a share of this one's diagonal; [`Self::ALL`] for an empty box.
+    /// Returns the box grown on every side by a share of its diagonal; [`Self::ALL`] for an empty box.
     pub fn grown(self, share: f32) -> Self {
         if !self.min.cmple(self.max).all() {
             return Self::ALL;
         }
-        let by = share * self.min.distance(self.max);
-        Self { min: self.min - by, max: self.max + by }
+        let margin = share * self.min.distance(self.max);
+        Self { min: self.min - margin, max: self.max + margin }
     }
 }
 
@@ -312,7 +312,7 @@ impl View {
     }
 }
 
-/// The parts of a scene that scale and move by rules of their own.
+/// The parts of a scene that [`Scene::scale`] and [`Scene::translate`] change each in its own way.
 struct Extended<'a> {
     paths: &'a mut [CameraPath],
     motions: &'a mut [Motion],
@@ -325,14 +325,14 @@ struct Extended<'a> {
 impl Scene {
     /// Bounds of all meshes.
     pub fn bounds(&self) -> Aabb {
-        self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
+        self.meshes.iter().fold(Aabb::default(), |bounds, mesh| bounds.union(mesh.bounds))
     }
 
     /// Scales all lengths about the origin: those of views, paths, lights, probes, impostors and captures, and the clip planes and
     /// heights of lenses. Energies of point lights scale as lengths squared.
     pub fn scale(&mut self, factor: f32) {
-        let own = self.views.iter_mut().filter_map(|view| view.lens.as_mut());
-        for lens in own.chain([&mut self.lens]) {
+        let view_lenses = self.views.iter_mut().filter_map(|view| view.lens.as_mut());
+        for lens in view_lenses.chain([&mut self.lens]) {
             *lens = lens.scaled(factor);
         }
         for light in &mut self.lights {
@@ -362,8 +362,8 @@ impl Scene {
         captures.iter_mut().for_each(|c| c.position += offset);
     }
 
-    /// Moves the points of meshes, views and lights, and returns the parts that move by rules of their own. Every field
-    /// is named, so that a new field cannot be forgotten.
+    /// Moves the points of meshes, views and lights by the function `moved`, and returns the other parts that have
+    /// places. Every field is named, so that a new field cannot be forgotten.
     fn move_points(&mut self, moved: impl Fn(Vec3) -> Vec3) -> Extended<'_> {
         let Self {
             name: _,
@@ -384,8 +384,8 @@ impl Scene {
         } = self;
         for mesh in meshes {
             let Mesh { name: _, vertices, indices: _, material: _, bounds } = mesh;
-            for v in vertices.iter_mut() {
-                v.position = moved(v.position.into()).to_array();
+            for vertex in vertices.iter_mut() {
+                vertex.position = moved(vertex.position.into()).to_array();
             }
             *bounds = Aabb::around(vertices);
         }

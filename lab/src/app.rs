@@ -85,7 +85,7 @@ pub fn program<P: FromArgMatches>(
     run: impl FnOnce(&P) -> anyhow::Result<()>,
 ) -> ExitCode {
     say_little_memory();
-    // Methods from folders add flags of their own, so that the folders are read before the command line is parsed.
+    // Methods from folders add flags of their own, so the folders are read before the command line is parsed.
     let arguments = match custom_methods::add_folders(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -117,14 +117,16 @@ pub fn program<P: FromArgMatches>(
 /// Memory in MiB that sufficed for every command that was tried; the driver of a CPU takes most of it.
 const ENOUGH_MIB: u64 = 1024;
 
-/// Warns on standard error if the system lets this process take less than [`ENOUGH_MIB`] of memory. A failed allocation
-/// then aborts the process without a reason, so that the abort is also changed to end with exit status 1.
+/// Warns on standard error if the system lets this process take less than [`ENOUGH_MIB`] of memory. In that case an
+/// allocation may fail, which aborts the process without a message. A handler then makes the exit status of the abort
+/// 1.
 #[cfg(unix)]
 fn say_little_memory() {
     let Some(mib) = memory_limit().map(|limit| limit >> 20).filter(|mib| *mib < ENOUGH_MIB) else { return };
     eprintln!("ssct: memory is short, as this process may take {mib} MiB (ulimit -v)");
+    // The handler ends the process only while this flag is true. Without the handler, the exit status would be the
+    // signal's.
     let always = std::sync::Arc::new(true.into());
-    // Without this handler, the status would be that of the signal.
     drop(signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, 1, always));
 }
 
@@ -139,7 +141,8 @@ fn say_other_shaders() {
     }
 }
 
-/// Begins to print the log messages that the variable SSCT_LOG asks for, as in `vulkan=warn`; without the variable, only errors.
+/// Begins to print log messages on standard error: those that the variable SSCT_LOG asks for, as in `vulkan=warn`, or
+/// else only errors.
 fn log() -> Result<(), Error> {
     let wrong = |text: &str, e: ParseError| Error::usage(format!("SSCT_LOG={text}: {e}; write it as vulkan=warn"));
     let asked = match std::env::var("SSCT_LOG") {
@@ -151,12 +154,12 @@ fn log() -> Result<(), Error> {
     Ok(())
 }
 
-/// Prints why a run failed; returns the exit status.
+/// Prints why a run failed, if it did, and returns the exit status.
 fn report_end(done: anyhow::Result<()>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,
-        // Our own errors name their cause in their sentence; `{e:#}` adds the causes of all others behind them.
+        // The sentence of an error of our own names the cause; for any other error, `{e:#}` appends the causes.
         Err(e) => match own(e) {
             Ok(own) => {
                 eprintln!("ssct: {}{}", printable(&own.to_string()), advice(&own));
@@ -198,7 +201,7 @@ fn exit_status(error: &Error) -> u8 {
     }
 }
 
-/// Advice for the end of an error's sentence: the flags that help after the error.
+/// Returns advice to append to an error's sentence: what the user can do next; empty where there is none.
 fn advice(error: &Error) -> String {
     match error {
         Error::Stopped { kept: Some(_), .. } => ", and --resume goes on with it".to_owned(),

@@ -47,18 +47,19 @@ static WATCHED: AtomicBool = AtomicBool::new(false);
 /// The function of [`give_up_by`], which is called with a sentence if a shader does not end.
 static GIVE_UP: OnceLock<fn(&str)> = OnceLock::new();
 
-/// Sets the function that is called with a sentence if a method's shader does not end. Such a shader cannot be stopped, so that the
-/// function ends the program.
+/// Sets the function that is called with a sentence if a method's shader does not end. Such a shader cannot be stopped,
+/// so the function must end the program.
 pub fn give_up_by(give_up: fn(&str)) {
     GIVE_UP.get_or_init(|| give_up);
 }
 
-/// Lets methods from folders look, before each frame, whether their files have changed. The window asks for this.
+/// Makes methods from folders check between frames whether their files have changed, as the window wants it.
 pub fn watch() {
     WATCHED.store(true, Ordering::Relaxed);
 }
 
-/// The folder of a method, if `name` is a path with a separator, or a folder that has a manifest and not the name of a known method.
+/// Returns the folder of a method if `name` is the path of one. A name without a separator is taken for a path if no
+/// known method has this name and the folder has a manifest.
 pub fn folder(name: &str) -> Option<PathBuf> {
     let path = Path::new(name);
     let is_path = name.contains(['/', '\\']);

@@ -40,7 +40,7 @@ impl Default for Globals {
 }
 
 impl Globals {
-    /// The scene's materials in a view, changed by these factors.
+    /// Returns the scene's materials in a view, changed by these factors.
     pub fn materials(&self, scene: &Scene, view: &View) -> Vec<Material> {
         let mut materials = scene.materials_in(view);
         for m in &mut materials {
@@ -58,6 +58,7 @@ impl Globals {
 pub struct Stage {
     /// The context, which records frames, submits them and reads images back.
     pub context: FrameContext,
+    /// The scene on the device.
     data: SceneData,
 }
 
@@ -158,10 +159,13 @@ impl Stage {
 pub struct Shot {
     /// The G-buffer pass and its images, which other shots may share.
     pub gbuffer: Rc<GBufferPass>,
+    /// The pass that lights the G-buffer.
     lighting: LightingPass,
+    /// The method, with all that surrounds it.
     effect: Effect,
     /// The camera of the shot.
     pub camera: Camera,
+    /// The materials with which the scene is drawn.
     materials: Vec<Material>,
 }
 
@@ -178,7 +182,7 @@ impl Shot {
         SharedImages::default().shot(stage, method, setup, wants, camera, materials)
     }
 
-    /// Makes a shot to draw a scene's G-buffer with, from any camera.
+    /// Makes a shot that serves to draw a scene's G-buffer from any camera.
     pub fn of_scene(stage: &mut Stage, extent: [u32; 2], camera: Camera, materials: Vec<Material>) -> Result<Self> {
         Self::new(stage, &unified::INFO, &Setup::on_screen(extent), Wants::IMAGE, camera, materials)
     }
@@ -193,7 +197,7 @@ impl Shot {
         self.effect.prepared()
     }
 
-    /// Replaces the materials.
+    /// Replaces the materials, and prepares again what the method takes from the scene.
     pub fn set_materials(&mut self, stage: &mut Stage, materials: Vec<Material>) -> Result<()> {
         self.materials = materials;
         let Stage { context, data } = stage;
@@ -231,7 +235,7 @@ impl Shot {
         Ok(drawn)
     }
 
-    /// Records the scene passes of a frame, and the method's passes behind them.
+    /// Records the scene passes of a frame, and the method's passes after them.
     fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(DrawnCounts, Output<'s>)> {
         let drawn = self.draw(frame, data)?;
         frame.begin_effect();
@@ -239,7 +243,8 @@ impl Shot {
         Ok((drawn, output))
     }
 
-    /// Records the method's passes on the G-buffer of `shot`, seen from the camera of `shot`.
+    /// Records the method's passes on the G-buffer of `shot`, seen from the camera of `shot`. `drawn` has the counts of
+    /// the frame that drew this G-buffer.
     fn reflect<'s>(
         &'s self,
         frame: &mut Frame,

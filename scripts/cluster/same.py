@@ -13,7 +13,7 @@ TIMES = ("time_ms",)
 
 
 def without_times(value):
-    """A record without its times, however deep they stand."""
+    """Returns a record without its times, at every depth of nesting."""
     if isinstance(value, dict):
         return {name: without_times(part) for name, part in value.items() if name not in TIMES}
     if isinstance(value, list):
@@ -22,6 +22,7 @@ def without_times(value):
 
 
 def main(folders):
+    """Compares the records of two folders. If they differ, ends with a message and status 1."""
     a, b = ([without_times(r) for r in json.loads((Path(f) / "error.json").read_text())] for f in folders)
     if not a:
         sys.exit(f"same: {folders[0]} has no records")

@@ -59,6 +59,7 @@ trap 'exit 143' TERM
 
 # Succeeds if no process listens on a port of the loopback address.
 is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
+# The controller and the nodes listen on adjacent ports. The first ports are random, and the search goes on behind a used port.
 first=$((20000 + RANDOM % 20000))
 for ((n = 0; n <= nodes; n++)); do
     is_free $((first + n)) || { first=$((first + n + 1)); n=-1; }
@@ -99,7 +100,7 @@ NodeName=node[1-$nodes] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first
 PartitionName=main Nodes=ALL Default=YES State=UP MaxTime=INFINITE
 EOF
 
-# MUNGE's key is made for this test alone: whoever has it may submit jobs.
+# MUNGE's key is made for this test alone, since whoever has the key may submit jobs.
 (umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key")
 "${marked[@]}" munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" \
     --pid-file="$folder/munged.pid" --log-file="$folder/log/munged.log" --seed-file="$folder/munge.seed"
@@ -139,7 +140,8 @@ find_running() {
     [ -n "$queued" ] || fail 'all tasks ended before one could be disturbed'
     return 1
 }
-# Waits for a task in its middle, and keeps a copy of its journal. The caller then disturbs the task `found`.
+# Waits for a task that is in its middle, and keeps a copy of its journal. The caller then disturbs this task, whose number is
+# in `found`.
 disturb() { # what the caller will do to the task
     wait_until "a task is in its middle, to $1" find_running
     disturbed+="$found "
@@ -206,7 +208,7 @@ went_on "$killed" "$lost" "$dead"
 "$ssct" "${study[@]}" -o "$folder/alone" >"$folder/log/alone.log"
 python3 "$here/same.py" "$folder/alone" "$result/all"
 
-# The second study. Each task works in a folder of its node.
+# In the second study, each task works in a folder of its node.
 study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0,0.3 --samples 1 --rays 32 --no-sweep)
 result=$folder/scratched disturbed=' '
 # shellcheck disable=SC2016

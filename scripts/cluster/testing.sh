@@ -9,7 +9,7 @@ fail() { say "FAILED: $*"; exit 1; }
 # much longer than any wait takes on a loaded machine.
 LIMIT_S=1800
 
-# Repeats a command until it succeeds.
+# Repeats a command until it succeeds, and fails after LIMIT_S seconds.
 wait_until() { # what is waited for, command...
     local end=$((SECONDS + LIMIT_S)) what=$1
     shift

@@ -20,7 +20,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 HERE = Path(__file__).resolve().parent
 WITHIN = 8  # of 255: a pixel is right if no channel differs from the truth by more
-PASSES = 2
+PASSES = 2  # how often the search goes over all settings
 
 # The methods of ssct. Each has its fixed options, and for each searched option the values to try, the default first.
 OURS = {
@@ -38,7 +38,7 @@ OURS = {
 
 
 class Peers:
-    """What runs in the browser, one job after the other."""
+    """The engines in the browser, which render one job after the other."""
 
     def __init__(self, packages, chromium):
         command = ["node", str(HERE / "drive.mjs"), str(HERE / "peers"), packages, chromium]
@@ -51,6 +51,7 @@ class Peers:
         self.versions = {name: versions[peer["npm"]].lstrip("^") for name, peer in self.said["peers"].items()}
 
     def render(self, peer, scene, settings, out):
+        """Renders a scene file with an engine to the picture `out`. Returns the error as a text, or None."""
         job = {"peer": peer, "scene": str(scene), "settings": settings, "out": str(out)}
         self.process.stdin.write(json.dumps(job) + "\n")
         self.process.stdin.flush()
@@ -62,6 +63,8 @@ class Peers:
 
 
 class Peer:
+    """A contestant: one engine in the browser."""
+
     def __init__(self, peers, name):
         self.peers, self.key = peers, name
         about = peers.said["peers"][name]
@@ -72,12 +75,16 @@ class Peer:
 
 
 class Ours:
-    """A method of this program, or one from a folder (docs/custom-methods.md)."""
+    """A contestant: a method of this program, or a method from a folder (docs/custom-methods.md).
+
+    `options` are fixed, and `search` has for each searched option the values to try.
+    """
 
     def __init__(self, program, name, options, search):
         self.program, self.name, self.options, self.search = program, name, options, search
 
     def render(self, scene, chosen, out):
+        """Renders a scene with the chosen options, or without reflections for None. Returns the error as a text, or None."""
         options = ["--reflectivity", "0"] if chosen is None else list(self.options)
         for option, value in (chosen or {}).items():
             options += [option, value] if value != "default" else []
@@ -88,11 +95,16 @@ class Ours:
 
 
 def read(path):
+    """Returns an image as an array of integers of shape (height, width, 3)."""
     return np.asarray(Image.open(path).convert("RGB")).astype(int)
 
 
 def judge(path, truth):
-    """Shares in per cent, and the root mean squared error of known pixels, in parts of the greatest value."""
+    """Compares a picture with the truth. Returns shares of pixels in per cent, and root mean squared errors from 0 to 1.
+
+    Pixels at the edge of a material are not judged. A pixel is known if the camera sees where its ray ends, and hidden
+    otherwise. A share of no pixels is None.
+    """
     found, right_colors = read(path), truth["picture"].astype(int)
     off = abs(found - right_colors).max(2)
     judged = truth["floor"] & ~truth["edge"]
@@ -120,7 +132,7 @@ def judge(path, truth):
 
 
 def search(contestant, scene, truth, folder):
-    """What the defaults and the best setting make of a scene, each with its settings."""
+    """Returns the judgements of a scene by the defaults and by the best setting, and the number of tried settings."""
     tried = {}
 
     def measure(chosen):
@@ -132,6 +144,7 @@ def search(contestant, scene, truth, folder):
         return tried[key]
 
     def merit(result):
+        """Returns a key that is greater for a better result: first the known pixels that are right, then a small error."""
         return (-1.0, 0.0) if "problem" in result else (round(result["known"], 3), -result["rmse"])
 
     defaults = measure({})
@@ -147,6 +160,7 @@ def search(contestant, scene, truth, folder):
 
 
 def table(rows, of_scenes):
+    """Returns a table in Markdown: a row for each contestant and setting, and a column for each scene."""
     def cell(result):
         if "problem" in result:
             return "–"
@@ -163,7 +177,8 @@ def table(rows, of_scenes):
 
 
 def records(rows, of_scenes, peers):
-    """One for each contestant, scene and setting, the defaults or the best; one that was not judged says why."""
+    """Returns a record for each contestant, scene and setting (the defaults or the best). The record of a scene that was not
+    judged says why."""
     made = []
     for name, per_scene in rows.items():
         for scene in of_scenes:
@@ -180,7 +195,7 @@ def records(rows, of_scenes, peers):
 
 
 def sheet(rows, of_scenes, folder):
-    """For each scene the truth, and each contestant's defaults, best and how far the best is off."""
+    """Writes sheet.png: for each scene the truth, and for each contestant its best picture and the difference from the truth."""
     font, side, high = ImageFont.load_default(size=13), scenes.WIDTH // 2, scenes.HEIGHT // 2
     columns, caption = 2 * len(of_scenes), 18
     image = Image.new("RGB", (columns * (side + 4), (len(rows) + 1) * (high + caption)), "white")

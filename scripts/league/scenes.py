@@ -21,7 +21,7 @@ FLOOR = "floor"
 
 @dataclass
 class Scene:
-    """What stands there, in metres and right-handed axes with +y up, and the camera."""
+    """Quads and a camera, in metres and right-handed axes with +y up."""
 
     name: str
     title: str
@@ -33,10 +33,11 @@ class Scene:
     quads: list = field(default_factory=list)  # (material, four corners, normal)
 
     def quad(self, material, corners, normal):
+        """Adds a quad. Its four corners run counter-clockwise around the normal."""
         self.quads.append((material, np.array(corners, float), np.array(normal, float)))
 
     def box(self, low, high, material, under=None):
-        """A box; `under` is the material of its lower side, which only a box that floats shows."""
+        """Adds a box between two corners. `under` is the material of its lower side, which only a box that floats shows."""
         (x0, y0, z0), (x1, y1, z1) = low, high
         self.quad(material, [(x0, y0, z1), (x1, y0, z1), (x1, y1, z1), (x0, y1, z1)], (0, 0, 1))
         self.quad(material, [(x1, y0, z0), (x0, y0, z0), (x0, y1, z0), (x1, y1, z0)], (0, 0, -1))
@@ -47,10 +48,12 @@ class Scene:
             self.quad(under, [(x0, y0, z0), (x1, y0, z0), (x1, y0, z1), (x0, y0, z1)], (0, -1, 0))
 
     def floor(self, x0, x1, z0, z1):
+        """Adds the reflecting floor at y = 0."""
         self.quad(FLOOR, [(x0, 0, z1), (x1, 0, z1), (x1, 0, z0), (x0, 0, z0)], (0, 1, 0))
 
 
 def boxes(name="boxes", title="boxes, two of which float", roughness=0.0):
+    """Boxes before a wall, two of which float above the floor."""
     scene = Scene(name, title, (0, 1.6, 5), (0, 0.6, 0), 0.9, roughness)
     scene.colors = {
         "red": (210, 40, 40), "green": (40, 170, 60), "blue": (50, 80, 220), "yellow": (225, 200, 50),
@@ -102,10 +105,12 @@ def stair():
 
 
 def all_scenes():
+    """Returns the scenes of the league."""
     return [boxes(), poles(), stair(), boxes("rough", "the boxes over a rough floor", 0.14)]
 
 
 def basis(scene):
+    """Returns the camera's unit vectors to the right, up and forward."""
     forward = np.subtract(scene.look_at, scene.eye).astype(float)
     forward /= np.linalg.norm(forward)
     right = np.cross(forward, (0.0, 1.0, 0.0))
@@ -114,7 +119,11 @@ def basis(scene):
 
 
 def trace(scene, names, origin, direction, skip=None):
-    """The distance along unit directions to the nearest quad that shows its front, and its material; 0 for none."""
+    """Traces rays to the nearest quad that shows its front. Returns the distance and the index of the material in `names`.
+
+    `origin` and `direction` (of unit length) have shape (n, 3). Without a hit, the distance is infinite and the index 0. Quads of
+    the material `skip` are passed.
+    """
     best, who = np.full(len(origin), np.inf), np.zeros(len(origin), int)
     for material, corners, normal in scene.quads:
         if material == skip:
@@ -131,12 +140,16 @@ def trace(scene, names, origin, direction, skip=None):
 
 
 def exponent(roughness):
-    """The exponent of the lobe that glTF's roughness is read as (docs/definitions.md, "glTF")."""
+    """Returns the exponent of the cosine lobe that stands for a roughness of glTF (docs/definitions.md, "glTF")."""
     return math.log(0.5) / math.log(math.cos(2 * math.atan(roughness**2))) - 1
 
 
 def truth(scene):
-    """The picture in sRGB and 8 bits, which pixels are floor, which lie beside another end, and which ends the camera sees."""
+    """Returns the true picture (sRGB, 8 bits), and three masks of its pixels.
+
+    `floor` marks pixels of the floor, `edge` pixels with a neighbour that shows another material, and `known` pixels whose
+    reflected ray ends at a place that the camera sees.
+    """
     names = ["nothing", FLOOR, *scene.colors]
     right, up, forward = basis(scene)
     half_y = math.tan(scene.fov_y / 2)
@@ -179,17 +192,22 @@ def truth(scene):
 
 
 def linear(color):
+    """Converts sRGB from 0 to 255 to linear values from 0 to 1."""
     color = np.asarray(color, float) / 255
     return np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
 
 
 def encoded(color):
+    """Converts linear values from 0 to 1 to sRGB from 0 to 255."""
     color = np.clip(color, 0, 1)
     return np.round(255 * np.where(color <= 0.0031308, 12.92 * color, 1.055 * color ** (1 / 2.4) - 0.055))
 
 
 def rough(scene, names, palette, start, mirror):
-    """The mean over each pixel's lobe, by stratified rays; a direction below the floor brings nothing."""
+    """Returns the colour of each floor pixel in sRGB: the mean over its lobe around the mirror direction, by stratified rays.
+
+    `start` and `mirror` have shape (n, 3). A ray below the floor counts as black.
+    """
     random, power = np.random.default_rng(1), exponent(scene.roughness)
     colors, total = linear(palette), np.zeros(start.shape)
     side = int(math.sqrt(LOBE_RAYS))
@@ -208,7 +226,7 @@ def rough(scene, names, palette, start, mirror):
 
 
 def write(scene, folder):
-    """NAME.gltf, NAME.json and NAME.npz in a folder, which is there."""
+    """Writes NAME.gltf, NAME.json and NAME.npz (the truth) to an existing folder."""
     folder = Path(folder)
     np.savez(folder / f"{scene.name}.npz", **truth(scene))
     right, up, forward = basis(scene)
@@ -225,9 +243,11 @@ def write(scene, folder):
 
 
 def gltf(scene, axes):
+    """Returns a scene as a glTF document. The columns of `axes` are the camera's right, up and backward vectors."""
     data, views, accessors, meshes, materials = b"", [], [], [], []
 
     def add(values, form, target, component, kind, bounds=False):
+        """Packs values into the buffer by a form of `struct`, and returns the index of their accessor."""
         nonlocal data
         packed = b"".join(struct.pack(form, *v) for v in values)
         views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(packed), "target": target})

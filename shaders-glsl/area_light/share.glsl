@@ -10,7 +10,7 @@
 // radiance as the lobe narrows, and to the light's solid angle times the lobe as the light shrinks.
 // tests/suite/area_light.rs states the error.
 
-// Returns -2 ln cos x, computed as -ln(1 - sin^2 x). For a small x a series stands for the logarithm, which would lose
+// Returns -2 ln cos x, computed as -ln(1 - sin^2 x). For a small x a series replaces the logarithm, which would lose
 // digits there.
 float MinusTwoLogCos(float x) {
     float q = sin(x) * sin(x);
@@ -44,13 +44,13 @@ float Angle(vec3 a, vec3 b) {
     return atan(length(cross(a, b)), dot(a, b));
 }
 
-// The share of the lobe between two signed angles from the lobe's middle, measured along one axis.
+// The share of the lobe between two signed angles from its middle, in radians, measured along one axis.
 float ShareBetween(float from, float to, float m) {
     return max(Phi(LobeDeviations(to, m)) - Phi(LobeDeviations(from, m)), 0.0);
 }
 
-// The part (0 to 1) of a light that lies above the plane of the surface. The light reaches from elevation e0 to e1, and
-// the lobe weighs the light along the elevation. Directions below the surface carry no light.
+// The part (0 to 1) of a light that lies above the plane of the surface, weighted by the lobe along the elevation. The
+// light reaches from elevation e0 to e1, in radians. Directions below the surface carry no light.
 float AboveHorizon(vec3 r, vec3 n, float e0, float e1, float m) {
     if (e0 >= 0.0)
         return 1.0;
@@ -66,7 +66,7 @@ float Elevation(vec3 p, vec3 n) {
     return asin(clamp(dot(normalize(p), n), -1.0, 1.0));
 }
 
-// Half the angle that a ball fills, seen from the origin.
+// Half the angle, in radians, that a ball fills as seen from the origin.
 float HalfAngle(vec3 centre, float radius) {
     return asin(min(radius / max(length(centre), 1e-6), 1.0));
 }
@@ -79,8 +79,8 @@ float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
         return 1.0;
     float s = HalfAngle(centre, radius);
     float x = Angle(r, centre);
-    // For a lobe aimed at the sphere's middle the share is known: 1 - exp(-g^2 / 2). Divided by the share of a band as
-    // wide as the sphere, it gives the factor across the band.
+    // If the lobe aims at the sphere's middle, the share is 1 - exp(-g^2 / 2). Divided by the share of a band as wide
+    // as the sphere, it gives a factor for the other axis, across the band.
     float g = LobeDeviations(s, m);
     float across = (1.0 - exp(-0.5 * g * g)) / max(2.0 * Phi(g) - 1.0, 1e-6);
     float e = Elevation(centre, n);
@@ -98,7 +98,7 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
     if (dot(normal, normal) < 1e-10 * dot(a, a) * dot(b, b))
         return SphereShare(r, n, dot(a, a) < dot(b, b) ? a : b, radius, m);
     normal = normalize(normal);
-    // Angles along the great circle of the segment, from the circle's direction nearest to the ray.
+    // The angles of a and b along the great circle through both, measured from the circle's direction nearest to r.
     vec3 nearest = r - dot(r, normal) * normal;
     nearest = length(nearest) > 1e-6 ? normalize(nearest) : normalize(a + b);
     float to_a = AngleAround(nearest, a, normal), to_b = AngleAround(nearest, b, normal);
@@ -109,12 +109,14 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
         else
             to_a = to_b - arc;
     }
+    // `t` is the place on the axis, from a (0) to b (1), that is nearest to r in angle.
     float t = abs(to_a) < abs(to_b) ? 0.0 : 1.0;
     if (to_a <= 0.0 && to_b >= 0.0) {
         vec3 along = b - a;
         float d = dot(cross(along, nearest), normal);
         t = abs(d) > 1e-12 ? clamp(-dot(cross(a, nearest), normal) / d, 0.0, 1.0) : 0.5;
     }
+    // Half the tube's angular width at that place, and the angle between r and the great circle.
     float s = HalfAngle(mix(a, b, t), radius);
     float x = asin(min(abs(dot(r, normal)), 1.0));
     // Half the widths of the round ends along the circle. For a mirror this is the width where the ray passes an end,
@@ -159,6 +161,7 @@ float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, floa
         return 0.0; // a rectangle is dark from behind
     vec3 p0 = centre - half_u - half_v, p1 = centre + half_u - half_v;
     vec3 p2 = centre + half_u + half_v, p3 = centre - half_u + half_v;
+    // The shares of the strips between opposite edges, along u and along v.
     float u = EdgeShare(r, p1, p2, centre, m) + EdgeShare(r, p3, p0, centre, m) - 1.0;
     float v = EdgeShare(r, p0, p1, centre, m) + EdgeShare(r, p2, p3, centre, m) - 1.0;
     vec4 e = vec4(Elevation(p0, n), Elevation(p1, n), Elevation(p2, n), Elevation(p3, n));
@@ -166,7 +169,7 @@ float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, floa
     return max(u, 0.0) * max(v, 0.0) * AboveHorizon(r, n, lowest, highest, m);
 }
 
-// The share of a cuboid: the sum of the shares of the faces that the point sees, at most three, each by itself.
+// The share of a cuboid: the sum of the shares of the faces that the point sees, at most three.
 float CuboidShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, float half_w, float m) {
     vec3 halves[3] = vec3[3](half_u, half_v, half_w * normalize(cross(half_u, half_v)));
     float sum = 0.0;

@@ -1,8 +1,7 @@
 #version 460
 #pragma program(BeginInCaptures)
 // The method `captures`: puts the mirror ray of each reflecting pixel on the list of lost rays, to be followed in the
-// captures from its beginning. Behind another reflection, only pixels that this reflection does not cover wholly get a
-// ray.
+// captures from its beginning. As a fallback, it does so only for pixels where the reflection in front is not opaque.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -33,7 +32,7 @@ void main() {
     if (along >= 0.0)
         return;
     vec3 direction = sight - (2.0 * along / dot(normal, normal)) * normal;
-    // A mirror's ray has the footprint of its pixel, which has widened since the eye; a lobe's ray has the cone of the
+    // A mirror's ray has the footprint of its pixel, which widens from the eye on; a lobe's ray has the cone of the
     // thesis (4.2.4).
     float widened = ORTHOGRAPHIC ? FAR_EYE : length(point);
     bool is_mirror = material.y <= 0.0;

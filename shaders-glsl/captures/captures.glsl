@@ -21,7 +21,7 @@ layout(std140, binding = 16) uniform CaptureBlock {
 layout(binding = 17) uniform sampler2DArray environment; // the faces of a cube map in world axes
 
 // ToWorld turns a vector from view space to world axes, and ToView turns it back. Both functions add in the order of
-// the CPU twin, so that both shader stages give the same bits.
+// the CPU twin, and give the same bits in fragment and compute programs.
 vec3 ToWorld(vec3 view) {
     mat3 m = mat3(captures.view_to_world);
     precise vec3 world = m[0] * view.x + m[1] * view.y + m[2] * view.z;

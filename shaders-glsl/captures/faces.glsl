@@ -1,8 +1,8 @@
-// Follows a ray in a capture, over the faces of the cube, one after the other, by the traversal of the screen.
+// Follows a ray in a capture, from face to face of the cube, by the same traversal as on the screen.
 //
 // A face is an image like the screen, with a field of view of 90 degrees, reversed depth and an exact pyramid
-// (`unified` here is the uniform block of a face). A ray is a straight line in a face, and is followed until it goes
-// behind the front of a block. There the ray hits the block if it comes from in front, and else it is lost.
+// (`unified` here is the uniform block of a face). A ray is a straight line in a face, and is followed until it is
+// behind the front of a block. There it hits the block if it comes from in front, and else it is lost.
 
 #ifndef CAPTURES_FACES_GLSL
 #define CAPTURES_FACES_GLSL
@@ -13,7 +13,7 @@ int face_layer; // the face that is walked over: 6 capture + face
 
 #include "unified/traverse.glsl"
 
-// Projects a point of a face, in its view space, to continuous pixel coordinates, and finds the pixel.
+// Projects a point in the view space of a face to continuous pixel coordinates, and finds the pixel that it lies in.
 vec2 FacePosition(vec3 q, out ivec2 pixel) {
     float side = float(unified.size.x);
     precise vec2 ndc = q.xy / q.z;
@@ -23,7 +23,7 @@ vec2 FacePosition(vec3 q, out ivec2 pixel) {
     return position;
 }
 
-// The reversed depth of a point at view-space z in a face, in metres.
+// The reversed depth of a point at view-space z, in metres, in a face.
 float FaceDepth(float z) {
     precise float depth = captures.face_unit / z - unified.depth_offset;
     return depth;
@@ -63,10 +63,11 @@ vec3 FacePoint(Ray ray, float s) {
     return point;
 }
 
-// Follows a ray over one face, from a point in the face. `side` becomes the axis, in the face's view space, of the side
-// by which the ray leaves. `before` is the thickness of the block at the border of the face before, and becomes that of
-// the block where the ray leaves this face. A surface across a border is as thick as the blocks on both sides together.
-// `exhausted` is set if the walk runs out of steps, which cannot happen.
+// Follows a ray over one face, from the point q along a direction, both in the face's view space. `side` becomes the
+// unit vector, in this space, towards the side by which the ray leaves the face. `before` is the thickness of the block
+// at the border of the face before, and becomes that of the block where the ray leaves this face. A surface across a
+// border is taken to be as thick as the blocks on both sides together. `exhausted` is set if the walk runs out of
+// steps, which cannot happen.
 CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float before, out vec3 side) {
     ivec2 pixel;
     vec2 start = FacePosition(q, pixel);
@@ -74,8 +75,8 @@ CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float
     precise vec2 ndc = vec2(2.0, -2.0) * (start / float(unified.size.x) - 0.5);
     precise vec2 change = direction.xy - ndc * direction.z;
     precise float change_z = -((depth + unified.depth_offset) * direction.z);
-    // A ray straight towards the capture's place, or away from it, stays in its pixel: its drift is too slow to leave
-    // the pixel.
+    // A ray straight towards the capture's place, or away from it, stays in its pixel. It gets a tiny change, too small
+    // to leave the pixel, since MakeRay needs one.
     if (change == vec2(0.0))
         change.x = 1e-20;
     Ray ray = MakeRay(start, pixel, depth, direction, vec3(change, change_z));
@@ -83,7 +84,7 @@ CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float
     if (!(depth < 1.0))
         return CaptureTrace(FOLLOW_LOST, q);
     ivec2 ahead = Ahead(ray);
-    // Most rays come to a face in free space, so that the walk begins at a coarse level.
+    // Most rays enter a face in free space, so that the walk begins at a coarse level.
     Walk walk = Walk(pixel, min(FACE_LEVEL, unified.top_level), 0.0, depth, 0);
     bool passes = false;
     int how = FOLLOW_ON;
@@ -92,8 +93,9 @@ CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float
         Advance(ray, ahead, passes, walk);
         if (walk.level >= 0)
             break;
-        // The ray is behind the front of a block. If it runs away from the surface and is still inside the block, it
-        // leaves this surface. It meets any other surface from in front, or through the joint to the block before.
+        // The ray is behind the front of a block. If it runs away from the block's surface and is still inside the
+        // block, it leaves this surface, and passes. It hits any other block if it comes from in front, or over the
+        // joint from a block of the same surface.
         vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
         vec3 normal = NORMAL_AT(walk.pixel);
         float along = Dot(direction, normal);
@@ -126,13 +128,13 @@ CaptureTrace TraceFace(vec3 q, vec3 direction, inout bool exhausted, inout float
     return CaptureTrace(how, FacePoint(ray, s));
 }
 
-// Follows a ray through a capture along a unit direction, from a point that the capture sees, relative to the capture's
-// place.
+// Follows a ray through a capture along a unit direction, from the point `o`, which the capture sees. Point and
+// direction have world axes, and `o` is relative to the capture's place.
 CaptureTrace TraceCapture(int capture, vec3 o, vec3 direction, inout bool exhausted) {
     int face = CubeFace(o);
     CaptureTrace result = CaptureTrace(FOLLOW_LOST, o);
     float before = 0.0;
-    // A line crosses each of the six planes between faces once at most.
+    // A line crosses each of the six planes between faces at most once, so that it visits seven faces at most.
     for (int i = 0; i < 7; ++i) {
         face_layer = 6 * capture + face;
         vec3 side;

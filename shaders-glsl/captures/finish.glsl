@@ -1,5 +1,5 @@
-// Stores what a ray of the list saw. A mirror's pixel is finished, and a glossy ray's record gets what the ray saw, for
-// the pixels around to gather. Programs with MIRRORS, with NARROW, and with neither of them (for wide lobes) include
+// Stores what a ray of the list saw: finishes a mirror's pixel, or writes what a glossy ray saw into the images from
+// which the pixels around gather. Programs with MIRRORS, with NARROW, and with neither of them (for wide lobes) include
 // this file.
 
 #ifndef CAPTURES_FINISH_GLSL
@@ -28,8 +28,8 @@ layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 // What a lost ray saw.
 struct RayResult {
     vec3 color;
-    bool shows;    // false where nothing is known and another reflection shows instead
-    vec3 place;    // where it ended, relative to the eye, world axes
+    bool shows;    // false if the ray's end is unknown and another reflection shows instead
+    vec3 place;    // where the ray ended, relative to the eye, world axes
     int code;      // PATH_*
     uint triangle; // the number of a triangle, or NO_TRIANGLE
 };

@@ -4,9 +4,9 @@
 #pragma program(FollowWide)
 // Follows lost rays through the captures, a thread a ray, and stores what they see (captures/finish.glsl).
 //
-// A ray goes on in the nearest capture that sees the point where the last image lost it. If no capture does, the
-// fallback shows (`--fallback`). Without a fallback, the colour of what hides the point from the nearest capture shows,
-// since the ray most likely hits that thing. Outside the scene's bounds there is nothing left to hit.
+// A ray goes on in the nearest capture that sees the point where the last image lost the ray. If no capture does, the
+// fallback shows (`--fallback`). Without a fallback, the ray gets the colour of what hides the point from the nearest
+// capture, since it most likely hits that thing. Outside the scene's bounds there is nothing left to hit.
 
 #define LIST_ACCESS readonly
 #define FACES
@@ -36,9 +36,9 @@ uint AllCapturesMask() {
     return (1u << uint(captures.count)) - 1u;
 }
 
-// The capture nearest to a point (relative to the eye), of those with a bit in `candidates`; -1 if no bit is set. No
-// number of a uniform block ends the loop, since lavapipe of Mesa 22 would compile the program at each dispatch
-// (docs/devices.md).
+// The capture nearest to a point (relative to the eye), of those with a bit in `candidates`; -1 if no bit is set. The
+// end of the loop does not depend on a uniform block, since lavapipe of Mesa 22 would then compile the program at each
+// dispatch (docs/devices.md).
 int NearestCapture(vec3 point, uint candidates) {
     int nearest = -1;
     float least = NEVER;
@@ -67,15 +67,15 @@ bool IsOutsideScene(vec3 point) {
     return any(lessThan(point, captures.least.xyz)) || any(greaterThan(point, captures.greatest.xyz));
 }
 
-// Follows a lost ray from capture to capture, until it ends, leaves the scene, no capture sees where it is, or it has
-// had two turns for each capture.
+// Follows a lost ray from capture to capture, until it ends or leaves the scene, until no capture sees where it is, or
+// for two turns of the loop for each capture.
 CaptureRayEnd TraceCaptures(LostRay ray) {
     CaptureRayEnd ray_end = CaptureRayEnd(PATH_UNKNOWN, ray.start, -1, 0.0);
     vec3 point = ray.start;
     uint candidates = AllCapturesMask();
     bool exhausted = false;
-    // A turn advances the ray, after which every other capture may be asked again, or it takes this capture off the
-    // candidates until the ray advances.
+    // In each turn the ray either advances, so that every other capture becomes a candidate again, or does not, so that
+    // this capture is no candidate until the ray advances.
     for (int i = 0; i < 2 * CAPTURE_SLOTS && ray_end.code == PATH_UNKNOWN; ++i) {
         if (IsOutsideScene(point)) {
             ray_end.code = PATH_SKY;
@@ -104,8 +104,8 @@ CaptureRayEnd TraceCaptures(LostRay ray) {
     return ray_end;
 }
 
-// The colour that a ray sees: the capture's lit colour at the end, over the ray's footprint, with the sky along the
-// ray. All ends share one look-up, since a device may execute both sides of a branch.
+// The colour that a ray sees: the capture's lit colour at the ray's end, over the footprint, with the sky along the ray
+// where the texels show sky. All kinds of ends share one look-up, since a device may execute both sides of a branch.
 vec3 CaptureColor(CaptureRayEnd ray_end, LostRay ray) {
     vec3 o = ray_end.place - captures.places[ray_end.capture].xyz;
     vec3 a = abs(o);

@@ -1,7 +1,7 @@
 #version 460
 #pragma program(KeepNormal)
-// Copies the normals of a face into the face's layer of the image with the normals of all captures. A blit would
-// convert the format as well, but not every driver can blit into images of 8-bit signed numbers.
+// Copies the normals of a face into its layer of the image with the normals of all captures. A blit would also convert
+// the format, but not every driver can blit into images of 8-bit signed numbers.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

@@ -1,5 +1,6 @@
-// Puts rays on the list for captures/follow.comp or triangles/follow.comp: from where the screen lost them, or
-// (CONFIRMED) from their beginning. Needs unified/traverse.glsl. With LOSES_NOTHING, no ray is put on the list.
+// Puts rays on the list of lost rays, for captures/follow.comp or triangles/follow.comp: from where the screen lost
+// them, or with CONFIRMED from where they begin. With LOSES_NOTHING, no ray is put on the list. Needs
+// unified/traverse.glsl.
 
 #ifndef CAPTURES_SEEN_GLSL
 #define CAPTURES_SEEN_GLSL
@@ -12,7 +13,7 @@
 #include "triangles/confirm.glsl"
 #endif
 
-// Whether a ray hit nothing and ended in the sky: it went beyond the far plane. Always false without FOLLOWED.
+// Whether a ray hit nothing and left through the far plane, and so ended in the sky. Always false without FOLLOWED.
 bool EndsInSky(Ray ray, Hit hit) {
     return FOLLOWED && hit.code == PATH_MISS && MissCode(ray) == PATH_MISS_SKY;
 }
@@ -25,8 +26,9 @@ void PushPixelRay(uvec2 pixel, Ray ray, float spread) {
 }
 #endif
 
-// Puts the ray of a pixel or cell on the list if the screen lost it, from the place where the screen lost it. `before` says over how many metres the footprint
-// widened before the ray's beginning, and `spread` by how much it widens with each metre.
+// Puts the ray of a pixel or cell on the list, if the screen lost it, from the place where the screen lost it. `before`
+// says over how many metres the footprint widened before the ray began, and `spread` by how much it widens with each
+// metre.
 void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
 #ifndef LOSES_NOTHING
     if (!FOLLOWED || hit.code == PATH_HI_Z)

@@ -16,7 +16,8 @@ layout(binding = 5, rgba16f) uniform coherent image2D level_5;
 layout(binding = 6, rgba16f) uniform coherent image2D level_6;
 layout(binding = 7, rgba16f) uniform writeonly image2D level_7;
 
-// (An array of images would need a feature that not every device has.)
+// Makes the image `level` from the next finer image `below`. (An array of images would need a feature that not every
+// device has.)
 #define MAKE(level, below) \
     { \
         ivec2 size = imageSize(level), below_size = imageSize(below); \

@@ -23,9 +23,9 @@ const float JOINED = 0.8;
 // Tolerance of depth within which a pixel shows a hit: this share of the hit's z, plus as many metres
 // (docs/definitions.md, "World agreement").
 const float VISIBLE_WITHIN = 0.02;
-// A texel of the screen shows the surface of a triangle that a ray meets if it lies off the triangle's plane by less
-// than this. The unit is the width of a texel there, since a surface may be curved. Along an edge, only the nearest
-// pixels of the next surface lie within this tolerance.
+// A texel of the screen counts as part of a triangle that a ray meets if the texel's point lies off the triangle's
+// plane by less than this, in widths of a texel there. Surfaces may be curved, so that there must be a tolerance. Along
+// an edge, only the nearest pixels of the next surface lie within it.
 const float SAME_SURFACE = 0.1;
 // A pixel around a hit is left out of the hit's colour if it stands before the pixel that was hit by more than this,
 // and beside the ray by more than STANDS_BESIDE. The unit of both is the width of a pixel there.
@@ -37,7 +37,7 @@ const float STANDS_BESIDE = 3.0;
 const float STANDS_ABOVE = 0.3;
 // Least cosine at which a surface counts as seen where a length on the surface is divided by this cosine.
 const float LEAST_FACING = 0.05;
-// The number that the traversal of `unified` takes for infinity, as the s at which a ray never leaves a cell.
+// The number that stands for infinity in traversals, as the s at which a ray reaches a side that it never meets.
 const float NEVER = 1e30;
 
 // How a ray ended (`passes::PathCode`).
@@ -63,7 +63,7 @@ const float SKY_DISTANCE = 1e5;   // Metres along a ray to the point that stands
 const float LEAST_ADVANCE_M = 1e-4; // Metres that a ray must go in a capture that loses it to count as moving on.
 const int FACE_LEVEL = 4;         // Level of the cell that a walk over a face looks at first, if the pyramid has it.
 const float GOLDEN_ANGLE = 2.399963229728653; // 2 pi (1 - 1 / golden ratio): an angle between points that spreads any number of them.
-const int LOST_GROUP = 64;        // Lost rays that one workgroup follows.
+const int LOST_GROUP = 64;        // Number of lost rays that one workgroup follows.
 
 const float LEAST_NORMAL = 1.17549435e-38; // The least normal number of 32-bit floats.
 const float ROUNDING = 5.9604645e-8; // Half a unit in the last place of 1, in 32-bit floats.
@@ -110,34 +110,35 @@ const float NARROW_PART = 0.5;        // The pattern covers this part of a narro
 // under a moving camera.
 const float NARROW_FOOTPRINTS = 4.5;
 const float WIDE_FOOTPRINTS = 25.0;   // Number of footprints that fill a wide lobe: one for each ray.
-// A hit of a wide lobe nearer than this, in pixels, counts as near: a neighbour more likely sees something as near to
-// itself in this direction than this very point. (A normal that a map has turned sends rays below the surface, which
-// end in the next pixel.)
+// A hit of a wide lobe's ray is near if it lies within this many pixels of the ray's own pixel. A neighbour then more
+// likely sees something equally near to itself in this direction than this very point. (A normal that a map has turned
+// sends rays below the surface, which end in the next pixel.)
 const float NEAR_HIT = 8.0;
-const float FAR_AWAY = 1e3;           // Factor by which the point of a near hit (NEAR_HIT) is put farther away.
+const float FAR_AWAY = 1e3;           // Factor by which the recorded point of a near hit (NEAR_HIT) is moved away.
 const float FAR_EYE = 1e6;            // Distance of the eye of an orthographic projection, in metres, for footprints.
 const float FAR_SKY = 1e6;            // Distance of the point that stands for the sky on the screen, in units of ViewPoint.
 // Least weight of a ray or a cell, so that a pixel without a fitting neighbour takes the others.
 const float LEAST_WEIGHT = 1e-4;
-const int OWN_GROUP = 64;             // Own rays that one workgroup follows.
+const int OWN_GROUP = 64;             // Number of own rays that one workgroup follows.
 // A pixel with a narrow lobe gets own rays if the standard error of what its neighbours' rays saw, over the mean, is
 // above this (docs/unified.md).
 const float DOUBT_ABOVE = 0.17;
 // A pixel with a wide lobe gets own rays if less than this part of the cells around it shows its surface.
 const float AGREES_ABOVE = 0.75;
-const float AGREED_RAYS = 8.0;        // Own rays that the cells around a pixel stand for if all show its surface.
+// Number of own rays that the cells around a pixel are worth if all of them show its surface.
+const float AGREED_RAYS = 8.0;
 // A pixel with a wide lobe also gets own rays if a ray around it ended nearer than this, in widths of a pixel there.
 const float CONTACT = 10.0;
-// Where a thing stands on a rough surface, cells that are close to each other see alike and others do not. There the 3 x 3 cells around a
-// cell count more: the cell itself by this weight times (1 - roughness)^2, those beside it by a half of that, and those at its corners by
-// a quarter (docs/unified.md).
+// Where a thing stands on a rough surface, only cells that are close to each other see the same. There the 3 x 3 cells
+// around a cell count more (docs/unified.md). The additional weight is this number times (1 - roughness)^2 for the cell
+// itself, a half of that for the cells beside it, and a quarter at its corners.
 const float CONTACT_WEIGHT = 12.0;
-// These weights fall from a ray that ended nearer than NEAR_HIT to one that ended as far away as this, in widths of a pixel.
+// CONTACT_WEIGHT falls to 0 as the distance to the nearest hit grows from NEAR_HIT to this, in widths of a pixel.
 const float CONTACT_END = 20.0;
 // Added to the density of a cell's ray that ended nearer on the screen than NEAR_HIT, on another surface. No density is as great.
 const float NEAR_MARK = 256.0;
 const float LOG_DENSITY_BIAS = 64.0;  // Makes the logarithm to base 2 of any lobe's density positive.
-const float CELL_REACH = 4.0;         // Pixels along an axis from a cell's ray to where the ray's weight would be 0.
+const float CELL_REACH = 4.0;         // Pixels along an axis from a cell's ray to where the cell's weight is 0.
 const float GREATEST_HALF = 65504.0;  // The greatest 16-bit float.
 
 // Weights of the 7-tap Gaussian of thesis 4.3.2 by the distance from its middle.
@@ -147,8 +148,8 @@ const float GAUSSIAN_2 = 0.028;   // Weight two taps from the middle.
 const float GAUSSIAN_3 = 0.002;   // Weight three taps from the middle.
 
 const int MAX_LIGHTS = 16;        // The most lights that a scene can have.
-const int MOST_MOVERS = 8;         // The most things that move from frame to frame whose reflections a history follows.
-const float BEYOND = 10.0;         // Pixels outside of the image to which a history clamps positions that lie farther out.
+const int MOST_MOVERS = 8;         // The most moving things whose reflections a history follows.
+const float BEYOND = 10.0;         // A history clamps positions to this distance outside of the image, in pixels.
 const int MAX_AREA_LIGHTS = 16;   // The most area lights that `area-light` takes.
 const int MAX_IMPOSTORS = 16;     // The most impostors that `billboard` and `ibr` take.
 

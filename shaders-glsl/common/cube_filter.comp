@@ -17,7 +17,7 @@ layout(push_constant) uniform CubeFilterBlock {
 
 const float TAU = 6.28318530718;
 
-// The direction, of any length, of the place `st` (-1 to 1) on a face. Faces have Vulkan's order +x -x +y -y +z -z.
+// The direction, of any length, to the position `st` (-1 to 1) on a face. Faces have Vulkan's order +x -x +y -y +z -z.
 // Twin of `scene::sky::face_direction`.
 vec3 FaceDirection(uint face, vec2 st) {
     switch (face) {
@@ -45,11 +45,12 @@ void main() {
     vec3 x = normalize(cross(abs(axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), axis));
     vec3 y = cross(axis, x);
     float side = float(textureSize(source, 0).x);
+    // The mean solid angle of a texel of the source's level 0: that of the sphere over the number of texels.
     float texel = 2.0 * TAU / (6.0 * side * side);
 
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < lobe.samples; ++i) {
-        // cos^(exponent + 1) of the angle is uniform; its logarithm keeps sines of narrow lobes exact.
+        // cos^(exponent + 1) of the angle to the axis is uniform. Its logarithm keeps the sines of narrow lobes exact.
         float u = (float(i) + 0.5) / float(lobe.samples);
         float log2_cos = log2(u) / (lobe.exponent + 1.0);
         float cosine = exp2(log2_cos);
@@ -57,6 +58,7 @@ void main() {
         float phi = TAU * RadicalInverse(i);
         vec3 direction = sine * cos(phi) * x + sine * sin(phi) * y + cosine * axis;
         float density = (lobe.exponent + 1.0) / TAU * exp2(lobe.exponent * log2_cos);
+        // The sample stands for the solid angle 1 / (samples * density). Four texels of a level make one of the next.
         float level = 0.5 * log2(1.0 / (float(lobe.samples) * density * texel));
         sum += textureLod(source, direction, max(level, 0.0)).rgb;
     }

@@ -1,7 +1,7 @@
 // Macros that make one source a fragment program over whole targets and a compute program, a thread a texel. A source
 // with `#pragma in_either_stage` is compiled for both stages, with COMPUTE defined for compute. The source declares its
-// outputs by OUTPUT, finds its place by PIXEL_CENTRE, and has its main function below SHADE. It takes no derivatives
-// and does not sample with an implicit level of detail, which compute programs do not have.
+// outputs by OUTPUT, gets its position from PIXEL_CENTRE, and has the body of its main function after SHADE. It takes
+// no derivatives and samples no implicit level of detail, which compute programs do not have.
 
 #ifndef COMMON_EITHER_STAGE_GLSL
 #define COMMON_EITHER_STAGE_GLSL
@@ -51,7 +51,7 @@ uvec4 ToTexel(uint value) {
     return uvec4(value);
 }
 
-// Stores an output of SHADE_ALL beside the first one.
+// Stores a further output, as an argument of SHADE_ALL.
 #define STORE(name) imageStore(name##_image, OUTPUT_TEXEL, ToTexel(name));
 #define STORE_IF(wanted, name) if (wanted) STORE(name)
 

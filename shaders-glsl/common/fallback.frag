@@ -19,6 +19,6 @@ SHADE(out_reflection) {
     vec3 local = reflection.a > 0.0 ? reflection.rgb * reflection.a : vec3(0.0);
     float rest = (1.0 - reflection.a) * behind.a;
     float covered = reflection.a + rest;
-    // Where nothing reflects, both are 0.
+    // Where nothing reflects, the fades of both reflections are 0.
     out_reflection = covered > 0.0 ? vec4((local + behind.rgb * rest) / covered, covered) : vec4(0.0);
 }

@@ -15,14 +15,16 @@ layout(binding = 13, rgba16f) uniform writeonly image2D color_image; // without 
 
 shared BlockSums sums[GROUP_SIDE * GROUP_SIDE];
 
-// The sum of a value and its neighbour's, rounded as fragment shaders sum by differences (history.frag).
+// The sum of a pixel's value and its neighbour's, rounded as in fragment shaders, which sum by differences
+// (history.frag). `outward` is the pixel's direction out of the block, 1 or -1.
 vec4 AddNeighbour(vec4 own, vec4 other, float outward) {
     precise vec4 difference = outward > 0.0 ? own - other : other - own;
     precise vec4 sum = own + (own - outward * difference);
     return sum;
 }
 
-// Adds the sums of the block's other pixel along an axis, `offset` threads away. Every thread must call this function.
+// Adds the sums of the block's other pixel along an axis, whose thread is `offset` threads away. Every thread must call
+// this function.
 BlockSums AddNeighbourSums(BlockSums own, int offset, float outward) {
     int index = int(gl_LocalInvocationIndex);
     sums[index] = own;

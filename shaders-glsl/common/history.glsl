@@ -4,7 +4,7 @@
 //
 // The rays of a pixel tell which point it reflects, on a thing that may move. The frame before showed the reflection of
 // the same point at another place of the surface. A pixel whose own reflection stays the same, to the bit, keeps its
-// history as it is. A mirror needs no history, since its one ray says all.
+// history as it is. A mirror needs no history, since its lobe is the one direction of its ray.
 
 #ifndef COMMON_HISTORY_GLSL
 #define COMMON_HISTORY_GLSL
@@ -29,7 +29,7 @@ struct AccumulatedPixel {
 #define AGREED 4.0
 #define AT_REST 8.0
 
-// What a pixel adds to two sums over its block of 2 x 2, or these sums.
+// The summands of a pixel for two sums over its block of 2 x 2, or the sums themselves.
 struct BlockSums {
     vec4 first;
     vec4 second;
@@ -38,8 +38,8 @@ struct BlockSums {
 // The sums over the pixels of a block. Each stage defines this function, and every pixel of a block calls it.
 BlockSums SumOverBlock(ivec2 pixel, BlockSums own);
 
-// Keeps values that a pixel needs at the end, while the search for its history needs the registers. Each stage defines
-// both functions.
+// SpillValues puts aside values that a pixel needs at the end, while the search for its history needs the registers,
+// and ReloadValues returns them. Each stage defines both functions.
 void SpillValues(BlockSums values);
 BlockSums ReloadValues();
 
@@ -61,8 +61,8 @@ struct MeanHit {
 // that reflect.
 BlockSums HitSummands(ivec2 pixel, bool is_wide, float eye) {
     // A wide lobe has one ray for its cell of 2 x 2 pixels. So the four pixels of a block read the rays of four cells.
-    ivec2 asked = is_wide ? (pixel & ~1) + 2 * (pixel & 1) : pixel;
-    uvec2 ray_end = imageLoad(ends_image, min(asked, history.size - 1)).xy;
+    ivec2 ray_pixel = is_wide ? (pixel & ~1) + 2 * (pixel & 1) : pixel;
+    uvec2 ray_end = imageLoad(ends_image, min(ray_pixel, history.size - 1)).xy;
     float hit_distance = eye >= 0.0 && history.has_ends != 0 ? uintBitsToFloat(ray_end.x) * history.unit : 0.0;
     int mover = FindMover(ray_end.y);
     vec2 counted_inverse = hit_distance > 0.0 ? vec2(1.0 / (eye + hit_distance), 1.0) : vec2(0.0);
@@ -70,8 +70,9 @@ BlockSums HitSummands(ivec2 pixel, bool is_wide, float eye) {
     return BlockSums(hits, vec4(mover < 0 ? vec2(0.0) : vec2(float(mover), 1.0), eye >= 0.0 ? 1.0 : 0.0, 0.0));
 }
 
-// The mean hit of a block, from the sums of HitSummands. If more rays met movers than objects at rest, the hits on
-// movers alone count. The mean hit's distance from the eye is the harmonic mean.
+// The mean hit of a block, from the sums of HitSummands, for a pixel at the distance `eye` from the eye. If more rays
+// met movers than objects at rest, only the hits on movers count. The mean of the hits' distances from the eye is
+// harmonic.
 MeanHit FindMeanHit(BlockSums hit_sums, float eye) {
     bool moves = hit_sums.first.w > hit_sums.first.y;
     vec2 sum_and_count = moves ? hit_sums.first.zw : hit_sums.first.xy;
@@ -141,8 +142,8 @@ AccumulatedPixel AccumulatePixel(ivec2 pixel) {
     // What the pixels of the block show.
     vec4 unfiltered = imageLoad(reflection_buffer, inside);
     vec4 now = EncodeForMean(unfiltered);
-    vec4 own_sum = reflects ? now : vec4(0.0);
-    BlockSums shows = SumOverBlock(pixel, BlockSums(own_sum, own_sum * own_sum));
+    vec4 summand = reflects ? now : vec4(0.0);
+    BlockSums shows = SumOverBlock(pixel, BlockSums(summand, summand * summand));
     uint hash = ReflectionHash(unfiltered);
     bool stays = history.repeats != 0 && kept.z != 0u && (kept.w & ~255u) == hash;
     // A reflection that changed although nothing moved begins a new history.
@@ -151,12 +152,13 @@ AccumulatedPixel AccumulatePixel(ivec2 pixel) {
     vec4 mean = shows.first / count;
     float most = history.deviations * (!known || history.repeats != 0 ? 1.0 : history.rests != 0 ? AT_REST : AGREED);
     vec4 reach = most * sqrt(max(shows.second / count - mean * mean, vec4(0.0)));
-    // The bounds also hold what the pixel itself shows, so that a reflection that does not change is not blurred.
+    // The history is clamped around the mean of the block. The bounds include what the pixel itself shows, so that a
+    // reflection that does not change is not blurred.
     vec4 before = clamp(sampled.color, min(mean - reach, now), max(mean + reach, now));
     float within = min(FramesWithinLag(length(sampled.lag.mean), MOST_LAG), FramesWithinLag(sampled.lag.square, MOST_SQUARE));
     age = min(age + 1.0, within);
-    // A complete average stays as it is while rays turn again for surfaces that a thing uncovered before it came to
-    // rest.
+    // After a thing came to rest, rays turn once more for the surfaces that it uncovered. Averages that are complete
+    // stay as they are meanwhile.
     bool is_whole = !SEARCH && history.rests > 1 && !is_new && sampled.age > history.frames - 0.5;
     float part = is_whole ? 0.0 : 1.0 / age, left = 1.0 - part;
     vec4 mixed = DecodeMean(mix(before, now, part));

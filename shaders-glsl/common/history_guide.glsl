@@ -31,8 +31,9 @@ struct Guide {
     float square;  // Lag.square
 };
 
-// One byte of the mean lag replaces the last byte of the depth, which is precise enough with 16 bits. The other byte
-// stands in the last byte of the hash.
+// Packs a guide. One byte of the mean lag replaces the last byte of the depth, which stays precise enough without it.
+// The other byte of the lag is the last byte of the hash. The third word has the age in its lowest 10 bits, the root of
+// the mean square in the next 6, and `inverse` as a 16-bit float above them.
 uvec4 PackGuide(Guide g, uint hash) {
     uint depth = floatBitsToUint(g.depth) + 128u, lag = packSnorm4x8(vec4(g.lag / MOST_LAG, 0.0, 0.0));
     uint age = uint(min(g.age * AGE_STEPS + 0.5, 1023.0)), square = uint(min(sqrt(g.square / MOST_SQUARE), 1.0) * SQUARE_STEPS + 0.5);
@@ -47,7 +48,7 @@ Guide UnpackGuide(uvec4 words) {
     return Guide(depth, DecodeOctahedralUnnormalized(unpackSnorm2x16(words.y)), age, inverse, lag, MOST_SQUARE * root * root);
 }
 
-// A hash of 24 bits that tells reflections apart; its last byte is zero.
+// A hash of a reflection in the upper 24 bits, by which reflections of two frames are compared; the last byte is zero.
 uint ReflectionHash(vec4 reflection) {
     uint first = packHalf2x16(reflection.rg), second = packHalf2x16(reflection.ba);
     return (first * 0x9e3779b1u ^ second * 0x85ebca6bu) & ~255u;

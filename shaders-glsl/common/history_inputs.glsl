@@ -1,4 +1,4 @@
-// The inputs of a history's program, and the way from pixels to points and back.
+// The inputs of a history's program, and functions that turn pixels into points and back.
 
 #ifndef COMMON_HISTORY_INPUTS_GLSL
 #define COMMON_HISTORY_INPUTS_GLSL

@@ -1,4 +1,4 @@
-// Earlier places of things that moved since the frame before: meshes of the scene, and surfaces with a caller's motion.
+// Finds where moving things were in the frame before: meshes of the scene, and surfaces whose motion the caller gives.
 
 #ifndef COMMON_HISTORY_MOTION_GLSL
 #define COMMON_HISTORY_MOTION_GLSL
@@ -27,7 +27,8 @@ int FindMover(uint triangle) {
     return mover;
 }
 
-// The point (w = 1) or direction (w = 0) of a mover, as it was in the view space of the frame before.
+// Turns a point (w = 1) or direction (w = 0) on a mover, in this frame's view space, to where it was in the view space
+// of the frame before; `mover` -1 is for things at rest.
 vec3 ToPreviousView(vec3 v, float w, int mover) {
     vec3 before = (history.view_to_view_before * vec4(v, w)).xyz;
     if (!MOVERS)
@@ -37,10 +38,10 @@ vec3 ToPreviousView(vec3 v, float w, int mover) {
     return before;
 }
 
-// The earlier point, in the view space of the frame before, of the surface that a pixel shows, by the motion that the
-// caller knows. `seen` is where the point is seen now, and `still` its earlier point if it were at rest. The motion
-// gives the earlier position on the screen but no distance. The distance is what the frame before shows there, if a
-// history keeps it.
+// Finds the earlier point, in the view space of the frame before, of the surface that a pixel shows, by the motion that
+// the caller gives. `seen` is the position, in pixels, at which the point is seen now, and `still` the earlier point if
+// the surface were at rest. The motion gives the earlier position on the screen but no distance. The distance is what
+// the frame before shows there, if a history keeps it.
 vec3 PreviousPointByMotion(vec2 seen, ivec2 pixel, vec3 still) {
     vec2 way = texelFetch(motion_buffer, pixel, 0).xy * history.motion_scale + history.motion_shift;
     float beside = distance(seen + way, ProjectToPreviousPixels(still));
@@ -52,13 +53,13 @@ vec3 PreviousPointByMotion(vec2 seen, ivec2 pixel, vec3 still) {
     float z = clamp(shown, still.z - reach, still.z + reach);
     vec4 clip = history.view_to_clip_before * vec4(still.xy, z, 1.0);
     vec3 moved = Unproject(history.clip_to_view_before, before, clip.z / clip.w);
-    // False if the motion is NaN.
+    // This is false if the motion is NaN.
     bool moves = beside > STILL + STILL_SHARE * length(way);
     return moves && still.z > 0.0 ? moved : still;
 }
 
-// The earlier place of a reflected point, which may lie on a moving thing. The caller knows the motion only of what the
-// screen shows.
+// Finds the earlier place of the reflected point `end`, which may lie on a moving thing; `still` is that place for a
+// thing at rest. The caller gives the motion only of what the screen shows.
 vec3 PreviousReflectedPoint(vec3 end, vec3 still) {
     vec2 seen = ProjectToPixels(history.view_to_clip, end);
     ivec2 pixel = ivec2(floor(seen));

@@ -17,9 +17,9 @@
 #define LEAST_SHARE 0.05
 // A reflected point is taken to be as far away as it was, within this share.
 #define SAME_DISTANCE 0.2
-// The curvature of a mirror comes from the pixels BESIDE away along each axis. These pixels count if the way that they
-// predict between them is right within the share UNEVEN. The determinant of the way's change from pixel to pixel must
-// also be above LEAST_SHORTENING.
+// CurvedMirrorPosition finds the curvature of a mirror from the pixels that lie BESIDE pixels away along each axis.
+// They count if the offset that they predict in their middle is right within the share UNEVEN, and if the determinant
+// of the offset's change from pixel to pixel is above LEAST_SHORTENING.
 #define BESIDE 2
 #define UNEVEN 0.25
 #define LEAST_SHORTENING 0.25
@@ -59,11 +59,12 @@ bool ShowsSameSurface(ivec2 pixel, Guide guide, vec3 there, HistoryQuery query) 
     return guide.age > 0.0 && same_plane && same_normal && IsOnScreen(pixel);
 }
 
-// How well a pixel of the frame before fits a query, from 0 to 1. `lag` is how far the frames in the pixel's
-// average miss the reflected point.
+// How well a pixel of the frame before fits a query, from 0 to 1. `lag` becomes how far the mirror directions of the
+// frames in the pixel's average miss the reflected point.
 float HistoryAgreement(ivec2 pixel, Guide guide, HistoryQuery query, out Lag lag) {
     vec3 there = Unproject(history.clip_to_view_before, vec2(pixel) + 0.5, guide.depth);
     float agrees = ShowsSameSurface(pixel, guide, there, query) ? 1.0 : 0.0;
+    // `beside` leads from the pixel's mirror direction to the direction in which the reflected point lies.
     vec3 to = query.end - there;
     vec3 mirrored = MirrorDirection(ViewDirection(there), guide.normal);
     vec3 beside = to * inversesqrt(max(dot(to, to), 1e-30)) - mirrored;
@@ -74,7 +75,8 @@ float HistoryAgreement(ivec2 pixel, Guide guide, HistoryQuery query, out Lag lag
     vec3 before = Tangents(mirrored) * guide.lag;
     lag = Lag(before + more, max(guide.square + dot(2.0 * before + more, more), 0.0));
     float outside = 0.5 * query.power * dot(beside, beside);
-    // The agreement also falls if the pixel's reflected point was at another distance.
+    // The agreement falls with this offset in widths of the lobe, and if the pixel's reflected point was at another
+    // distance.
     float nearer = (guide.inverse / max(query.inverse, 1e-12) - 1.0) / SAME_DISTANCE;
     nearer *= nearer;
     float known = 1.0 / ((1.0 + outside + outside * outside) * (1.0 + nearer * nearer));
@@ -145,8 +147,8 @@ vec2 PlaneMirrorPosition(vec3 point, vec3 normal, HistoryQuery query) {
     return ProjectToPreviousPixels(query.end - 2.0 * before_plane * normal);
 }
 
-// The way from a pixel of the frame before to where its tangent plane would have mirrored the reflected point of a
-// query. False if the pixel showed another surface.
+// Finds the offset `way`, in pixels, from a pixel of the frame before to where the pixel's tangent plane, as a mirror,
+// would have shown the reflected point of a query. False if the pixel showed another surface.
 bool PlaneMirrorOffset(ivec2 pixel, HistoryQuery query, out vec2 way) {
     Guide guide = LoadGuide(pixel);
     vec2 middle = vec2(pixel) + 0.5;
@@ -155,10 +157,10 @@ bool PlaneMirrorOffset(ivec2 pixel, HistoryQuery query, out vec2 way) {
     return ShowsSameSurface(pixel, guide, there, query);
 }
 
-// The position at which a mirror, curved or not, showed the reflected point: where the way of PlaneMirrorOffset is 0.
-// At `on_surface` this way leads to `in_plane`. The change of the way from pixel to pixel tells how the mirror is
-// curved, and one step of Newton's method finds where the way is 0. If the pixels around tell of no even change, for
-// example because a map turns the normals, the result is `in_plane`.
+// The position, in pixels, at which a mirror, curved or not, showed the reflected point: where the offset of
+// PlaneMirrorOffset is 0. At `on_surface` this offset leads to `in_plane`. The change of the offset from pixel to pixel
+// tells how the mirror is curved, and one step of Newton's method finds where the offset is 0. If it does not change
+// evenly around the pixel, for example because a map turns the normals, the result is `in_plane`.
 vec2 CurvedMirrorPosition(vec2 on_surface, vec2 in_plane, HistoryQuery query) {
     vec2 way = in_plane - on_surface;
     ivec2 pixel = ivec2(floor(on_surface));
@@ -175,7 +177,7 @@ vec2 CurvedMirrorPosition(vec2 on_surface, vec2 in_plane, HistoryQuery query) {
         differences += is_behind ? own : -own;
     }
     mat2 change = mat2(differences / float(2 * BESIDE)); // of the way, for each pixel along x and along y
-    // If the way changes evenly, the mean of each pair predicts the way here.
+    // If the offset changes evenly, the mean of each pair of pixels predicts the offset here.
     vec2 more = change * (on_surface - vec2(pixel) - 0.5);
     float off = max(distance(0.5 * sums.xy + more, way), distance(0.5 * sums.zw + more, way));
     float shortens = determinant(change);

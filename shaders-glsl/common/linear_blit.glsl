@@ -8,14 +8,14 @@ struct BilinearTexels {
     vec2 part; // position between low and high, 0 to 1
 };
 
-// `size` and `below` are the sizes of the next level and of the level that is blitted.
+// Finds the texels for a texel of the next level. `size` is that level's size, and `below` that of the blitted level.
 BilinearTexels FindBilinearTexels(ivec2 texel, ivec2 size, ivec2 below) {
     vec2 place = max((vec2(texel) + 0.5) * (vec2(below) / vec2(size)) - 0.5, 0.0);
     ivec2 low = ivec2(place);
     return BilinearTexels(low, min(low + 1, below - 1), place - vec2(low));
 }
 
-// The weighted mean of the values at low, right of low, below low, and at high.
+// The weighted mean of four values: a at low, b to the right of low, c below low, and d at high.
 vec4 MixBilinear(BilinearTexels corners, vec4 a, vec4 b, vec4 c, vec4 d) {
     return mix(mix(a, b, corners.part.x), mix(c, d, corners.part.x), corners.part.y);
 }

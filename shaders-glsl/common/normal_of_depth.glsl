@@ -10,7 +10,8 @@ vec3 ViewPoint(ivec2 pixel, float depth) {
     return h.xyz / h.w;
 }
 
-// The step along an axis to the neighbour that is more likely on the same surface: of the two, the one nearer in depth.
+// The view-space step of one pixel along an axis, between the pixel and the one of its two neighbours that is nearer in
+// depth, and so more likely on the same surface. `point` is the pixel's view-space point.
 vec3 StepAlong(ivec2 axis, ivec2 pixel, float depth, vec3 point) {
     ivec2 last = ivec2(camera.resolution) - 1;
     ivec2 after = min(pixel + axis, last), before = max(pixel - axis, ivec2(0));
@@ -20,7 +21,7 @@ vec3 StepAlong(ivec2 axis, ivec2 pixel, float depth, vec3 point) {
     return gap_after <= gap_before ? ViewPoint(after, depth_after) - point : point - ViewPoint(before, depth_before);
 }
 
-// The normal of the surface through a pixel and its neighbours.
+// The unit normal, towards the camera, of the surface through the points of a pixel and its neighbours.
 vec3 NormalOfDepth(ivec2 pixel, float depth) {
     vec3 point = ViewPoint(pixel, depth);
     vec3 across = cross(StepAlong(ivec2(1, 0), pixel, depth, point), StepAlong(ivec2(0, 1), pixel, depth, point));

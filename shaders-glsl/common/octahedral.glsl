@@ -10,7 +10,7 @@ vec2 EncodeOctahedral(vec3 v) {
     return v.z >= 0.0 ? v.xy : vec2(v.x >= 0.0 ? folded.x : -folded.x, v.y >= 0.0 ? folded.y : -folded.y);
 }
 
-// Decodes a vector along the unit vector, which ends on the octahedron and so is not of unit length.
+// Decodes the direction of a unit vector. The result ends on the octahedron, and so does not have unit length.
 vec3 DecodeOctahedralUnnormalized(vec2 o) {
     float z = 1.0 - abs(o.x) - abs(o.y);
     float fold = max(-z, 0.0);

@@ -15,7 +15,7 @@ struct ReflectingPixel {
     float roughness;
 };
 
-// Fetches the pixel whose centre is at `frag_coord`, in pixels.
+// Fetches the pixel whose centre is at `frag_coord`, in continuous pixel coordinates.
 ReflectingPixel FetchReflectingPixel(vec2 frag_coord) {
     ivec2 pixel = ivec2(frag_coord);
     float depth = texelFetch(depth_buffer, pixel, 0).r;

@@ -1,8 +1,9 @@
 #version 460
 #pragma program(Upsample)
 #pragma in_either_stage
-// Brings a smaller reflection to full size: bilinear between the four blocks around a pixel, weighted by how well each
-// lies in the pixel's plane and faces its way (joint bilateral upsampling; Kopf et al. 2007).
+// Scales a smaller reflection up to full size, by interpolation between the four blocks around a pixel. Bilinear
+// weights are multiplied by weights for how near a block lies to the pixel's plane and how alike the two normals are
+// (joint bilateral upsampling; Kopf et al. 2007).
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"
@@ -20,7 +21,7 @@ layout(binding = 4) uniform sampler2D small_reflection;
 
 OUTPUT(0, rgba16f, vec4, out_reflection);
 
-// Power of the cosine between two normals; cos 20 deg to this power is 0.14.
+// Power of the cosine between two normals in the weight of a block; cos 20 deg to this power is 0.14.
 #define NORMAL_POWER 32.0
 
 // The view-space point that a pixel shows, in metres.
@@ -48,7 +49,7 @@ SHADE(out_reflection) {
 
     vec4 sum = vec4(0.0);
     float weights = 0.0;
-    vec4 alike = vec4(0.0);   // the reflection of the most similar texel, if none is similar enough
+    vec4 alike = vec4(0.0);   // the reflection of the most similar block, which is taken if none is similar enough
     float likeness = -1.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 step = ivec2(i & 1, i >> 1);
@@ -57,7 +58,7 @@ SHADE(out_reflection) {
         float share = (step.x == 1 ? f.x : 1.0 - f.x) * (step.y == 1 ? f.y : 1.0 - f.y);
         if (share <= 0.0 || !Reflects(stands_at))
             continue;
-        // A texel that lies off the pixel's plane by VISIBLE_WITHIN of the reach has lost most of its weight.
+        // A block that lies off the pixel's plane by VISIBLE_WITHIN of the reach has lost most of its weight.
         float off = dot(normal, Position(stands_at) - position) / (VISIBLE_WITHIN * reach);
         float facing = max(dot(normal, texelFetch(normal_buffer, stands_at, 0).xyz), 0.0);
         float weight = exp(-off * off) * pow(facing, NORMAL_POWER);

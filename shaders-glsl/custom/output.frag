@@ -1,7 +1,7 @@
 #version 460
 #pragma program(CustomReflection)
 // Converts a user's reflection to the form of this project's methods: colour before fade and reflectivity, and the fade
-// in a; black where nothing reflects. The sampler scales it to the whole image.
+// in a; black where nothing reflects. The sampler scales the reflection to the size of the target.
 
 #include "common/constants.glsl"
 

@@ -1,9 +1,8 @@
 #version 460
 #pragma program(Reduce)
-// One level of a chain of minima or maxima of depth, for a user's shader. A texel covers the texels of the level below
-// that lie on it. Where sizes are rounded down, these are two by two, and the last texel covers three along an odd
-// side. Where sizes were rounded up to powers of two, they are two by two, and beyond the border the last texels count
-// again.
+// Makes one level of a chain of minima or maxima of depth, for a user's shader. A texel covers 2 x 2 texels of the
+// level below. If sizes are rounded down, the last texel along an odd side covers three. If sizes are rounded up to
+// powers of two, texels beyond the border of the level below repeat its last texels.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -24,7 +23,7 @@ void main() {
         found = texelFetch(below, min(texel, most), 0).r;
     } else {
         found = texelFetch(below, min(2 * texel, most), 0).r;
-        // The last texel takes what no other covers.
+        // The last texel also covers what no other texel covers.
         ivec2 last = mix(min(2 * texel + 1, most), most, equal(texel, size - 1));
         for (int y = 2 * texel.y; y <= last.y; ++y) {
             for (int x = 2 * texel.x; x <= last.x; ++x) {

@@ -36,9 +36,10 @@ layout(binding = 6) uniform sampler2D behind_color;
 OUTPUT(0, rgba16f, vec4, out_reflection); // colour, and fade in alpha
 OUTPUT(1, rgba32f, vec4, out_hit);        // texture coordinates, standard depth, PATH_*
 
-// A ray on the screen. Each of its quantities is a function of s, the pixels along the longer of its two axes from the
-// centre of the pixel where it starts. Pixels and k = 1 / z are linear in s. The paper interpolates Q k beside k; of Q
-// only the depth is asked for, and since w is z in our clip space, its z k is 1 all along the ray.
+// A ray on the screen. Its quantities are functions of s, which counts pixels along the longer of its two axes, from
+// the centre of the pixel where it starts. Position and k = 1 / z are linear in s. The paper also interpolates Q k,
+// with the view-space point Q. Here only the depth z of Q is needed, and z k is 1 along the whole ray, since w is z in
+// our clip space.
 struct Line {
     vec2 start; // pixels
     vec2 slope; // pixels of each axis to one of s; one of the two is 1 or -1
@@ -47,14 +48,14 @@ struct Line {
     float end;  // s where the ray ends, or leaves the screen
 };
 
-// The s up to which a ray is not compared with any depth: the rest of its own pixel.
+// The s up to which a ray is compared with no depth: it is still in its own pixel.
 const float OWN_PIXEL = 0.5;
 // The search within a step ends when its interval is as short as this, in pixels.
 const float SEARCH_ENDS = 0.25;
-// The order in which a block of 4 x 4 pixels is shifted, so that neighbours are far apart in it.
+// The pattern by which the samples of 4 x 4 pixels are shifted, in sixteenths of a stride. Neighbours differ much.
 const int ORDER[16] = int[](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
 
-// By how much of a stride the samples of a pixel are shifted: -1/2 to 1/2.
+// The shift of a pixel's samples along its ray, in strides: between -1/2 and 1/2.
 float Shift(ivec2 pixel) {
     if (!JITTER)
         return 0.0;
@@ -85,8 +86,9 @@ float Depth(Line line, float s) {
     return 1.0 / (line.k + line.dk * s);
 }
 
-// Projects the ray from a view-space point, seen at `start` in pixels, to the screen. The ray is cut off at the near
-// plane, at its greatest length and where it leaves the screen. Its `end` is 0 if it never leaves its own pixel.
+// Projects the ray from a view-space point, seen at `start` in pixels, along a view-space direction to the screen. The
+// ray is cut off at the near plane, at its greatest length and where it leaves the screen. Its `end` is 0 if it never
+// leaves its own pixel.
 Line Project(vec2 start, vec3 position, vec3 direction) {
     float len = dda.longest;
     if (direction.z < 0.0)
@@ -96,7 +98,7 @@ Line Project(vec2 start, vec3 position, vec3 direction) {
     vec2 way = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.resolution - start;
     float pixels = max(abs(way.x), abs(way.y));
     Line line = Line(start, vec2(0.0), 1.0 / position.z, 0.0, 0.0);
-    // True also for a ray without a length on the screen, and where a number is NaN or infinite.
+    // This also holds for a ray without a length on the screen, and where a number is NaN or infinite.
     if (!(pixels > OWN_PIXEL) || !(last.z > 0.0) || isinf(pixels))
         return line;
     line.slope = way / pixels;
@@ -110,20 +112,20 @@ Line Project(vec2 start, vec3 position, vec3 direction) {
     return line;
 }
 
-// Whether the depths of the ray from s = a to b meet what stands at `place` in a layer.
+// Whether the depths of the ray from s = a to s = b meet the surface that a layer shows at `place`.
 bool Meets(Line line, vec2 place, float a, float b, int layer) {
     float scene = SceneDepth(place, layer);
     vec2 depths = vec2(Depth(line, a), Depth(line, b));
     return max(depths.x, depths.y) >= scene && min(depths.x, depths.y) <= scene + dda.thickness;
 }
 
-// Whether the ray at s is as far away as what a layer shows there, or farther.
+// Whether the ray at s is as far away as the surface that a layer shows there, or farther.
 bool IsBehind(Line line, float s, int layer) {
     return Depth(line, s) >= SceneDepth(Place(line, s), layer);
 }
 
-// Returns the s at which a ray goes behind the surface that its sample at s met. Bisection finds it within one step
-// around the sample.
+// Returns the s at which a ray goes behind the surface that its sample at s met, by bisection between the sample before
+// and `next`, the end of the sample's step.
 float Refine(Line line, float s, float next, int layer) {
     bool behind = IsBehind(line, s, layer);
     float before = behind ? max(s - dda.stride, OWN_PIXEL) : s;
@@ -150,13 +152,14 @@ float March(Line line, float shift, out int layer, out int path) {
             return -1.0;
         if (i > dda.steps)
             break;
-        // Steps meet half-way between samples. The first one begins at the ray's own pixel if what it meets is checked.
+        // A step reaches half-way to the samples before and after it. With REFINE, the first one begins at the end of
+        // the ray's own pixel.
         float from = REFINE && i == 1 ? OWN_PIXEL : max(s - 0.5 * dda.stride, OWN_PIXEL);
         float next = min(s + 0.5 * dda.stride, line.end);
         for (int l = 0; l < LAYERS; ++l) {
             bool meets = Meets(line, Place(line, s), from, next, l);
             if (REFINE) {
-                // What is steep may be met between the depths of two steps: the ray was before it, and is behind it.
+                // A steep surface may lie between the depths of two steps: the ray was before it, and now is behind it.
                 bool behind = IsBehind(line, s, l);
                 meets = meets || (behind && !was_behind[l]);
                 was_behind[l] = behind;
@@ -164,7 +167,7 @@ float March(Line line, float shift, out int layer, out int path) {
             if (!meets)
                 continue;
             float hit = REFINE ? Refine(line, s, next, l) : s;
-            // The ray must meet the layer where the search ended, too, within the last pixel before that place.
+            // The ray must also meet the layer where the search ended, within the last pixel before that position.
             if (!REFINE || Meets(line, Place(line, hit), max(hit - 1.0, OWN_PIXEL), hit, l)) {
                 path = PATH_LINEAR;
                 layer = l;
@@ -176,8 +179,8 @@ float March(Line line, float shift, out int layer, out int path) {
     return -1.0;
 }
 
-// The place on the screen that a view-space direction tends to in the distance (its vanishing point), in texture
-// coordinates. False if it is not on the screen, or if the screen shows something in front of the sky there.
+// Finds the vanishing point of a view-space direction, in texture coordinates. False if it is not on the screen, or if
+// the screen shows something in front of the sky there.
 bool MeetsSky(vec3 direction, out vec2 uv) {
     precise vec4 clip = camera.view_to_clip * vec4(direction, 0.0);
     precise vec2 place = clip.xy / clip.w * vec2(0.5, -0.5) + 0.5;
@@ -186,7 +189,8 @@ bool MeetsSky(vec3 direction, out vec2 uv) {
     return is_inside && texelFetch(depth_buffer, ivec2(uv * camera.resolution), 0).r == 0.0;
 }
 
-// The colour of the sky at a place on the screen: between those of the four pixels around it that show sky, one of which does.
+// The colour of the sky at a position on the screen, interpolated between those of the four pixels around it that show
+// sky; one of them must.
 vec3 SkyShown(vec2 uv) {
     precise vec2 corner = uv * camera.resolution - 0.5;
     vec2 low = floor(corner), part = corner - low;

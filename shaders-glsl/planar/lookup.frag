@@ -1,9 +1,9 @@
 #version 460
 #pragma program(PlanarLookup)
 #pragma in_either_stage
-// Uses the render target of the mirrored scene as a texture on the mirror (thesis 3.1.2, second method). It is looked
-// up at the pixel's own place, for the mirrored camera sees the mirrored scene there. Where this camera saw nothing,
-// the ray escaped, which is a miss.
+// Uses the render target of the mirrored scene as a texture on the mirror (thesis 3.1.2, second method). A pixel reads
+// the texel at its own position, since the mirrored camera sees there what the pixel reflects. Where this camera saw
+// nothing, the ray escaped, which is a miss.
 
 #include "common/either_stage.glsl"
 #include "planar/plane.glsl"

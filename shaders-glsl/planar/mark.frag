@@ -1,7 +1,7 @@
 #version 460
 #pragma program(PlanarMark)
-// The stencil pattern of a mirror (thesis 3.1.2, first method, step 3). The reflective geometry is taken from the
-// G-buffer, which already leaves out hidden parts.
+// Marks the pixels of a mirror in the stencil (thesis 3.1.2, first method, step 3). The reflective geometry comes from
+// the G-buffer, which already leaves out hidden parts.
 
 #include "planar/plane.glsl"
 

@@ -1,5 +1,5 @@
-// Tests whether a pixel belongs to the plane of a mirror: it reflects, and its position lies in the plane. So the mark
-// needs no geometry of its own, and covers whatever reflects there.
+// Tests whether a pixel belongs to the plane of a mirror: whether it reflects, and its point lies in the plane. This
+// test replaces a mesh of the mirror, and finds whatever reflects in the plane.
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
@@ -11,8 +11,9 @@ layout(push_constant) uniform PlaneBlock {
 layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 2) uniform sampler2D material_buffer; // reflectivity, roughness
 
-// A position that lies off the plane by more than this is on another surface. Groups of triangles are found to
-// TOLERANCE_M of scene/planes.rs, and a reversed 32-bit depth gives a position to about 1e-6 of its depth.
+// A point is on another surface if it lies off the plane by more than ON_PLANE_M metres plus the share ON_PLANE_SHARE
+// of its depth. Triangles of a plane lie in it to within TOLERANCE_M of scene/planes.rs, and a reversed 32-bit depth
+// gives a point to about 1e-6 of its depth.
 #define ON_PLANE_M 2e-3
 #define ON_PLANE_SHARE 5e-5
 

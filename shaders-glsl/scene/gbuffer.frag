@@ -2,8 +2,8 @@
 #pragma program(GBufferFragment)
 #pragma program(GBufferPeeled, PEELED)
 #pragma program(GBufferNumbered, NUMBERED)
-// Albedo, normal and material of the nearest surface. NUMBERED also writes which triangle each pixel shows. PEELED draws
-// the nearest surface behind those of another depth buffer: depth peeling (Everitt 2001).
+// Writes albedo, normal and material of the nearest surface. NUMBERED also writes which triangle each pixel shows.
+// PEELED draws the nearest surface behind those of another depth buffer, by depth peeling (Everitt 2001).
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
@@ -36,33 +36,34 @@ layout(location = 2) out vec2 out_material;  // reflectivity, roughness
 layout(location = 3) out uint out_triangle;  // the triangle's number in the scene
 #endif
 
-// Repeats of a map in a pixel above which the map is seen as its mean.
+// Number of repeats of a map across a pixel above which the pixel shows the mean of the map.
 #define MOST_REPEATS 16.0
 
 #ifdef PEELED
+// The view-space z, in metres, of a reversed depth.
 float ViewDepth(float depth) {
     mat4 m = camera.clip_to_view_reversed;
     return (m[2][2] * depth + m[3][2]) / (m[2][3] * depth + m[3][3]);
 }
 
-// Whether this fragment belongs to the layer in front, or lies too close behind it, and so is left out. Where something
-// is drawn, that layer has a depth above 0.
+// Whether this fragment belongs to the layer in front, or lies too close behind it, and so is left out. The layer has a
+// depth above 0 wherever anything is drawn.
 bool IsPeeled() {
     float first = texelFetch(first_depth, ivec2(gl_FragCoord.xy), 0).r;
     return !(ViewDepth(gl_FragCoord.z) > ViewDepth(first) + peel.separation);
 }
 #endif
 
-// The difference that is put between the coordinates of neighbouring pixels that have one point, as a share of the
-// coordinates. It is at most a 256th of a texel of a map of 4096 texels, the finest step that filters resolve.
+// The difference, as a share of texture coordinates, that neighbouring pixels with equal coordinates get. It is at most
+// a 256th of a texel of a map of 4096 texels, the finest step that filters resolve.
 #define POINT_WIDTH (1.0 / 1048576.0)
 
 // The texture coordinates at which a pixel samples. Very close to the eye, or where rounding makes neighbouring
 // coordinates jump, a map repeats thousands of times within a pixel. The sampler then uses the last level anyway, but
-// lavapipe's anisotropic filter goes over the repeats one by one, for seconds. The pixel's own position repeats the map
-// once a pixel, which selects the last level, too. On a surface without coordinates all pixels have the same ones. There
-// the anisotropic filter of lavapipe since Mesa 24 divides zero by zero and gives 0 (by Vulkan, the ratio of anisotropy
-// is 1). Neighbours therefore get slightly different coordinates.
+// lavapipe's anisotropic filter goes over the repeats one by one, for seconds. The pixel's own position as coordinates
+// repeats the map once a pixel, which also selects the last level. On a surface without coordinates, all pixels have
+// equal ones. There the anisotropic filter of lavapipe since Mesa 24 divides zero by zero and gives 0 (in Vulkan, the
+// ratio of anisotropy is 1). So neighbours get slightly different coordinates.
 vec2 SamplingUv() {
     vec2 repeats = fwidthCoarse(in_uv);
     if (repeats == vec2(0.0)) {
@@ -78,7 +79,7 @@ void main() {
     vec3 mapped = texture(normal_map, uv).xyz * 2.0 - 1.0;
     float reflectivity = texture(reflectivity_map, uv).r;
     float mask = texture(alpha_mask, uv).r;
-    // Few materials have this map, and none of the others pays for it.
+    // Few materials have this map, and the others need not pay for it.
     float roughness = (draw.maps & ROUGHNESS_MAP) != 0u ? texture(roughness_map, uv).g : 1.0;
     if ((draw.maps & ALPHA_MASK) != 0u && mask < 0.5) {
         discard;
@@ -96,7 +97,7 @@ void main() {
     if ((draw.maps & NORMAL_MAP) != 0u && draw.normal_deviation > 0.0) {
         normal = ShadingNormal(geometric, in_tangent, mapped, draw.normal_deviation);
     }
-    // Seen from behind, a surface shows its other side.
+    // A surface that is seen from behind shows its back, whose normal is reversed.
     if (is_behind) {
         normal = -normal;
     }

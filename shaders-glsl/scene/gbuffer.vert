@@ -10,7 +10,7 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 uv;
 layout(location = 3) in vec4 tangent;
 
-// Depth alone and the G-buffer draw each point at the same place.
+// The passes for depth alone and for the G-buffer must compute the same position to the bit.
 invariant gl_Position;
 
 layout(location = 0) out vec3 out_normal;   // view space
@@ -27,9 +27,9 @@ void main() {
     gl_Position = draw.world_to_clip * vec4(position, 1.0);
     out_normal = mat3(camera.world_to_view) * RotateToWorld(normal);
     out_uv = uv;
-    // A mesh is drawn as one instance, with this number.
+    // A mesh is drawn as one instance, whose index is the number of its last triangle.
     out_last_triangle = uint(gl_InstanceIndex);
-    // A mirrored view turns the handedness of a tangent space round.
+    // A mirrored view reverses the handedness of a tangent space.
     mat3 turn = mat3(camera.world_to_view);
     out_tangent = vec4(turn * RotateToWorld(tangent.xyz), tangent.w * sign(determinant(turn)));
 }

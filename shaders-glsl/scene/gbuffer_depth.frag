@@ -1,6 +1,7 @@
 #version 460
 #pragma program(GBufferDepth)
-// Depth of the nearest surface alone, of meshes without an alpha mask. What the G-buffer then shades is what is seen.
+// Draws nothing but the depth of the nearest surface, of meshes without an alpha mask, so that the G-buffer then shades
+// visible surfaces alone.
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"

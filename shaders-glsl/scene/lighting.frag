@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Lighting)
 #pragma in_either_stage
-// Lit colour of what the G-buffer shows (lit.glsl); the sky where nothing stands or where a surface shows it.
+// Writes the lit colour of surfaces (lit.glsl), and the sky where nothing stands or a surface shows the sky.
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"

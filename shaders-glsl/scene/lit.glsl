@@ -1,6 +1,6 @@
 // The lit colour of a surface: albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows. The emitted share of the
-// albedo is lit as by full light (docs/definitions.md, "Surfaces"). The lighting pass and the colours of hits on
-// triangles share it.
+// albedo counts as fully lit (docs/definitions.md, "Surfaces"). The lighting pass and the colours of hits on triangles
+// share this file.
 
 #ifndef SCENE_LIT_GLSL
 #define SCENE_LIT_GLSL
@@ -28,7 +28,7 @@ layout(constant_id = 22) const uint LIGHTS = 16u; // at least the number of ligh
 #define LIGHTS scene.count
 #endif
 
-// `albedo` is linear, and `emission` is the share of the albedo that is emitted, 0 to 1.
+// The lit colour at a position and a unit normal. `albedo` is linear, and `emission` is its emitted share, 0 to 1.
 vec3 LitColor(vec3 albedo, float emission, vec3 position, vec3 normal) {
     float shading = 0.0;
     for (uint i = 0u; i < LIGHTS; ++i) {

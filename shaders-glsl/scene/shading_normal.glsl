@@ -1,5 +1,5 @@
 // The shading normal on the front of a surface: normalize(mix(geometric, normal-mapped, deviation)), as in the author's
-// program. The G-buffer and the colours of hits on triangles share it.
+// program. The G-buffer and the colours of hits on triangles share this file.
 
 #ifndef SCENE_SHADING_NORMAL_GLSL
 #define SCENE_SHADING_NORMAL_GLSL

@@ -3,7 +3,7 @@
 #ifndef SCENE_SIDE_GLSL
 #define SCENE_SIDE_GLSL
 
-// Whether a surface is seen from behind. A mirrored view turns windings round.
+// Whether a surface is seen from behind. A mirrored view reverses the winding of triangles.
 bool IsSeenFromBehind() {
     bool mirrored = determinant(mat3(camera.world_to_view)) < 0.0;
     return gl_FrontFacing == mirrored;

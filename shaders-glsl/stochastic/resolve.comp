@@ -1,9 +1,9 @@
 #version 460
 #pragma program(StochasticResolve)
-// Each pixel gathers the rays around it as samples of its own lobe. The weight of a ray is the lobe from here towards
-// what the ray hit, over the density that the ray was drawn with there. The weighted sum is divided by the sum of the
-// weights (the ratio estimator of Stachowiak 2015, and of Heitz et al. 2018). Rays of one turn are added to those of
-// the turns before.
+// Each pixel gathers the rays around it as samples of its own lobe. The weight of a ray is the pixel's lobe in the
+// direction of what the ray hit, over the density with which the ray was drawn at its own pixel. The weighted sum is
+// divided by the sum of the weights (the ratio estimator of Stachowiak 2015, and of Heitz et al. 2018). Rays of one
+// turn are added to those of the turns before.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -24,7 +24,7 @@ layout(constant_id = 0) const bool OVER = false; // another reflection shows whe
 // The greatest weight of a ray, which is lobe over density, as a logarithm to base 2.
 #define GREATEST_WEIGHT 4.0
 
-// The place from which the pixel gathers its n-th ray; the first is its own.
+// The pixel from which `pixel` gathers its n-th ray: on a spiral of golden angles, which `turned` radians turn.
 ivec2 NeighbourPixel(ivec2 pixel, int n, float turned) {
     float share = float(n) / float(max(stochastic.gathered - 1, 1));
     float angle = turned + GOLDEN_ANGLE * float(n);
@@ -67,7 +67,7 @@ void main() {
             float log_rest = from_mirror < 1.0 ? power * LOG2_E * LogCos(from_mirror) : -1e4;
             float log_weight = LogDensity(power, log_rest) - abs(place.w);
             float weight = n == 0 ? 1.0 : place.w != 0.0 ? exp2(min(log_weight, GREATEST_WEIGHT)) : 0.0;
-            // A direction below the surface shows nothing, but counts.
+            // A direction below the surface shows nothing, but its weight counts.
             bool is_seen = is_hit && dot(direction, normal) > 0.0;
             sum += is_seen ? weight * seen : vec4(0.0);
             weights += weight * (is_seen ? vec3(1.0, 1.0, sqrt(squared)) : vec3(1.0, 0.0, 0.0));

@@ -24,7 +24,8 @@ float GradientNoise(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-// Two numbers between 0 and 1 for a ray of a pixel: the R2 sequence (Roberts 2018), begun elsewhere in each pixel.
+// Two numbers between 0 and 1 for a ray of a pixel: a point of the R2 sequence (Roberts 2018), which each pixel shifts
+// by other numbers.
 vec2 RaySample2D(ivec2 pixel, int turn) {
     vec2 begins = vec2(GradientNoise(vec2(pixel)), GradientNoise(vec2(pixel.yx) + vec2(47.0, 17.0)));
     return fract(begins + SequencePoint(turn));

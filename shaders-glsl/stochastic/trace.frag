@@ -43,9 +43,9 @@ struct RayEnd {
 };
 
 #ifndef EXACT
-// The lit colour of the screen at a position in full resolution, between the four pixels around it, whatever surfaces
-// they show. Pixels of sky are left out of the sum and replaced by `along`, so that the sky is looked up once: a device
-// that executes both sides of a branch pays for every look-up.
+// The lit colour of the screen at a position in pixels, interpolated between the four pixels around it, whatever
+// surfaces they show. Pixels of sky are left out of the sum and replaced by `along`, the sky along the ray. It is
+// looked up once, since a device that executes both sides of a branch pays for every look-up.
 vec3 SampleScreenBilinear(vec2 position, vec3 along) {
     vec2 corner = position - 0.5;
     vec2 first = floor(corner);
@@ -114,8 +114,8 @@ SHADE_ALL(out_place, STORE(out_color) STORE_IF(HITS, out_hit)) {
     float angle = TAU * u.y;
     vec3 direction = is_mirror ? mirror : LobeDirection(mirror, power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
     out_place = vec4(direction, -density);
-    // A direction below the surface shows nothing, but counts (docs/definitions.md, "Surfaces"). The end of a mirror's
-    // ray is written nevertheless.
+    // A direction below the surface shows nothing, but its density counts (docs/definitions.md, "Surfaces"). The end of
+    // a mirror's ray is written nevertheless.
     bool above = dot(direction, normal) > 0.0;
     if (!above && !(HITS && is_mirror))
         return;

@@ -1,5 +1,5 @@
-// What the ray of a pixel sees among the scene's triangles: for the rays of the list, and for rays that no pass puts on
-// the list.
+// Traces and shades the rays of pixels among the scene's triangles: rays of the list of lost rays, and rays that are
+// traced among the triangles at once.
 
 #ifndef TRIANGLES_AMONG_GLSL
 #define TRIANGLES_AMONG_GLSL
@@ -14,7 +14,8 @@ struct TriangleRayResult {
     uint triangle; // number of the triangle; NO_TRIANGLE for the sky
 };
 
-// The result of a ray that meets a triangle or nothing; `width` is the width of its footprint there.
+// The result of a ray for its hit, or for none; `width` is the width of its footprint there. `is_outward` comes from
+// SpawnRay.
 TriangleRayResult ShadeHit(TreeRay ray, TriangleHit hit, bool is_outward, float width) {
     bool is_hit = hit.id != NO_TRIANGLE;
     vec3 color = HitColor(ray, hit, width);
@@ -23,9 +24,9 @@ TriangleRayResult ShadeHit(TreeRay ray, TriangleHit hit, bool is_outward, float 
     return TriangleRayResult(is_outward ? color : vec3(0.0), place, is_hit ? PATH_TRIANGLE : PATH_SKY, number);
 }
 
-// The width of a ray's footprint, which widens by `spread` with each metre from the ray's beginning. As in the
-// references, all rays of a pixel leave from one point. If rays of sight are parallel, the footprint also has the width
-// of the pixel.
+// The width of a ray's footprint, in metres, some metres after the ray's beginning; it widens by `spread` with each
+// metre. As in the references, all rays of a pixel leave from one point. If rays of sight are parallel, the width of
+// the pixel is added.
 float FootprintWidth(float spread, float metres) {
     return ORTHOGRAPHIC ? 2.0 * unified.pixel_to_view.y + spread * metres : spread * metres;
 }

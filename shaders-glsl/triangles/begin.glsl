@@ -1,6 +1,5 @@
-// The beginning of a reflected ray: on the triangle that its pixel shows, off the triangle's plane by no more than
-// rounding makes necessary. So the ray neither meets that plane again nor begins behind a thing that stands close
-// before the plane.
+// Begins a reflected ray on the triangle that its pixel shows, off the triangle's plane by no more than rounding makes
+// necessary. So the ray neither meets that plane again nor begins behind a thing that stands close before the plane.
 
 #ifndef TRIANGLES_BEGIN_GLSL
 #define TRIANGLES_BEGIN_GLSL
@@ -16,8 +15,8 @@ bool FindTriangleSlot(uint triangle, out uint slot) {
     return is_known;
 }
 
-// The point a + u (b - a) + v (c - a) of a triangle, by its slot, that a ray of sight in the direction `towards` meets.
-// The ray begins at the eye, or if rays of sight are parallel, at `from` relative to the eye. Rounding moves the point
+// The point a + u (b - a) + v (c - a) of the triangle of a slot that a ray of sight in the direction `towards` meets.
+// This ray begins at the eye, or if rays of sight are parallel, at `from` relative to the eye. Rounding moves the point
 // along each axis by no more than `error`. The last addition moves it by half a unit in the last place of the point.
 // The differences, products and the other addition move it by 5 half units of each edge's part (Higham, "Accuracy and
 // Stability of Numerical Algorithms", 2002, section 3.1).
@@ -41,9 +40,10 @@ vec3 PointOfTriangle(uint slot, vec3 from, vec3 towards, out vec3 flat_normal, o
     return point;
 }
 
-// A ray from a pixel's point, which lies at `start` from the eye along the axes of the world. `triangle` is the one that
-// the pixel shows, or NO_TRIANGLE: then the ray begins at the point itself. `is_outward` is false for a ray that leads below
-// the triangle that it begins on, where there is nothing to see (docs/definitions.md, "Surfaces").
+// Makes the ray from a pixel's point, which lies at `start` relative to the eye, along a unit direction; both have
+// world axes. `triangle` is the one that the pixel shows; with NO_TRIANGLE the ray begins at the point itself.
+// `is_outward` becomes false for a ray that leads below the triangle that it begins on, where there is nothing to see
+// (docs/definitions.md, "Surfaces").
 TreeRay SpawnRay(vec3 start, vec3 direction, uint triangle, out bool is_outward) {
     vec3 flat_normal, error;
     uint slot;
@@ -53,7 +53,7 @@ TreeRay SpawnRay(vec3 start, vec3 direction, uint triangle, out bool is_outward)
     vec3 point = PointOfTriangle(slot, start, sight, flat_normal, error);
     float side = dot(flat_normal, direction) >= 0.0 ? 1.0 : -1.0;
     is_outward = !is_known || side * dot(flat_normal, sight) < 0.0;
-    // The error counts twice: for the point, and for the corners of triangles beside it in the same plane.
+    // The error counts twice: for the point, and for the corners of neighbouring triangles in the same plane.
     precise vec3 origin = point + side * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
     uint own = Geometry(triangles.corners + 3 * int(slot)).w;
     // A rasteriser interpolates depth between corners that may lie at the near plane, where depth is 1. So depth errs

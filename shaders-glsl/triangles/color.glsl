@@ -1,7 +1,7 @@
 // The lit colour that a ray sees where it meets a triangle. It is made from the triangle's attributes, the images of
 // its material and the scene's lights, as the G-buffer and the lighting pass do for a pixel. The ray's footprint
-// chooses the level of the images. With SCREEN_COLORS, the colour is what the screen shows of the surface. Needs
-// captures/captures.glsl for the sky.
+// chooses the level of the images. With SCREEN_COLORS, the colour is that of the screen where the screen shows the hit.
+// Needs captures/captures.glsl for the sky.
 
 #ifndef TRIANGLES_COLOR_GLSL
 #define TRIANGLES_COLOR_GLSL
@@ -19,7 +19,7 @@ vec3 InterpolateCorners(vec3 weights, vec3 a, vec3 b, vec3 c) {
     return weights.x * a + weights.y * b + weights.z * c;
 }
 
-// Unpacks a unit vector from three numbers of ten bits each.
+// Unpacks a unit vector from three signed numbers of ten bits each, x in the lowest bits.
 vec3 UnpackUnitVector(uint word) {
     ivec3 parts = ivec3(int(word << 22), int(word << 12), int(word << 2)) >> 22;
     return vec3(parts) * (1.0 / 511.0);
@@ -34,8 +34,8 @@ vec3 BarycentricWeights(TriangleHit hit) {
     return vec3(1.0 - hit.weight.x - hit.weight.y, hit.weight);
 }
 
-// Whether a surface stops the ray, if its material decides this at each hit: the surface must have no hole there, and
-// if it is single-sided, it must be seen from in front.
+// Whether a surface whose material decides at each hit (ASKS_MATERIAL) stops the ray: it must have no hole there, and
+// if it is single-sided, the ray must come from in front.
 bool StopsRay(TriangleHit hit) {
     uint id = hit.id & ~ASKS_MATERIAL;
     uint word = Attribute(id, 0).w;
@@ -49,8 +49,8 @@ bool StopsRay(TriangleHit hit) {
 #include "triangles/query.glsl"
 #elif !defined(CONFIRMED)
 
-// The nearest triangle that stops the ray. After each triangle that lets the ray through, the walk begins again behind
-// that triangle.
+// The hit on the nearest triangle that stops the ray. After each triangle that lets the ray through, the walk is
+// repeated for the hits after that one.
 TriangleHit ClosestHit(TreeRay ray) {
     if (!ASKS)
         return TraverseTree(ray);
@@ -66,8 +66,9 @@ TriangleHit ClosestHit(TreeRay ray) {
 
 #endif
 
-// The colour that a ray sees, over a footprint that measures `width` metres across the ray at its end. The normal is made before the
-// albedo, and the tangents are read where a map needs them, so that few attributes are held at a time.
+// The colour that a ray sees at a hit, or that of the sky without a hit, over a footprint that measures `width` metres
+// across the ray at its end. The normal is made before the albedo, and the tangents are read only where a map needs
+// them, so that few attributes are held at a time.
 vec3 HitColor(TreeRay ray, TriangleHit hit, float width) {
     bool is_hit = hit.id != NO_TRIANGLE;
     uint id = is_hit ? hit.id & ~ASKS_MATERIAL : 0u;

@@ -1,5 +1,5 @@
-// A hit on the screen proposes the triangle that its pixel shows, and one exact intersection says whether the ray meets
-// it. A ray without a confirmed hit goes on the list, like rays that the screen lost.
+// Confirms hits on the screen. A hit proposes the triangle that its pixel shows, and one exact intersection says
+// whether the ray meets it. A ray without a confirmed hit is put on the list, like rays that the screen lost.
 
 #ifndef TRIANGLES_CONFIRM_GLSL
 #define TRIANGLES_CONFIRM_GLSL
@@ -15,7 +15,7 @@ struct ConfirmedHit {
     bool is_outward; // see SpawnRay
 };
 
-// Whether a ray that hits a pixel meets the pixel's triangle. True also for a ray that leads below its own triangle.
+// Whether a ray that hits a pixel meets the pixel's triangle. Also true for a ray that leads below its own triangle.
 bool ConfirmHit(Ray ray, ivec2 pixel, out ConfirmedHit confirmed) {
     confirmed.ray = TreeRayFromPixel(ray, confirmed.is_outward);
     uint slot;
@@ -29,8 +29,8 @@ bool ConfirmHit(Ray ray, ivec2 pixel, out ConfirmedHit confirmed) {
     return is_hit || !confirmed.is_outward;
 }
 
-// The result of a ray whose hit was confirmed. A shader calls this function when it needs nothing else of the ray,
-// because colours take most of the registers.
+// The result of a ray whose hit was confirmed. A shader calls this function once it needs nothing else of the ray,
+// since colours take most of the registers.
 TriangleRayResult ShadeConfirmedHit(ConfirmedHit confirmed, float spread) {
     return ShadeHit(confirmed.ray, confirmed.hit, confirmed.is_outward, FootprintWidth(spread, confirmed.hit.t));
 }

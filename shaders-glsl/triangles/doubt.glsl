@@ -1,6 +1,6 @@
-// The list of pixels in doubt: the rays of their neighbours say too little of their reflection. The passes that gather
-// write the list, and triangles/own.comp reads it. Each of these passes fills the list anew, in the buffers of the lost
-// rays (captures/lost.glsl), which have been followed by then.
+// The list of pixels in doubt, whose neighbours' rays say too little of their reflection. The passes that gather write
+// the list, each anew, and triangles/own.comp reads it. The list uses the buffers of the lost rays
+// (captures/lost.glsl), which have been followed by then.
 
 #ifndef TRIANGLES_DOUBT_GLSL
 #define TRIANGLES_DOUBT_GLSL

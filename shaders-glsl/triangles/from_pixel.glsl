@@ -1,4 +1,4 @@
-// What the ray of a pixel sees among the triangles, without a walk over the screen.
+// Traces the ray of a pixel among the triangles, without a walk over the screen.
 
 #ifndef TRIANGLES_FROM_PIXEL_GLSL
 #define TRIANGLES_FROM_PIXEL_GLSL

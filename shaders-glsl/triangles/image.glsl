@@ -1,5 +1,5 @@
-// Samples the images of a scene's materials. All images with their levels stand in one buffer of texels, since a device
-// need not let the threads of a workgroup sample different images.
+// Samples the images of a scene's materials. One buffer holds the texels of all images and levels, since a device need
+// not let the threads of a workgroup sample different images.
 
 #ifndef TRIANGLES_IMAGE_GLSL
 #define TRIANGLES_IMAGE_GLSL
@@ -11,14 +11,15 @@ vec3 LinearFromSrgb(vec3 c) {
     return c * (c * (c * 0.305306011 + 0.682171111) + 0.012522878);
 }
 
+// A texel of a level whose texels begin at the word `base`.
 vec4 LoadImageTexel(int base, ivec2 size, ivec2 texel) {
     return unpackUnorm4x8(ImageWord(base + texel.y * size.x + texel.x));
 }
 
-// Samples a map at texture coordinates, which wrap, over a footprint that measures `repeats` repeats of the map along a
-// side. The sample is bilinear, in the level whose texels are nearest to the footprint in size. `map` is the map's
-// place and size, as Material has them; the words at its place say where each level begins. `described` has the number
-// of levels in the bits MAP_LEVELS, and says whether the map is sRGB.
+// Samples a map at texture coordinates, which wrap, over a footprint whose side measures `repeats` repeats of the map.
+// The sample is bilinear, in the level whose texels are nearest to the footprint in size. `map` has the index of the
+// map's first word and its size, as in Material; the first words say where each level begins. `described` has the
+// number of levels in the bits MAP_LEVELS, and says whether the map is sRGB (MAP_SRGB).
 vec4 SampleImage(uvec2 map, uint described, vec2 uv, float repeats) {
     uvec2 whole = uvec2(map.y & 0xffffu, map.y >> 16);
     float levels = float(described & MAP_LEVELS);

@@ -2,8 +2,8 @@
 #pragma program(OwnRays: Screen, NARROW, ON_SCREEN)
 #pragma program(OwnRays: Tree, NARROW, AMONG_TRIANGLES)
 #pragma program(OwnRays: Query, NARROW, AMONG_TRIANGLES, RAY_QUERY)
-// Traces own rays for the pixels in doubt, a thread a ray. Such a pixel shows the mean of what its own rays and its
-// neighbours' rays saw, weighted by their numbers.
+// Traces own rays for the pixels in doubt, a thread a ray. A pixel in doubt then shows the mean of what its own rays
+// and its neighbours' rays saw, weighted by their numbers.
 
 #ifdef RAY_QUERY
 #extension GL_EXT_ray_query : require
@@ -26,8 +26,9 @@ layout(constant_id = 6) const bool COMPOSITE = true; // false: only the reflecti
 
 shared vec4 colors[OWN_GROUP]; // what each ray saw, and its fade; negative for a miss
 
-// A ray's point in the pattern over the lobe. Each ray has a stratum of its own between the middle and the edge of the
-// lobe; around the middle, each ray is turned by the golden angle from the one before. Each pixel shifts the pattern.
+// The point of an own ray in the pattern over the lobe, in the unit square. Each ray has a stratum of its own from the
+// middle to the edge of the lobe; around the middle, each ray is turned by the golden angle from the one before. Each
+// pixel shifts the pattern in another way.
 vec2 OwnRaySample(ivec2 pixel, int ray) {
     vec2 shift = SequencePoint(pixel.x + 3331 * pixel.y) + SequencePoint(unified.turn);
     return vec2((float(ray) + fract(shift.x)) / float(OWN_RAYS), fract(0.618034 * float(ray) + shift.y));
@@ -43,7 +44,8 @@ vec4 TraceOwnRay(ivec2 pixel, int ray) {
     return vec4(lobe_sample.color.rgb, lobe_sample.is_hit ? lobe_sample.color.a : -1.0);
 }
 
-// The mean of what a pixel's own rays saw, whose colours begin at `first`, and of what its neighbours' rays saw.
+// MeanWithNeighbours returns the mean of what a pixel's own rays saw, whose results begin at colors[first], and of what
+// its neighbours' rays saw.
 #ifdef ON_SCREEN
 
 // A miss is black, and the fade is that of the hits, as in ReflectionFromSum (unified/gathered.glsl). Over another

@@ -6,7 +6,7 @@
 #include "unified/ray.glsl"
 #include "triangles/begin.glsl"
 
-// What the screen shows, for programs that trace rays from its pixels. Each permutation reads a part of it.
+// The images of the screen, for programs that trace rays from its pixels. Each permutation reads some of them.
 #pragma group(ScreenResources, pyramid, depth_buffer, normal_buffer, material_buffer, color_texels, triangle_buffer)
 
 layout(binding = 29, r32ui) uniform readonly uimage2D triangle_buffer; // the triangle of each pixel; one texel if none is known

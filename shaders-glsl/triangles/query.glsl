@@ -1,6 +1,6 @@
-// The triangle that stops a ray, found by a ray query of the device instead of a walk through the tree. The device
-// proposes triangles; the shader decides, as in the walk, whether the ray meets a triangle and is stopped by it. So
-// query and walk end rays alike, except where two triangles are equally near within rounding.
+// Finds the triangle that stops a ray by a ray query of the device instead of a walk through the tree. The device
+// proposes triangles; the shader decides, as in the walk, whether the ray meets a triangle and whether this stops the
+// ray. So query and walk end rays alike, except where two triangles are equally near within rounding.
 
 #ifndef TRIANGLES_QUERY_GLSL
 #define TRIANGLES_QUERY_GLSL

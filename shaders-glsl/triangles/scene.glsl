@@ -2,8 +2,8 @@
 // of triangles. A second one has materials and tables of images, and a third one the texels of all images. Filled in by
 // src/passes/triangle_scene.rs, from the records of ground/src/scene/tree.rs.
 //
-// Each buffer is bound twice, as texels and as a storage block. GEOMETRY_TEXELS and IMAGE_TEXELS say how they are read:
-// as texels wherever the device can address so many, since some devices read texels faster.
+// Each buffer is bound twice, as texels and as a storage block. GEOMETRY_TEXELS and IMAGE_TEXELS say how shaders read
+// it: as texels wherever the device can address so many, since some devices read texels faster.
 
 #ifndef TRIANGLES_SCENE_GLSL
 #define TRIANGLES_SCENE_GLSL
@@ -35,8 +35,8 @@ layout(std430, binding = 25) readonly buffer ImageWords {
     uint words[];
 } images;
 
-// The places of the triangles' parts, and of the camera among the triangles. Coordinates of triangles are measured from
-// the tree's origin.
+// Where the parts of the triangles begin in the buffers, and where the camera is. Coordinates of triangles are measured
+// from the tree's origin.
 layout(std140, binding = 26) uniform TriangleBlock {
     vec3 eye;            // the camera's eye from the tree's origin, metres
     float extent;        // the greatest coordinate of a corner, metres
@@ -62,16 +62,18 @@ uint ImageWord(int i) {
     return IMAGE_TEXELS ? imageLoad(image_texels, i).x : images.words[i];
 }
 
-// Attributes of a triangle. Vector 0 has the normals of its corners (UnpackUnitVector) and its material, with the
-// bitangent's sign in the highest bit. Vectors 1 and 2 have the corners' texture coordinates, then repeats of a map to
-// a metre along the surface, and the slot of the corners. Vector 3 has the tangents.
+// Loads one of the four vectors of a triangle's attributes. Vector 0 has the normals of its corners (UnpackUnitVector)
+// and its material, with the bitangent's sign in the highest bit. Vectors 1 and 2 have the corners' texture
+// coordinates, then the number of repeats of a map in one metre of the surface, and the slot of the corners. Vector 3
+// has the tangents.
 uvec4 Attribute(uint triangle, int vector) {
     return Geometry(triangles.attributes + 4 * int(triangle) + vector);
 }
 
-// Materials: three vectors each. 0: albedo and emission. 1: albedo map and normal map. 2: MATERIAL_ bits and levels of all
-// maps, the normal deviation, and the alpha mask. A map is the place of its first word among the words of images, and its
-// width and height in 16 bits each; a map that is missing is white.
+// Loads one of the three vectors of a material, given by the material word of a triangle's attributes. Vector 0 has
+// albedo and emission, vector 1 albedo map and normal map. Vector 2 has a word of MATERIAL_ bits and of the levels of
+// all maps, then the normal deviation, and the alpha mask. A map is the index of its first word among the words of
+// images, and its width and height in 16 bits each; a map that is missing is white.
 uvec4 Material(uint attribute_word, int vector) {
     return Table(3 * int(attribute_word & 0x7fffffffu) + vector);
 }

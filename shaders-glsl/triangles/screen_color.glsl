@@ -1,6 +1,6 @@
-// The lit colour of what a ray meets among the triangles, taken from the screen where the screen shows the place that the ray
-// meets. A renderer that lights its screen in its own way, and says of its triangles no more than their colour, then sees in
-// its reflections what it sees on the screen.
+// Takes the lit colour of a hit on a triangle from the screen where the screen shows the hit's place. A renderer may
+// light its screen in its own way, and give no more of its triangles than their colour. Its reflections then show what
+// its screen shows.
 
 #ifndef TRIANGLES_SCREEN_COLOR_GLSL
 #define TRIANGLES_SCREEN_COLOR_GLSL
@@ -13,9 +13,9 @@ layout(constant_id = 25) const bool SCREEN_COLORS = false; // colours come from 
 layout(binding = 14) uniform sampler2D screen_color; // lit colour, linear, with its coarser levels; alpha is 0 where sky is
 layout(binding = 15) uniform sampler2D screen_depth; // reversed; 0 is sky
 
-// Sums are precise, so that both stages of a shader see the same colour.
+// Sums are `precise`, so that fragment and compute programs get the same colour.
 
-// Where on the screen a point of view space is seen, in continuous pixel coordinates.
+// The continuous pixel coordinates at which a view-space point is seen.
 vec2 ProjectToScreen(vec3 view) {
     precise vec2 off_axis = ORTHOGRAPHIC ? view.xy : view.xy / view.z;
     precise vec2 centred = off_axis / unified.pixel_to_view + unified.shift;

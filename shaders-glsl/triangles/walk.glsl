@@ -2,11 +2,12 @@
 // reference::triangles.
 //
 // The nodes are the compressed wide nodes of Ylitie, Karras and Laine (HPG 2017), as the crate obvhs lays them out. The
-// walk pushes at most one group of nodes for each level below the root. The host takes no tree with more levels than
-// the stack has room for, so that the stack cannot overflow. Each turn of the walk's loops takes a bit off a mask, so
-// that no ray runs for ever, not even a ray with NaN, which meets no box.
+// walk pushes at most one group of nodes for each level below the root. The host refuses trees with more levels than
+// the stack has room for, so that the stack cannot overflow. Each turn of the walk's loops clears a bit of a mask, so
+// that no walk runs for ever, not even that of a ray with NaN, which meets no box.
 //
-// Moving things have a small tree of their own in the same buffer. Its root waits at the bottom of the stack.
+// Moving things have a small tree of their own in the same buffer. Its root lies at the bottom of the stack, so that
+// the walk visits it last.
 
 #ifndef TRIANGLES_WALK_GLSL
 #define TRIANGLES_WALK_GLSL
@@ -21,37 +22,37 @@ struct TriangleHit {
     float side;  // cosine between the ray and the triangle's normal; above 0 for a ray that comes from in front
 };
 
-// A ray in the coordinates of the tree. The ray meets only triangles beyond the plane that it begins on, which come
-// after the hit `after`: farther away, or as far with a greater number.
+// A ray in the coordinates of the tree. The ray meets only triangles whose plane lies off its start, and whose hit
+// comes after the hit `after`: farther away, or equally far with a greater number.
 struct TreeRay {
     vec3 origin;
     vec3 direction; // unit
     uint own;       // the triangle that it begins on, as records number it, which it cannot meet; NO_TRIANGLE for none
-    float off;      // metres by which a triangle's plane must lie off the start to be met
+    float off;      // metres by which a triangle's plane must lie off the start for the triangle to be met
     TriangleHit after;
 };
 
 const TriangleHit NO_HIT = TriangleHit(NEVER, NO_TRIANGLE, vec2(0.0), 1.0);
 
-// A ray whose start is rounded by up to `error` metres.
+// Makes a ray whose start may be off by up to `error` metres, and which begins before all hits.
 TreeRay MakeTreeRay(vec3 origin, vec3 direction, uint own, float error) {
     TriangleHit before_all = TriangleHit(0.0, NO_TRIANGLE, vec2(0.0), 1.0);
     return TreeRay(origin, direction, own, error + 12.0 * ROUNDING * triangles.extent, before_all);
 }
 
-// The sum in the order of the CPU twin.
+// The dot product, added up in the order of the CPU twin.
 float DotInOrder(vec3 a, vec3 b) {
     precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
     return sum;
 }
 
-// Swapping a and b negates the product, to the bit.
+// The cross product. Swapping a and b negates the result, to the bit.
 vec3 CrossInOrder(vec3 a, vec3 b) {
     precise vec3 cross = a.yzx * b.zxy - a.zxy * b.yzx;
     return cross;
 }
 
-// Whether a hit comes after the hit `than`: farther away, or as far with a greater number.
+// Whether a hit comes after the hit `than`: farther away, or equally far with a greater number.
 bool IsFarther(float t, uint id, TriangleHit than) {
     return t > than.t || (t == than.t && id > than.id);
 }
@@ -60,9 +61,9 @@ bool IsFarther(float t, uint id, TriangleHit than) {
 // nothing but the edge's corners and the ray, and swapping the corners negates the function, to the bit. So a ray
 // between two triangles meets at least one of them (as in Woop, Benthin and Wald, "Watertight Ray/Triangle
 // Intersection", JCGT 2013). A triangle without area in the ray's direction is not met. Nor is a triangle whose plane
-// rounding cannot tell from the plane that the ray begins on: it lies beside the triangle that the ray begins on, or
-// over it. The distance to a plane is the mean of three products of four roundings each, of lengths up to the scene's
-// extent. The distance errs by up to a dozen half units of this extent.
+// cannot be told, because of rounding, from the plane that the ray begins on: such a triangle lies beside the one that
+// the ray begins on, or over it. The distance to a plane is the mean of three products of four roundings each, of
+// lengths up to the scene's extent. So it errs by up to a dozen half units in the last place of this extent.
 bool IntersectTriangle(TreeRay ray, int slot, out TriangleHit hit) {
     int corner = triangles.corners + 3 * slot;
     uvec4 first = Geometry(corner);
@@ -79,7 +80,7 @@ bool IntersectTriangle(TreeRay ray, int slot, out TriangleHit hit) {
     precise float reach = u * DotInOrder(ray.direction, a) + v * DotInOrder(ray.direction, b)
                         + w * DotInOrder(ray.direction, c);
     precise float t = reach * inverse;
-    // Twice the triangle's area.
+    // `whole` is twice the triangle's area, and `beyond / whole` the distance of the triangle's plane from the start.
     float whole = uintBitsToFloat(second.w);
     float beyond = area < 0.0 ? -reach : reach;
     bool inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && area != 0.0
@@ -88,12 +89,12 @@ bool IntersectTriangle(TreeRay ray, int slot, out TriangleHit hit) {
     return inside && (!ASKS || IsFarther(t, first.w, ray.after));
 }
 
-// Whether a hit comes before another one: nearer, or as near with a smaller number.
+// Whether a hit comes before another one: nearer, or equally near with a smaller number.
 bool IsNearer(TriangleHit hit, float t, uint id) {
     return hit.t < t || (hit.t == t && hit.id < id);
 }
 
-// Makes the hit on a triangle the best one if the ray meets the triangle and this hit comes before the best one so far.
+// Replaces the best hit so far by the hit on the triangle of a slot, if the ray meets this triangle earlier.
 void UpdateNearestHit(TreeRay ray, int slot, inout TriangleHit best) {
     TriangleHit hit;
     if (IntersectTriangle(ray, slot, hit) && IsNearer(hit, best.t, best.id))
@@ -102,12 +103,15 @@ void UpdateNearestHit(TreeRay ray, int slot, inout TriangleHit best) {
 
 #if !defined(CONFIRMED) && !defined(RAY_QUERY)
 
+// Byte i of a word; byte 0 is the lowest.
 uint Byte(uint word, int i) {
     return word >> (8 * i) & 0xffu;
 }
 
-// Tests four children of a node. The result has bits for the children that the ray meets before `nearest`, in the order
-// in which the walk should look at them.
+// Tests four children of a node, each of which is a byte of `meta`. The result has bits for the children that the ray
+// meets before `nearest`; the walk visits them from the highest bit down. The upper three bits of a byte have one set
+// bit for each triangle of a leaf, or one for an inner node. The lower five bits say where these bits stand in the
+// result: from 24 on for an inner node, whose slot `octant` permutes so that nearer nodes come first.
 uint IntersectChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint octant, float nearest) {
     uint inner = ((meta & meta << 1 & 0x10101010u) >> 4) * 0xffu;
     uint places = (meta ^ octant & inner) & 0x1f1f1f1fu;
@@ -123,27 +127,29 @@ uint IntersectChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, u
     return hits;
 }
 
-// The stacks of all threads, with the same entry of all stacks side by side. Arrays of each thread's own would be held
-// in registers, and leave room for few threads at a time.
+// The stacks of all threads of a workgroup, with the same entry of all stacks side by side. If each thread had an array
+// of its own, registers would hold it, and leave room for few threads at a time.
 const int WALKERS = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
 shared uvec2 stacks[WALK_ROOM * WALKERS];
 
 // The nearest triangle that the ray meets after the hit `ray.after`.
 TriangleHit TraverseTree(TreeRay ray) {
-    // The nearest hit so far. Its place on the triangle is computed again at the end, so that the walk need not hold
-    // it.
+    // The nearest hit so far. Its weights on the triangle are computed again at the end, so that the walk need not hold
+    // them.
     float nearest = NEVER;
     uint nearest_id = NO_TRIANGLE;
     int nearest_slot = 0;
-    // No branch depends on a uniform block alone, since lavapipe of Mesa 22 compiles such a program at each dispatch (docs/devices.md).
+    // No branch depends on a uniform block alone, since lavapipe of Mesa 22 compiles such a program at each dispatch
+    // (docs/devices.md).
     int bottom = int(gl_LocalInvocationIndex), top = bottom + (triangles.moving > 0 ? WALKERS : 0);
     stacks[bottom] = uvec2(uint(triangles.moving), 0x80000000u);
-    // Components of the direction that are nearly 0 get a tiny value instead, which changes the test of no box.
+    // Components of the direction that are nearly 0 get a tiny value instead, which changes no test of a box.
     vec3 direction = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     vec3 inverse = 1.0 / direction;
     bvec3 back = lessThan(direction, vec3(0.0));
     uint octant = (back.x ? 0u : 0x04040404u) | (back.y ? 0u : 0x02020202u) | (back.z ? 0u : 0x01010101u);
-    // A group of nodes: the first child's number, and the bits of those that are still to be looked at.
+    // A group of nodes with one parent: the number of the first one, and a word. The word's upper eight bits are the
+    // nodes that are still to be visited, and its lower eight bits the children of the parent that are inner nodes.
     uvec2 group = uvec2(0u, triangles.nodes > 0 ? 0x80000000u : 0u);
     while (true) {
         uvec2 leaves = uvec2(0u);
@@ -161,8 +167,8 @@ TriangleHit TraverseTree(TreeRay ray) {
             uvec4 x = Geometry(node + 2), y = Geometry(node + 3), z = Geometry(node + 4);
             vec3 scale = uintBitsToFloat(uvec3(Byte(head.w, 0), Byte(head.w, 1), Byte(head.w, 2)) << 23);
             vec3 step = scale * inverse, base = (uintBitsToFloat(head.xyz) - ray.origin) * inverse;
-            // Each axis has low sides of children 0 to 3 and 4 to 7, then high sides. The side that the ray meets first comes
-            // first.
+            // Each axis has the low sides of children 0 to 3 and 4 to 7, then the high sides. They are swapped so that
+            // the sides that the ray meets first come first.
             x = back.x ? x.zwxy : x;
             y = back.y ? y.zwxy : y;
             z = back.z ? z.zwxy : z;
@@ -171,8 +177,8 @@ TriangleHit TraverseTree(TreeRay ray) {
             group = uvec2(kinds.x, hits & 0xff000000u | head.w >> 24);
             leaves = uvec2(kinds.y, hits & 0x00ffffffu);
         }
-        // A thread whose node has no triangle tests one for nothing, as threads in step with it mostly do anyway. The
-        // condition stands at the loop's end, where lavapipe runs no turn in vain (unified/pyramid.comp).
+        // A thread whose node has no triangle tests one in vain, since most threads in step with it have one to test.
+        // The condition stands at the loop's end, where lavapipe adds no turn (unified/pyramid.comp).
         do {
             bool is_leaf = leaves.y != 0u;
             int bit = is_leaf ? findMSB(leaves.y) : 0;

@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Classify)
-// Finds which tiles hold mirrors, narrow lobes and wide ones, and writes them as lists with the arguments of indirect
-// draws and dispatches over each. A thread looks at a tile. `counts` has been cleared to 0.
+// Finds which tiles hold mirrors, narrow lobes and wide lobes, and writes a list of tiles for each kind, with the
+// arguments of indirect draws and dispatches over it. A thread looks at one tile. `counts` has been cleared to 0.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -45,7 +45,7 @@ void main() {
             continue;
         int index = int(atomicAdd(counts[DrawArguments(list)], 1u));
         tiles[list * list_capacity + index] = PackTile(uvec2(tile));
-        // A row grows up to TILES_TO_A_ROW tiles, and each multiple of that begins another row.
+        // The dispatch has rows of up to TILES_TO_A_ROW tiles, and each multiple of that number begins another row.
         for (int halved = 0; halved < 2; ++halved) {
             if (index < TILES_TO_A_ROW)
                 atomicAdd(counts[DispatchArguments(list, halved) + 1], 1u);

@@ -1,5 +1,5 @@
-// The reversed depth of a pixel: from the fronts of the pyramid's finest level, or from the G-buffer if no ray walks
-// over the screen. Programs without AMONG_TRIANGLES need the image `pyramid`.
+// DepthAt returns the reversed depth of a pixel: the front in the pyramid's finest level, or the depth in the G-buffer
+// if no ray walks over the screen. Programs without AMONG_TRIANGLES need the image `pyramid`.
 
 #ifndef UNIFIED_DEPTH_GLSL
 #define UNIFIED_DEPTH_GLSL

@@ -10,7 +10,7 @@ layout(binding = 8, r32ui) uniform readonly uimage2D listed_image; // for each t
 
 #define CELLS_TO_A_TILE (TILE_SIDE / 2) // along a side
 
-// The tile of a cell with a wide lobe, which is drawn, and whether the tiles beside it are drawn.
+// The tile of a cell with a wide lobe, which is drawn, and whether three of the tiles beside it are drawn.
 struct NeighbourTiles {
     ivec2 home;
     bool across, along, corner;
@@ -30,8 +30,8 @@ void LoadNeighbourTiles(ivec2 cell, ivec2 side) {
     drawn = NeighbourTiles(home, IsWideTile(home + ivec2(side.x, 0)), IsWideTile(home + ivec2(0, side.y)), IsWideTile(home + side));
 }
 
-// Whether a cell has been drawn. It must lie in the tile of the cell that LoadNeighbourTiles got, or in one of the
-// three tiles beside that.
+// Whether a cell has been drawn. The cell must lie in the tile of the cell that was passed to LoadNeighbourTiles, or in
+// one of the three tiles beside that tile.
 bool IsDrawn(ivec2 cell) {
     if (WHOLE)
         return true;

@@ -1,4 +1,4 @@
-// The rays that pixels of a block of 2 x 2 hand each other in fragment programs.
+// The exchange of rays between the pixels of a block of 2 x 2 in fragment programs (gathered.glsl).
 
 #ifndef UNIFIED_EXCHANGED_RAYS_GLSL
 #define UNIFIED_EXCHANGED_RAYS_GLSL

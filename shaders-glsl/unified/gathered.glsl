@@ -10,10 +10,10 @@ layout(constant_id = 2) const bool OVER = false;  // another reflection shows wh
 
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 
-// The pixels of a block of 2 x 2 hand each other values. A device shades the pixels of a fragment program together, in
-// step, so that v +- dFdx(v) is the value of v in the pixel beside. An exchange costs a subtraction and an addition,
-// and a value that all four would load is loaded once. The result is good to the last bits of the greater of the two
-// values. The threads of a compute program share memory instead, and round their values in the same way.
+// The pixels of a block of 2 x 2 exchange values. A device shades the block's pixels of a fragment program in step, so
+// that v +- dFdx(v) is the value of v in the pixel beside. An exchange costs a subtraction and an addition, and a value
+// that all four pixels would load is loaded once. The result is exact but for the last bits of the greater of the two
+// values. The threads of a compute program share memory instead, and round the values in the same way.
 
 // A ray as it is gathered. All is 0 for no ray.
 struct NeighbourRay {
@@ -21,12 +21,12 @@ struct NeighbourRay {
     vec4 color; // of the hit, and its fade in alpha
 };
 
-// A pixel's or a cell's reflection is a weighted mean of rays.
+// The sums of which a pixel's or a cell's reflection is made: a weighted mean of rays.
 struct RaySum {
-    vec4 color;    // and fade
-    float weight;  // of all rays
-    float hits;    // of those that hit
-    float squares; // of the weights of all rays
+    vec4 color;    // weighted colours of the rays that hit, and fades in alpha
+    float weight;  // weights of all rays
+    float hits;    // weights of the rays that hit
+    float squares; // squared weights of all rays
 };
 
 const RaySum NO_RAYS = RaySum(vec4(0.0), 0.0, 0.0, 0.0);
@@ -39,9 +39,9 @@ void AddRay(inout RaySum sum, float weight, bool hit, vec4 color) {
     sum.squares += weight * weight;
 }
 
-// Reflection colour, and its fade in alpha. A miss counts as black. Over another reflection it does not: the hits keep
-// their colour, and the fade falls with the share of misses. Colour times fade is the same, with the fade rounded to 16
-// bits.
+// The reflection of a sum of rays: colour, and fade in alpha. A miss counts as black. Over another reflection (OVER)
+// the hits keep their colour instead, and the fade falls with the share of misses. Colour times fade is the same either
+// way, with the fade rounded to 16 bits.
 vec4 ReflectionFromSum(RaySum sum) {
     if (!(sum.hits > 0.0))
         return vec4(0.0);

@@ -1,5 +1,5 @@
 // Traces one ray of the pattern for each pixel with a narrow lobe (NARROW), or for each cell of 2 x 2 pixels with a
-// wide lobe. The ray's record is for neighbours to gather. Fragment programs (gloss_trace.frag) and compute programs
+// wide lobe, and records it for neighbours to gather. Fragment programs (gloss_trace.frag) and compute programs
 // (gloss_trace.comp) include this file. CPU twin: reference::unified::gloss_trace.
 
 #ifndef UNIFIED_GLOSS_TRACE_GLSL
@@ -26,9 +26,9 @@ layout(binding = 30) uniform sampler2D color_chain; // coarser levels of the lit
 #endif
 #endif
 
-// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; for a miss, the ray's direction.
-// `is_near` says that the ray ended on the screen, so near to its beginning that neighbours see other things in its
-// direction (NEAR_HIT).
+// Where a ray ended: the point (ViewPoint's scale), which lies far along the ray for the sky; for a miss, the ray's
+// direction. `is_near` says that the ray ended on the screen, so near to its beginning that neighbours see other things
+// in its direction (NEAR_HIT).
 struct RayEnd {
     vec3 place;
     bool is_near;
@@ -36,8 +36,8 @@ struct RayEnd {
     bool touches;  // near, and on another surface than the one that reflects
 };
 
-// Traces a ray whose footprint widens by `spread` with each metre. `color` is what the ray sees, with the fade in alpha.
-// False for a miss.
+// TraceGlossyRay traces a ray whose footprint widens by `spread` with each metre. `density` (LogDensity) and `share`
+// are those of FootprintLevel. `color` becomes what the ray sees, with the fade in alpha. False for a miss.
 #if defined(AMONG_TRIANGLES)
 
 bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, float density, float share, out vec4 color, out RayEnd end) {
@@ -66,9 +66,10 @@ bool TraceGlossyRay(ivec2 record_texel, Ray ray, vec3 normal, float spread, floa
 
 #else
 
-// The lit colour of the screen over a footprint as wide as the texels of a level of the chain. These texels mix
-// surfaces, and all texels around the place count. The part of a texel that is sky (1 - a) has the colour `along`, the
-// sky along the ray. The level is a whole number, since the mean of several rays hides the step between two levels.
+// The lit colour of the screen at a position in pixels, over a footprint as wide as the texels of a level of the chain.
+// These texels mix surfaces, and all four around the position count. The part of a texel that is sky (1 - a) has the
+// colour `along`, the sky along the ray. The level is a whole number, since the mean of several rays hides the step
+// between two levels.
 vec3 SampleColorChain(vec2 position, int level, vec3 along) {
     vec4 seen = textureLod(color_chain, position * unified.pixel_to_clip, float(level - 1));
     float sky = unified.sky != 0 ? max(1.0 - seen.a, 0.0) : 0.0;
@@ -122,17 +123,17 @@ LobeSample TraceLobeSample(ivec2 record_texel, ivec2 pixel, float depth, Lobe lo
     vec3 direction = LobeDirection(lobe.mirror, lobe.power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
     LobeSample lobe_sample = LobeSample(false, density, vec4(0.0));
     end = RayEnd(direction, false, NO_TRIANGLE, false);
-    // A direction below the surface shows nothing, but counts (docs/definitions.md, "Surfaces").
+    // A direction below the surface shows nothing, but counts as a miss (docs/definitions.md, "Surfaces").
     if (!(dot(direction, lobe.normal) > 0.0))
         return lobe_sample;
-    // The width of the ray's footprint at a metre, as FootprintLevel takes it.
+    // The width of the ray's footprint at one metre, from the same solid angle as in FootprintLevel.
     float spread = sqrt(2.0 * share * exp2(LOG_DENSITY_BIAS - density));
     Ray ray = RayAlong(pixel, depth, direction);
     lobe_sample.is_hit = TraceGlossyRay(record_texel, ray, lobe.normal, spread, density, share, lobe_sample.color, end);
     return lobe_sample;
 }
 
-// Packs where a ray ended, for a history (unified/ends.glsl).
+// Packs where a ray from `point` ended, for a history (unified/ends.glsl).
 uvec2 PackRayEnd(vec3 point, LobeSample lobe_sample, RayEnd end) {
     return lobe_sample.is_hit ? uvec2(floatBitsToUint(distance(point, end.place)), end.triangle) : uvec2(0u);
 }
@@ -150,12 +151,12 @@ const bool SPREADS = false;
 const float PATTERN_PART = SPREADS ? 1.0 : NARROW_PART;
 const float PATTERN_FOOTPRINTS = SPREADS ? 9.0 : NARROW_FOOTPRINTS;
 
-// Side and generator of the pattern of narrow lobes (LatticePoint). Its nine rays lie within reach of each pixel.
+// Side and generator of the pattern of narrow lobes (LatticePoint). Each pixel gathers its nine rays.
 #define NARROW_SIDE 3
 #define NARROW_GENERATOR 2
 
-// Traces the ray of a pixel with a narrow lobe, and returns its packed record; NO_RECORD for another pixel. `ray_end` says where the
-// ray ended, as PackRayEnd packs it.
+// Traces the ray of a pixel with a narrow lobe, and returns its packed record; NO_RECORD for other pixels. `ray_end`
+// becomes where the ray ended (PackRayEnd).
 uvec4 TraceNarrowPixel(ivec2 pixel, out uvec2 ray_end) {
     ray_end = uvec2(0u);
     vec2 material = imageLoad(material_buffer, pixel).rg;
@@ -167,7 +168,7 @@ uvec4 TraceNarrowPixel(ivec2 pixel, out uvec2 ray_end) {
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = MakeLobe(point, normal, material.g);
     vec2 u = LatticePoint(pixel, NARROW_SIDE, NARROW_GENERATOR, vec2(0.5));
-    // Packed before the ray is followed, since a walk has no register to spare.
+    // The mirror direction is packed before the ray is traced, since a walk leaves no register free.
     uint mirror = PackMirror(lobe.mirror);
     float root = sqrt(lobe.power);
     RayEnd end;
@@ -178,12 +179,12 @@ uvec4 TraceNarrowPixel(ivec2 pixel, out uvec2 ray_end) {
 
 #else
 
-// How a unit vector turns from texel to texel: the differences along both axes within a block of 2 x 2, right less left
-// and lower less upper. The file that includes this one defines it. Every thread of a block must call it.
+// The differences of a unit vector between the texels of a block of 2 x 2: right less left, and lower less upper. The
+// file that includes this one defines the function. Every thread of a block must call it.
 void BlockDifferences(vec3 unit, out vec3 across, out vec3 along);
 
-// Where the ray of a point ended, as it is recorded (ViewPoint's scale); for a miss, the ray's direction. A hit that is near is put
-// far away (NEAR_HIT says why).
+// The place that is recorded for a ray from `point` (ViewPoint's scale); for a miss, the ray's direction. The place of
+// a near hit is moved far away along the ray (NEAR_HIT says why).
 vec3 RecordedPlace(vec3 point, RayEnd end) {
     return end.is_near ? point + FAR_AWAY * (end.place - point) : end.place;
 }
@@ -194,18 +195,19 @@ struct CellRay {
     uvec2 ray_end; // PackRayEnd
 };
 
-// The ray of a cell. A cell beyond the border has none, but its thread must call this as well, for BlockDifferences.
+// Traces the ray of a cell. A cell beyond the border has none, but its thread must call this function as well, for
+// BlockDifferences.
 CellRay TraceWideCell(ivec2 cell) {
     CellRay traced = CellRay(vec4(0.0), vec4(0.0), uvec2(0u));
     WideCell wide = FindWideCell(cell);
     ivec2 pixel = wide.pixel;
-    // The pixel of a cell at the edge that has no wide lobe may lie beyond the image.
+    // If a cell at the border has no wide lobe, its pixel may lie beyond the image.
     vec3 normal = all(lessThan(pixel, unified.size)) ? imageLoad(normal_buffer, pixel).xyz : vec3(0.0);
     vec3 turn_x, turn_y;
     BlockDifferences(normal * inversesqrt(max(dot(normal, normal), 1e-30)), turn_x, turn_y);
     if (wide.roughness > 0.0 && all(lessThan(2 * cell, unified.size))) {
-        // Cells with the same direction, in squares side by side, have different parities, and so different places in
-        // the direction's stratum.
+        // Cells of neighbouring squares that have the same direction of the pattern have different parities, and so
+        // different places in the direction's stratum.
         ivec2 odd = cell & 1;
         vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
         vec2 u = LatticePoint(cell, 5, 7, stratum);
@@ -215,7 +217,7 @@ CellRay TraceWideCell(ivec2 cell) {
         float common_part = 0.5 * (LobeOverlap(turn_x, lobe.power) + LobeOverlap(turn_y, lobe.power));
         RayEnd end;
         LobeSample lobe_sample = TraceLobeSample(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
-        // A recorded place that was put far away no longer says that the ray ended near. A mark says so instead.
+        // A recorded place that was moved far away no longer says that the ray ended near. A mark says so instead.
         float marked = lobe_sample.density + (end.touches ? NEAR_MARK : 0.0);
         traced = CellRay(vec4(RecordedPlace(point, end), lobe_sample.is_hit ? marked : -lobe_sample.density),
                          lobe_sample.color, PackRayEnd(point, lobe_sample, end));

@@ -1,6 +1,5 @@
 // Finds the texel of a thread, in compute programs of `unified` that replace its fragment programs (`--trace-stage`,
-// `--resolve-stage`). Workgroups stand over the tiles of a list, as many as classify.comp has counted, or over the
-// whole image.
+// `--resolve-stage`). Workgroups cover the tiles of a list, as many as classify.comp has counted, or the whole image.
 
 #ifndef UNIFIED_GROUPS_GLSL
 #define UNIFIED_GROUPS_GLSL
@@ -18,8 +17,8 @@ layout(std430, binding = 10) readonly buffer Counts {
     uint counts[]; // as classify.comp wrote them
 };
 
-// The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halved` is as in
-// GroupsPerTile. A thread may stand beyond the border of the image.
+// Finds the texel of a thread; false for all threads of a workgroup beyond the end of the list. `halved` is as in
+// GroupsPerTile. The texel may lie beyond the border of the image.
 bool ThreadTexel(int list, int halved, out ivec2 texel) {
     texel = ivec2(gl_GlobalInvocationID.xy);
     if (WHOLE)

@@ -1,7 +1,7 @@
-// The lit colour of the screen, pixel by pixel, linear; a is 0 where sky is, else 1. It is loaded from a storage image,
-// which costs a device without units for textures less than a fetch
-// (findings/lavapipe-finds-the-level-of-every-fetch.sh). Programs among triangles may also sample this image with its
-// chain. They fetch it instead, since no image is both loaded and sampled.
+// ScreenColor returns the lit colour of a pixel of the screen, linear; alpha is 0 where sky is, else 1. It is loaded
+// from a storage image, which costs a device without texture units less than a fetch
+// (findings/lavapipe-finds-the-level-of-every-fetch.sh). Programs among triangles fetch it instead, since they may also
+// sample the image with its chain, and no image is both loaded and sampled.
 
 #ifndef UNIFIED_LIT_COLOR_GLSL
 #define UNIFIED_LIT_COLOR_GLSL

@@ -1,6 +1,6 @@
-// Shades a mirror pixel: one ray, one sample of the lit colour at its hit, and the composite. A fragment program
-// (mirror.frag) and a compute program (mirror.comp) include this file. Before it they declare WHOLE, which says whether
-// they run over the whole image.
+// Shades a mirror pixel: traces one ray, takes one sample of the lit colour at its hit, and composites. A fragment
+// program (mirror.frag) and a compute program (mirror.comp) include this file. Before it they declare WHOLE, which says
+// whether they run over the whole image.
 //
 // Over tiles, a pixel that is no mirror is left as it is: the images already hold what it shows. With WHOLE the images
 // hold nothing, all that reflects is a mirror, and the other pixels show their lit colour.
@@ -87,7 +87,7 @@ bool ShadePixel(ivec2 pixel, out PixelOutput result) {
 #else
     // A lost ray is put on the list before the screen's colours are loaded, while registers hold nothing else.
     if (faces && !is_hit && !in_sky) {
-        // A mirror's ray has the footprint of its pixel, which has widened since the eye.
+        // A mirror's ray has the footprint of its pixel, which widens from the eye on.
         float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;
         PushIfLost(uvec2(pixel), ray, hit, before, spread);
     }
@@ -112,7 +112,7 @@ bool ShadePixel(ivec2 pixel, out PixelOutput result) {
         int code = in_sky ? PATH_SKY : hit.code == PATH_MISS ? MissCode(ray) : hit.code;
         result.hit = vec4(place, float(code));
 #ifdef CONFIRMED
-        // A confirmed hit is known better than the screen shows it.
+        // A confirmed hit is more exact than the hit on the screen.
         if (shows)
             result.hit = vec4(triangle_result.place, float(triangle_result.code));
 #endif

@@ -1,6 +1,7 @@
-// The colour that the screen shows at a hit in full resolution. Around the hit of a mirror's ray, those of the four pixels
-// count that the ray can have seen; for a ray of a lobe, the pixel that was hit counts alone. Needs the image `pyramid`.
-// CPU twin of the latter: reference::unified::gloss. For mirrors, the screen reference has code of its own.
+// The colour that the screen shows at a hit, in full resolution. For a mirror's ray it is interpolated between the
+// pixels, of the four around the hit, that the ray can have seen. For a ray of a lobe it is that of the pixel that was
+// hit. Needs the image `pyramid`. CPU twin of LoadHitPixel: reference::unified::gloss. For mirrors, the screen
+// reference has its own code.
 
 #ifndef UNIFIED_MIRRORED_GLSL
 #define UNIFIED_MIRRORED_GLSL
@@ -9,7 +10,8 @@
 #include "unified/lit_color.glsl"
 #include "unified/surface.glsl"
 
-// Adds a texel to a weighted sum of colours. `a` is the part that is no sky.
+// Adds a texel to a weighted sum of colours, if it counts. `sum.a` is the weight of texels that are no sky, and
+// `counted` the weight of all that count.
 void AddTexel(inout vec4 sum, inout float counted, vec4 seen, bool counts, float weight) {
     bool shows_sky = ShowsSky(seen);
     precise float share = counts ? weight : 0.0;
@@ -23,9 +25,10 @@ struct ScreenHitColor {
     bool is_sky;       // the pixel that was hit shows sky
 };
 
-// `along` is the sky along the ray, which is the colour of pixels that show sky. It is looked up once, since a device
-// that executes both sides of a branch pays for every look-up. Loads stand before the decisions that they are for, so
-// that the pixel that was hit is not loaded twice.
+// Samples the screen's colour around a mirror ray's hit. `point` and `normal` are those of the surface that reflects.
+// `along` is the sky along the ray, the colour of pixels that show sky; it is looked up once, since a device that
+// executes both sides of a branch pays for every look-up. Pixels are loaded before it is decided which of them count,
+// so that the pixel that was hit is not loaded twice.
 ScreenHitColor SampleScreenHit(Hit hit, vec3 point, vec3 normal, vec3 direction, vec3 along) {
     precise vec2 from_middle = hit.position - 0.5;
     vec2 low = floor(from_middle), part = from_middle - low;
@@ -62,8 +65,9 @@ struct HitPixel {
     bool is_reflector; // the pixel shows the surface that reflects
 };
 
-// A mean of nine rays or more hides the edges of single pixels. So the pixel that was hit stands for the four pixels
-// around the hit, and no other surface can be a part of the colour. `along` is the sky along the ray.
+// Loads what the pixel shows that a lobe's ray hit. A mean of nine rays or more hides the edges of single pixels, so
+// that this pixel stands for the four pixels around the hit, and no other surface takes part in the colour. `along` is
+// the sky along the ray.
 HitPixel LoadHitPixel(ivec2 pixel, vec3 point, vec3 normal, vec3 along) {
     float depth = BLOCK_AT(PixelTexel(pixel)).x;
     vec4 seen = ScreenColor(pixel);

@@ -13,8 +13,8 @@
 // Filled in by src/methods/unified.rs.
 layout(std140, binding = UNIFIED_BINDING) uniform UnifiedBlock {
     vec2 view_to_clip;   // M_00 and M_11 of the projection
-    vec2 pixel_to_clip;  // 1 / width and 1 / height: see traverse.glsl
-    vec2 pixel_to_view;  // pixel_to_clip divided by view_to_clip
+    vec2 pixel_to_clip;  // 1 / width and 1 / height
+    vec2 pixel_to_view;  // pixel_to_clip / view_to_clip: half a pixel in metres, at z = 1 m with perspective
     ivec2 size;          // pixels
     ivec2 padded;        // pixels of the pyramid: whole cells of its coarsest level
     int top_level;       // the pyramid's coarsest level
@@ -43,7 +43,7 @@ ivec2 TileCount() {
     return (unified.size + TILE_SIDE - 1) / TILE_SIDE;
 }
 
-// Packs a tile's place into a word.
+// Packs a tile's column and row into a word.
 uint PackTile(uvec2 tile) {
     return tile.x | tile.y << 16;
 }
@@ -58,21 +58,21 @@ int GroupsPerTile(int halved) {
     return (TILE_SIDE >> halved) / GROUP_SIDE;
 }
 
-// The arguments of indirect draws and dispatches over the lists stand in one buffer (passes::tiles): those of a draw
-// for each list, and then those of two dispatches for each list, one for each `halved`. Both functions below return the
-// index of the first word.
+// One buffer holds the arguments of indirect draws and dispatches over the lists (passes::tiles): first of one draw for
+// each list, then of two dispatches for each list, one for each value of `halved`. Each of the two functions below
+// returns the index of the first word of a command.
 
-// Vertices (a point a tile), instances, first vertex, first instance.
+// The words of a draw: vertices (one point for each tile), instances, first vertex, first instance.
 int DrawArguments(int list) {
     return 4 * list;
 }
 
-// Workgroups along each axis: those of a tile, tiles in a row, rows. No axis has more than every device takes.
+// The words of a dispatch: workgroups of a tile, tiles in a row, and rows. None is more than every device takes.
 int DispatchArguments(int list, int halved) {
     return 4 * LISTS + 3 * (2 * list + halved);
 }
 
-// The border fade of the thesis (4.2.9, Eq. 4.7), by the hit's place.
+// The border fade of the thesis (4.2.9, Eq. 4.7) for a hit at texture coordinates.
 float Fade(vec2 uv) {
     float boundary = length(uv - vec2(0.5)) * 2.0;
     float fade = 1.0 - clamp((boundary - unified.fade_start) / (unified.fade_end - unified.fade_start), 0.0, 1.0);

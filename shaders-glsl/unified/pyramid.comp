@@ -1,9 +1,9 @@
 #version 460
 #pragma program(Pyramid)
-// The pyramid of front and back depths, all levels in one dispatch. A workgroup makes a tile of 64 x 64 pixels and
-// everything above it up to one cell. A thread makes 8 x 8 pixels, and their levels up to level 3, alone and in strips.
-// Above level 3 the threads meet in shared memory, and nothing depends on the subgroup's size. CPU twin:
-// reference::unified.
+// Makes the pyramid of front and back depths, all levels in one dispatch. A workgroup makes a tile of 64 x 64 pixels
+// and all levels above it, up to one cell. A thread makes 8 x 8 pixels, and their levels up to level 3, alone and strip
+// by strip. Above level 3 the threads exchange cells in shared memory, and nothing depends on the subgroup's size. CPU
+// twin: reference::unified.
 //
 // A pixel is a block from its own depth to T behind it (docs/definitions.md, "Oracle", item 3). With
 // reversed depth, d + k = (1 + k) near / z is proportional to 1 / z, and no view depth is needed:
@@ -23,18 +23,18 @@ layout(binding = 2, rg32f) uniform writeonly image2D pyramid;
 
 #define NOTHING 1e30 // the span to a neighbour that is sky or off screen
 
-// The tile's cells, as in the image: level n from row CellRow(n) on. Levels don't share rows, so that one
-// barrier a level is enough.
+// The tile's cells of levels 3 to 6, which have 8, 4, 2 and 1 rows; level n begins at row CellRow(n). Levels share no
+// rows, so that one barrier a level is enough.
 shared vec2 cells[16][8];
 
 int CellRow(int level) {
     return 16 - (128 >> level);
 }
 
-// Choices are made by mix(), which chooses without a branch: SwiftShader of Chromium 156 takes all memory to compile a
+// Choices are made by mix(), which does not branch: SwiftShader of Chromium 156 uses up all memory when it compiles a
 // loop with many branches. Loops are marked `dont_unroll`, since drivers would unroll loops without branches, and then
-// hold all pixels at once. The condition of each loop stands at its end. If it stands at the beginning, lavapipe runs the
-// body once more than the loop has turns (findings/lavapipe-runs-a-loop-once-more.sh).
+// hold all pixels at once. The condition of each loop stands at its end. If it stood at the beginning, lavapipe would
+// run the body once too often (findings/lavapipe-runs-a-loop-once-more.sh).
 
 // 1 / (d + k), or 1 if rays of sight are parallel; negative for sky.
 float Reciprocal(float depth) {
@@ -58,10 +58,10 @@ float DepthSpan(float depth, vec2 before, vec2 after) {
     return mix(0.0, span, all(bvec2(span < NOTHING, min(a, b) <= thin)));
 }
 
-// Front and back of a pixel; each neighbour with its Reciprocal.
+// Front and back of a pixel of a depth. The neighbours are pairs of a depth and its Reciprocal.
 vec2 DepthBlock(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
     float x = DepthSpan(depth, left, right), y = DepthSpan(depth, up, down);
-    // The back if rays of sight are parallel; SHARE_OF_DEPTH is then a share of the reach.
+    // `parallel` is the back if rays of sight are parallel. SHARE_OF_DEPTH is then a share of the reach.
     precise float least = SHARE_OF_DEPTH * (unified.reach * unified.depth_offset);
     precise float parallel = depth - ((x + y) + least);
     precise float thickness = (x + y) + SHARE_OF_DEPTH;
@@ -70,28 +70,28 @@ vec2 DepthBlock(float depth, vec2 left, vec2 right, vec2 up, vec2 down) {
     return mix(EMPTY_BLOCK, vec2(depth, mix(back, parallel, ORTHOGRAPHIC)), bvec2(depth > 0.0));
 }
 
-// The least block that holds two blocks.
+// The smallest block (front, back) that contains two blocks.
 vec2 Union(vec2 a, vec2 b) {
     return vec2(max(a.x, b.x), min(a.y, b.y));
 }
 
-// Stores a cell. A cell beyond the image or the levels is written outside of the image, where a write has no effect
-// (Vulkan, "Texel Output Coordinate Validation"). A branch for each write would hold a mask each.
+// Stores a cell. A cell beyond the border or the levels is written outside of the image, where a write has no effect
+// (Vulkan, "Texel Output Coordinate Validation"). Branches would take an execution mask for each write.
 void StoreCell(ivec2 cell, int level, vec2 block) {
     bool inside = all(bvec3(level <= unified.top_level, lessThan(cell, unified.padded >> level)));
     imageStore(pyramid, mix(ivec2(-1), CellTexel(cell, level), bvec2(inside)), vec4(block, 0.0, 0.0));
 }
 
-// Depth and Reciprocal of two rows of four pixels: two of a strip, and one beyond on each side. The rows are vectors,
-// since an array would not be held in registers.
+// Depth and Reciprocal of two rows of four pixels: the two pixels of a strip, and one pixel beyond on each side. The
+// rows are vectors, since an array would not be held in registers.
 struct Rows {
     vec4 upper_depth, upper_reciprocal;
     vec4 lower_depth, lower_reciprocal;
 };
 
-// The depths of two by two pixels in textureGather's order, the first at p; sky beyond the image.
+// The depths of 2 x 2 pixels, the first of which is p, in the order of textureGather; sky beyond the image.
 vec4 FetchDepths(ivec2 p) {
-    // Gathers where the four texels meet, so that no rounding can reach another texel.
+    // The coordinates are those of the corner where the four texels meet, so that no rounding can reach another texel.
     vec4 d = textureGather(depth_buffer, vec2(p + 1) / vec2(unified.size));
     bvec2 low = lessThan(uvec2(p), uvec2(unified.size)), high = lessThan(uvec2(p + 1), uvec2(unified.size));
     return mix(vec4(0.0), d, bvec4(low.x && high.y, high.x && high.y, high.x && low.y, low.x && low.y));
@@ -124,8 +124,8 @@ vec2 LowerPixel(Rows rows, int x) {
     return vec2(rows.lower_depth[x], rows.lower_reciprocal[x]);
 }
 
-// Makes four pixels, the first of which is `pixel`, and the cell above them. The pixels are in the middle of the lower
-// row of `above` and of the upper row of `below`.
+// Makes 2 x 2 pixels, the first of which is `pixel`, and their cell of level 1, which it returns. The pixels are the
+// two middle ones in the lower row of `above` and in the upper row of `below`.
 vec2 BuildQuad(ivec2 pixel, Rows above, Rows below) {
     vec2 first = LowerPixel(above, 1), second = LowerPixel(above, 2);
     vec2 third = UpperPixel(below, 1), fourth = UpperPixel(below, 2);
@@ -138,9 +138,9 @@ vec2 BuildQuad(ivec2 pixel, Rows above, Rows below) {
     return cell;
 }
 
-// Makes a strip of 2 x 8 pixels, the first of which is p. Returns the cell above the strip's upper half, and the cell
-// above its lower half. A strip is as narrow as it can be, and a loop goes down along the strip, so that a thread holds
-// few pixels at a time.
+// Makes a strip of 2 x 8 pixels, the first of which is p. Returns the block of its upper half (xy) and that of its
+// lower half (zw). The strip is as narrow as possible, and a loop goes down along it, so that a thread holds few pixels
+// at a time.
 vec4 BuildStrip(ivec2 p) {
     vec2 upper_half = EMPTY_BLOCK, cell = EMPTY_BLOCK;
     Rows above = FetchRows(p - 1);

@@ -2,11 +2,12 @@
 // their nearest front and their farthest back in reversed depth, so that the closed interval [back, front] bounds every
 // block in it; a cell without geometry is empty.
 //
-// All levels stand in one image, cut into strips of a few columns: a row of the image is a strip, in which the strip's
-// short rows follow each other. So the cells above and below a cell lie as near to it as those beside it, also on a
-// device that lays out images row by row. Level n begins at row strips - (strips >> n), with strips = twice those of
-// level 0. A cell's texel therefore takes shifts and an addition, whatever its level, and no device has to look up a
-// mip level for each thread. Passes load the pyramid as an image of one level, since nothing of it is ever filtered.
+// All levels lie in one image, cut into strips of a few columns. A row of the image holds one strip, whose short rows
+// follow each other. So the cells above and below a cell lie as near in memory as those beside it, even on a device
+// that lays out images row by row. Level n begins at row strips - (strips >> n), where `strips` is twice the number of
+// strips of level 0. So the texel of a cell takes shifts and an addition, whatever its level, and no device has to look
+// up a mip level for each thread. Passes load the pyramid as an image of one level, since nothing in it is ever
+// filtered.
 
 #ifndef UNIFIED_PYRAMID_GLSL
 #define UNIFIED_PYRAMID_GLSL
@@ -22,13 +23,13 @@ int PyramidStrips() {
     return 2 * unified.padded.x >> STRIP;
 }
 
-// The texel of a cell of a level that begins at a row.
+// The texel of a cell in a level whose first row is `row`.
 ivec2 StripTexel(ivec2 cell, int row) {
     int column = cell.x & ((1 << STRIP) - 1);
     return ivec2((cell.y << STRIP) | column, (cell.x >> STRIP) + row);
 }
 
-// The texel of the pyramid's image that holds a cell; PixelTexel returns that of a pixel, a cell of level 0.
+// The texel of the pyramid's image that holds a cell of a level. PixelTexel returns that of a pixel, a cell of level 0.
 ivec2 CellTexel(ivec2 cell, int level) {
     int strips = PyramidStrips();
     return StripTexel(cell, strips - (strips >> level));

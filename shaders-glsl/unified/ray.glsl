@@ -1,4 +1,4 @@
-// A ray in an image of the scene, and the rays of a pixel of the screen. CPU twin: reference::unified.
+// Rays in an image of the scene, and how the pixels of the screen begin them. CPU twin: reference::unified.
 
 #ifndef UNIFIED_RAY_GLSL
 #define UNIFIED_RAY_GLSL
@@ -26,14 +26,13 @@ struct Ray {
     float depth;    // reversed depth there
     vec3 rate;      // change of x, y and depth with s; max(|x|, |y|) is 1
     vec2 inverse;   // 1 / rate.xy; where that is infinite, so large that no edge is ever reached
-    float end;      // s at which it leaves the frustum
+    float end;      // s at which the ray leaves the frustum
     vec3 direction; // in view space, of any length; for version 2 of the oracle
 };
 
-
 // Makes a ray from a place in a pixel along a view-space direction. `change` is this direction as a change of (ndc x,
-// ndc y, depth); both may have any length. `end` is 0 for a ray that does not move in the image. Such a ray stays in
-// its pixel, and the sign of its rate says which plane it goes to.
+// ndc y, depth); both may have any length. A ray that does not move in the image gets the `end` 0. It stays in its
+// pixel, and the sign of its rate of depth says whether it goes to the near plane or the far plane.
 Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     Ray ray;
     ray.start = start;
@@ -54,8 +53,8 @@ Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     precise float depth_inverse = abs(depth_rate) > 1.0 / NEVER ? 1.0 / depth_rate : NEVER;
     precise vec2 inverse = vec2(abs(rate.x) > 1.0 / NEVER ? 1.0 / rate.x : NEVER,
                                 abs(rate.y) > 1.0 / NEVER ? 1.0 / rate.y : NEVER);
-    // The screen's sides are computed by the expression for every cell's sides (Traverse), so that a cell that ends
-    // with the screen ends the ray, to the bit.
+    // The s of the screen's sides is computed by the same expression as that of every cell's sides (Advance). So a ray
+    // ends, to the bit, where it leaves a cell by the screen's border.
     ivec2 side = ivec2(inverse.x > 0.0 ? unified.size.x : 0, inverse.y > 0.0 ? unified.size.y : 0);
     precise vec2 sides = (vec2(side) - start) * inverse;
     precise float plane = ((depth_inverse > 0.0 ? 1.0 : 0.0) - depth) * depth_inverse;
@@ -65,7 +64,7 @@ Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     return ray;
 }
 
-// The view-space direction in which a pixel is seen, with z = 1, and its place as ndc from the axis of the view.
+// The view-space direction in which a pixel's centre is seen, with z = 1, and its ndc from the axis of the view.
 void PixelPoint(ivec2 pixel, out vec3 view, out vec2 ndc) {
     precise vec2 centre = vec2(2 * pixel.x + 1 - unified.size.x, unified.size.y - 2 * pixel.y - 1) - unified.shift;
     precise vec2 v = centre * unified.pixel_to_view;
@@ -84,7 +83,7 @@ vec2 NdcChange(vec2 ndc, vec3 along) {
     return change;
 }
 
-// The change of reversed depth with a change of view-space z.
+// The change of reversed depth along a view-space vector with the component `z`, from a pixel of that depth.
 float DepthChange(float depth, float z) {
     if (ORTHOGRAPHIC) {
         precise float linear = -(unified.depth_offset * z);
@@ -103,10 +102,10 @@ Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
     return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, change);
 }
 
-// The ray of a pixel along the mirror direction v + a n, a = -2 (v.n) / (n.n), of the direction v in which the pixel is
-// seen, for a normal of any length. v itself projects to a point and drops out of the derivative. The rest has no
-// difference of nearly equal numbers, however flat the ray meets the surface. `faces` is false where the pixel is seen
-// from behind its normal: the ray goes below the surface.
+// The ray of a pixel along its mirror direction v + a n, with a = -2 (v.n) / (n.n). Here v is the direction in which
+// the pixel is seen, and n the normal, of any length. v itself projects to a point and drops out of the derivative.
+// What remains has no difference of nearly equal numbers, however flat the ray meets the surface. `faces` becomes false
+// if the pixel is seen from behind its normal, so that the ray goes below the surface.
 Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
     vec3 view;
     vec2 ndc;

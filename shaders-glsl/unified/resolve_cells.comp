@@ -16,10 +16,10 @@ NeighbourRay LoadGatheredRay(ivec2 cell) {
     return LoadCellRay(clamped_cell, WHOLE || IsWideTile(clamped_cell / CELLS_TO_A_TILE));
 }
 
-// The ray of a column of the row y. Columns 0 to 4 are the five cells around x, in the direction `outward` out of the
-// block; column 2 is x itself. Even columns are read. Odd ones are rounded as in fragment programs, from two rays: one
-// that is read, and the ray that the block's other cell along x reads in its place. Column 1 is made from column 2, and
-// column 3 from column 0.
+// The ray of one of the five cells around x in the row y. Columns 0 to 4 follow each other in the direction `outward`
+// out of the block; column 2 is x itself. The rays of even columns are read. The rays of odd columns are rounded as in
+// fragment programs, from two rays: one that is read, and the ray that the block's other cell along x reads in its
+// place. Column 1 is made from column 2, and column 3 from column 0.
 NeighbourRay RayInRow(int x, int y, int outward, int column) {
     int read_offset = column == 0 || column == 3 ? -2 : column == 4 ? 2 : 0;
     NeighbourRay ray = SharedRay(ivec2(x + read_offset * outward, y));
@@ -28,7 +28,7 @@ NeighbourRay RayInRow(int x, int y, int outward, int column) {
     return RayFromNeighbour(ray, SharedRay(ivec2(x + (column - 2) * outward, y)), outward);
 }
 
-// Each ray is made by itself, so that the loop holds no other ray.
+// Gathers the 5 x 5 rays around a cell. Each ray is made when it is needed, so that the loop holds no other ray.
 void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward) {
     for (int y = -1; y <= 1; ++y)
         for (int column = 0; column < 5; ++column) {

@@ -15,16 +15,16 @@ NeighbourRay LoadCellRay(ivec2 cell) {
     return LoadCellRay(clamped_cell, IsDrawn(clamped_cell));
 }
 
-// Gathers a ray, and the ray that the other cell of the block along y has in its place, each with its closeness.
+// Gathers a ray, and the ray that the block's other cell along y has in its place. `closeness` has that of both.
 void GatherWithNeighbour(inout CellSum sum, GatherPoint centre, NeighbourRay ray, int outward, vec2 closeness) {
     GatherRay(sum, centre, ray, closeness.x);
     GatherRay(sum, centre, RayFromNeighbourY(ray, outward), closeness.y);
 }
 
-// The rays of a row, the first of which is two cells inwards, and those that the other cell of the block along y has in their places.
-// `closeness` is that of the middle of both rows.
+// Gathers the five rays of a row, beginning two cells inwards, and the five rays that the block's other cell along y
+// has in their places. `closeness` is that of the middle ray of each of the two rows.
 void GatherTwoRows(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward, vec2 closeness) {
-    // The other cell of the block along x hands on the rays between those that are loaded.
+    // The block's other cell along x hands on the rays between the loaded ones.
     NeighbourRay inner = LoadCellRay(cell - ivec2(2 * outward.x, 0));
     NeighbourRay middle = LoadCellRay(cell);
     GatherWithNeighbour(sum, centre, inner, outward.y, vec2(0.0));
@@ -34,8 +34,8 @@ void GatherTwoRows(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outw
     GatherWithNeighbour(sum, centre, LoadCellRay(cell + ivec2(2 * outward.x, 0)), outward.y, vec2(0.0));
 }
 
-// The rows are gathered one by one without a loop, which SwiftShader of Chromium 156 would compile for minutes in
-// gigabytes.
+// Gathers the 5 x 5 rays around a cell. The rows are written out without a loop, which SwiftShader of Chromium 156
+// would compile for minutes and in gigabytes of memory.
 void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward) {
     ivec2 y = ivec2(0, 2 * outward.y);
     GatherTwoRows(sum, centre, cell - y, outward, vec2(0.0, 0.5));
@@ -51,7 +51,7 @@ void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 o
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);
-    // A reach of two cells can touch only the tiles on this side.
+    // The cells within two cells of this one can lie only in its own tile and in the tiles on this side.
     LoadNeighbourTiles(cell, 1 - 2 * ivec2(lessThan(cell & (CELLS_TO_A_TILE - 1), ivec2(2))));
     ResolvedCell resolved = ResolveCell(cell);
     out_reflection = resolved.reflection;

@@ -19,8 +19,8 @@ layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
 
 struct ResolvedCell {
     vec4 reflection;
-    vec4 surface; // normal; w: ViewPoint.z, bounded by 16 bits, or 1 if rays of sight are parallel; 0: none. w is negative where
-                  // no pixel can rely on what the cell gathered, if pixels may get own rays.
+    vec4 surface; // normal; w: ViewPoint.z, bounded by 16 bits, or 1 if rays of sight are parallel; 0 for no surface.
+                  // If pixels may get own rays, w is negative where no pixel can rely on what the cell gathered.
 };
 
 // The cell itself, or the nearest cell that the image has.
@@ -35,7 +35,7 @@ NeighbourRay LoadCellRay(ivec2 cell, bool is_drawn) {
                         is_drawn ? imageLoad(seen_image, cell) : vec4(0.0));
 }
 
-// The lobe that a cell gathers rays for, and the point that it begins at.
+// The lobe for which a cell gathers rays, and the point from which the lobe leaves.
 struct GatherPoint {
     vec3 point;
     Lobe lobe;
@@ -45,14 +45,15 @@ struct GatherPoint {
 // The rays that a cell gathers.
 struct CellSum {
     RaySum rays;
-    vec4 closest;  // colours of the 3 x 3 cells around it alone, weighted by their closeness as well, and the sum of these weights
+    vec4 closest;  // sums over the 3 x 3 closest cells, weighted by closeness as well: colours, and in w the weights
     float nearest; // squared distance to the nearest hit of the closest cells, or of all if pixels may get own rays
 };
 
-// Adds a ray as a sample of the lobe here. The weight is lobe f over density q, bounded as 2 f / (f + q). It is f / q
-// where f and q agree, and never above 2, however small q is (the balance heuristic between the two pixels; Veach and
-// Guibas 1995). Densities of different roughness can be compared as they are. Only the weight keeps rays of other
-// surfaces out. `closeness` is 1 for the ray of the cell itself and 0 for that of a cell that is two cells away.
+// Adds a ray as a sample of the lobe `centre`. The weight is the lobe f over the ray's density q, bounded as 2 f / (f +
+// q). This equals f / q where f and q agree, and is never above 2, however small q is (the balance heuristic between
+// the two pixels; Veach and Guibas 1995). Densities of different roughness can be compared as they are. Only this
+// weight keeps rays of other surfaces out. `closeness` is 1 for the ray of the cell itself, halved for each step along
+// an axis, and 0 for cells that are two cells away.
 void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray, float closeness) {
     bool ended_near = ray.key.w > 0.75 * NEAR_MARK;
     float density = ray.key.w - (ended_near ? NEAR_MARK : 0.0);
@@ -72,40 +73,43 @@ void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray, float cl
         sum.nearest = min(sum.nearest, ended_near ? 0.0 : dot(to, to));
 }
 
-// Gathers the rays of the 5 x 5 cells around a cell. 3 x 3 of these cells lie an even number of cells from the cell
-// itself, which loads their rays. The others lie an even number of cells from one of the three cells that a device
-// shades in step, which hand their rays on. Each loaded ray is followed by the ray that the other cell along y hands on
-// in its place, so that few rays are held at a time. The file that includes this one defines the function.
+// Gathers the rays of the 5 x 5 cells around a cell. For 3 x 3 of these cells, both distances from the cell itself are
+// even, and the cell loads their rays. The others lie at even distances from one of the block's three other cells,
+// which a device shades in step and which hand these rays on. Each loaded ray is followed by the ray that the block's
+// other cell along y has in its place, so that few rays are held at a time. The file that includes this one defines the
+// function.
 void GatherNeighbours(inout CellSum sum, GatherPoint centre, ivec2 cell, ivec2 outward);
 
-// The width of a pixel at a point, at the height of its view.
+// The width of a pixel at the distance of a point, in the scale of ViewPoint.
 float PixelWidth(vec3 point) {
     return 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : point.z);
 }
 
 // Whether a ray ended so near that the pixels around a point see different things. A thing that stands so near hides
-// other things from one pixel than from the next, which no weight of a neighbour's ray takes into account.
+// different things from each pixel, which no weight of a neighbour's ray takes into account.
 bool IsContact(vec3 point, float squared_distance) {
     float pixel = PixelWidth(point);
     return squared_distance < CONTACT * CONTACT * pixel * pixel;
 }
 
-// The weight by which the cell itself counts more, for the squared distance to the nearest hit. It falls with the distance, so that
-// nothing jumps where a hit is just far enough, and with the roughness, since a wider lobe needs more rays.
+// The additional weight of the closest cells (CONTACT_WEIGHT), for the squared distance to the nearest hit. It falls
+// with the distance, so that nothing jumps where a hit is just far enough away, and with the roughness, since a wider
+// lobe needs more rays.
 float ContactWeight(vec3 point, float roughness, float squared_distance) {
     float pixels = sqrt(squared_distance) / PixelWidth(point);
     float near = clamp((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT), 0.0, 1.0);
     return CONTACT_WEIGHT * (1.0 - roughness) * (1.0 - roughness) * near;
 }
 
-// What a cell gathered, with the colours of the closest cells counted once more by a weight. The fade stays that of all 25, since it
-// hardly differs between them.
+// The sum that a cell gathered, in whose colour the closest cells count once more, by a weight. The fade stays that of
+// all 25 cells, since it hardly differs between them.
 RaySum WeightedSum(CellSum sum, float weight) {
     vec4 both = vec4(sum.rays.color.rgb, sum.rays.weight) + weight * sum.closest;
     sum.rays.color.rgb = both.rgb * (sum.rays.weight / max(both.a, 1e-30));
     return sum.rays;
 }
 
+// Makes the reflection of a cell, and the surface that it belongs to.
 ResolvedCell ResolveCell(ivec2 cell) {
     WideCell wide = FindWideCell(cell);
     ivec2 pixel = wide.pixel;

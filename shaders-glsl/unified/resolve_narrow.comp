@@ -20,19 +20,20 @@ NeighbourRay LoadPixelRay(ivec2 pixel) {
     return UnpackNeighbourRay(NO_RECORD);
 }
 
-// The ray of a pixel of the block, or of one outside of it.
+// The ray of a pixel that lies in the block or, without `in_block`, outside of it.
 NeighbourRay LoadBlockRay(ivec2 pixel, bool in_block) {
     if (in_block)
         return LoadPixelRay(pixel);
     return SharedRay(pixel);
 }
 
-// Each ray is made by itself, so that the loop holds no other ray.
+// Gathers the rays of the eight neighbours. Neighbours 1 to 3 are in the block, 4 and 5 beside it along x, 6 and 7
+// beside it along y, and 8 is at its corner. Each ray is made when it is needed, so that the loop holds no other ray.
 void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own, ivec2 pixel) {
     ivec2 outward = DirectionOutOfBlock(pixel);
     ivec2 x = ivec2(outward.x, 0), y = ivec2(0, outward.y);
     for (int n = 1; n < 9; ++n) {
-        // Bits of the rays that other pixels of the block hand on, along x and along y.
+        // Bit n of a mask says that the block's other pixel hands on ray n: along x 1, 3 and 7, along y 2, 3 and 5.
         bool across_x = (0x8a >> n & 1) != 0, across_y = (0x2c >> n & 1) != 0, in_block = n < 4;
         ivec2 first = pixel + (n == 4 || n == 5 || n == 8 ? x : ivec2(0)) + (n >= 6 ? y : ivec2(0));
         NeighbourRay ray = LoadBlockRay(first, in_block);

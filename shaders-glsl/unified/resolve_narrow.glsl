@@ -1,7 +1,7 @@
-// The reflection of a pixel with a narrow lobe, from the rays around it. The pixel gathers the rays of the 3 x 3 pixels
-// around it. Four of these are in its block of 2 x 2 pixels, four are beside this block, and the ninth is at the
-// block's corner. The pixels of the block hand each other what they loaded, and load four rays instead of nine. The
-// weight of a neighbour's ray is the overlap of its lobe with this one. CPU twin: reference::unified::gather.
+// The reflection of a pixel with a narrow lobe, from the rays of the 3 x 3 pixels around it. Four of these pixels are
+// in its block of 2 x 2 pixels, four are beside this block, and the ninth is at the block's corner. The pixels of the
+// block exchange what they loaded, so that each loads four rays instead of nine. The weight of a neighbour's ray is the
+// overlap of its lobe with the pixel's own. CPU twin: reference::unified::gather.
 
 #ifndef UNIFIED_RESOLVE_NARROW_GLSL
 #define UNIFIED_RESOLVE_NARROW_GLSL
@@ -15,7 +15,7 @@
 
 layout(binding = 5, rgba32ui) uniform readonly uimage2D seen_image; // written by TraceNarrow
 
-// A ray whose key is the lobe that it belongs to.
+// Unpacks the record of a ray. The ray's key is the lobe that it belongs to.
 NeighbourRay UnpackNeighbourRay(uvec4 words) {
     RayRecord r = UnpackRecord(words);
     return NeighbourRay(vec4(r.mirror, r.root), r.color);
@@ -33,12 +33,12 @@ NeighbourRay LoadNeighbourRay(ivec2 pixel) {
     return UnpackNeighbourRay(words);
 }
 
-// Sums over the rays around a pixel, made one ray after the other, so that no ray must be held.
+// Sums over the rays around a pixel, to which one ray after the other is added, so that no ray must be held.
 struct RayStatistics {
     RaySum sum;
-    vec3 total;   // sum of their colours, if pixels may get own rays
-    vec3 squares;
-    float count;  // of rays
+    vec3 total;   // sum of the rays' colours, if pixels may get own rays
+    vec3 squares; // sum of the squared colours
+    float count;  // number of rays
 };
 
 // Adds a ray to the statistics that IsDoubtful reads.
@@ -54,8 +54,8 @@ void CountRay(inout RayStatistics statistics, NeighbourRay r) {
 
 // Gathers a neighbour's ray, weighted by how alike its lobe and the pixel's own lobe are.
 void GatherRay(inout RayStatistics statistics, NeighbourRay own, NeighbourRay r) {
-    // The square root of LobeOverlap, for a power between the two, by mirror directions instead of normals, which turn
-    // half as far. The root is steadier than the overlap under a moving camera.
+    // `same` is the square root of LobeOverlap, for a power between those of the two lobes, from mirror directions
+    // instead of normals, which turn half as far. The root is steadier than the overlap under a moving camera.
     float power = abs(own.key.w * r.key.w);
     vec3 chord = own.key.xyz - r.key.xyz;
     float same = exp2(-0.125 * LOG2_E * power * dot(chord, chord));
@@ -65,16 +65,16 @@ void GatherRay(inout RayStatistics statistics, NeighbourRay own, NeighbourRay r)
     CountRay(statistics, r);
 }
 
-// The ray of a pixel that the device shades.
+// The ray of a pixel of the block. The file that includes this one defines the function.
 NeighbourRay LoadPixelRay(ivec2 pixel);
 
 // Gathers the rays around a pixel. Three are in its block (beside it, above or below, and across the corner), two
 // beside the block, two above or below the block, and one at the block's corner. The file that includes this one
-// defines both functions.
+// defines the function.
 void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own, ivec2 pixel);
 
-// Whether the rays around a pixel are too few for how much their colours differ. `stand_for` is the number of own rays
-// that they stand for, by how much their weights differ (the effective size of a weighted sample; Kish 1965).
+// Whether the rays around a pixel are too few for how much their colours differ. `stand_for` becomes the number of own
+// rays that they are worth, given how much their weights differ (the effective size of a weighted sample; Kish 1965).
 bool IsDoubtful(RayStatistics statistics, out float stand_for) {
     vec3 mean = statistics.total / statistics.count, variance = statistics.squares / statistics.count - mean * mean;
     stand_for = statistics.sum.weight * statistics.sum.weight / statistics.sum.squares;

@@ -1,4 +1,5 @@
-// The reflection of a pixel with a wide lobe, between the cells around it. CPU twin: reference::unified::resolve.
+// The reflection of a pixel with a wide lobe, interpolated between the four cells around it. CPU twin:
+// reference::unified::resolve.
 
 #ifndef UNIFIED_RESOLVE_WIDE_GLSL
 #define UNIFIED_RESOLVE_WIDE_GLSL
@@ -23,26 +24,27 @@ layout(binding = 6, rgba16f) uniform readonly image2D cell_surface;
 // A cell that lies off the pixel's plane by this share of its depth has lost most of its weight.
 #define PLANE_TOLERANCE VISIBLE_WITHIN
 
-// The distance of the pixel that stands for a cell from the plane of another pixel, in tolerances, if rays of sight are
-// parallel. `beside` is the part of it that comes from the distance across the view, and `facing` is the cosine at
-// which the plane is seen. The depth is read again, since z in 16 bits is less precise than the tolerance, a share of
-// the image's height.
+// The distance of the pixel that stands for a cell from the plane of another pixel of a depth, in tolerances, if rays
+// of sight are parallel. `beside` is the part of this distance that comes from the offset across the view, and `facing`
+// is the cosine at which the plane is seen, both over PLANE_TOLERANCE. The depth is read again, since z in 16 bits is
+// less precise than the tolerance, a share of the image's height.
 float PlaneDistance(ivec2 cell, float depth, float beside, float facing) {
     float there = DepthAt(min(CellPixel(cell), unified.size - 1));
     return (beside + facing * (depth - there) / unified.depth_offset) / unified.reach;
 }
 
-// The reflection of a wide lobe, between the four cells around the pixel. A cell weighs more if its ray begins near, if
-// it lies in the pixel's plane, and if its lobe is like the pixel's (joint bilateral upsampling; Kopf et al. 2007).
-// `agreement` is the part of these cells that shows the pixel's surface. It is 0 in a cell on which no pixel can rely:
-// at the edge of a reflector, and where something stands so near that neighbours see different things.
+// The reflection of a pixel with a wide lobe, interpolated between the four cells around it. A cell weighs more if its
+// ray begins near the pixel, if it lies in the pixel's plane, and if its lobe is like the pixel's (joint bilateral
+// upsampling; Kopf et al. 2007). `agreement` becomes the part of these cells that shows the pixel's surface. It is 0 if
+// no pixel can rely on the pixel's own cell: at the edge of a reflector, and where something stands so near that
+// neighbours see different things.
 vec4 UpsampleCells(ivec2 pixel, float depth, vec3 normal, float power, out float agreement) {
     ivec2 last = (unified.size - 1) >> 1;
     ivec2 cell = pixel >> 1;
     ivec2 outward = DirectionOutOfBlock(pixel);
     LoadNeighbourTiles(cell, outward);
-    // Seen `away` pixels from here, a point at view depth z' lies off the pixel's plane by a share of the tolerance
-    // that is (facing + dot(turn, away)) z' / z - facing.
+    // A point at view depth z' that is seen `away` pixels from here lies off the pixel's plane, in tolerances, by
+    // (facing + dot(turn, away)) z' / z - facing.
     float facing = dot(normal, ViewRay(vec2(pixel) + 0.5)) / PLANE_TOLERANCE;
     vec2 turn = normal.xy * unified.pixel_to_view * vec2(2.0, -2.0) / PLANE_TOLERANCE;
     vec4 sum = vec4(0.0);

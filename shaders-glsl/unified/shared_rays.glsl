@@ -1,6 +1,6 @@
-// The rays that a workgroup of a compute program gathers, loaded once into memory that its threads share. A program that
-// includes this file defines REACH, the texels along each axis from a texel to the farthest that it gathers, and
-// LoadGatheredRay.
+// Loads the rays that a workgroup of a compute program gathers once, into memory that its threads share. A program that
+// includes this file defines LoadGatheredRay, and REACH: how many texels away along each axis the farthest ray is that
+// a texel gathers.
 
 #ifndef UNIFIED_SHARED_RAYS_GLSL
 #define UNIFIED_SHARED_RAYS_GLSL
@@ -32,7 +32,7 @@ void LoadSharedRays(ivec2 texel) {
 }
 
 // The value of another texel of the block, rounded as in fragment programs (exchanged_rays.glsl): a texel adds the
-// rounded difference of the two values to its own value.
+// rounded difference of the two values to its own value. `outward` is the asking texel's direction out of the block.
 vec4 ValueFromNeighbour(vec4 own, vec4 other, int outward) {
     precise vec4 difference = outward > 0 ? own - other : other - own;
     precise vec4 handed = own - float(outward) * difference;

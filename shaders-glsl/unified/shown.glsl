@@ -1,6 +1,6 @@
-// The output of the programs that resolve gloss. Over tiles, a pixel that the list is not for is left as it is: the
-// images already hold what it shows. With WHOLE the images hold nothing, the list is for all reflecting pixels, and the
-// other pixels show their lit colour.
+// The output of the programs that resolve gloss. Over tiles, a pixel of another kind than the list's is left as it is:
+// the images already hold what it shows. With WHOLE the images hold nothing, all reflecting pixels are of the list's
+// kind, and the other pixels show their lit colour.
 
 #ifndef UNIFIED_SHOWN_GLSL
 #define UNIFIED_SHOWN_GLSL

@@ -6,8 +6,8 @@
 
 #include "unified/traverse.glsl"
 
-// Whether a ray that hit nothing went beyond the far plane, if no other image is asked. `hit` then has the place where
-// the ray did so. If the screen shows sky there, this sky is the colour of the ray.
+// Whether a ray that hit nothing left through the far plane, if no other image is asked (without FOLLOWED). If so,
+// `hit` gets the pixel and the position where it left. If the screen shows sky there, the ray sees this sky.
 bool LeavesThroughFarPlane(Ray ray, inout Hit hit) {
     precise vec2 place = ray.start + ray.end * ray.rate.xy;
     place = clamp(place, vec2(0.0), vec2(unified.size));
@@ -31,8 +31,8 @@ struct VisibilityTest {
     bool is_reflector; // the pixel that was hit shows the surface that reflects
 };
 
-// From the surface's point to the place that a pixel's position and depth show, divided by that place's z in a
-// perspective. A pixel then has one width at any depth, and the code needs no division.
+// The vector from the surface's point to the point that a pixel shows at a position and a depth. In a perspective it is
+// divided by the z of the latter, so that a pixel has one width at any depth, and the code needs no division.
 vec3 OffsetToPixel(vec3 point, vec2 position, float depth) {
     if (ORTHOGRAPHIC) {
         precise vec3 away = ViewPoint(position, depth) - point;
@@ -48,12 +48,12 @@ float ReflectorHeight(vec3 normal) {
     return height;
 }
 
-// Whether a pixel of a depth shows the surface that reflects.
+// Whether a pixel of a depth shows the surface that reflects, which is given by a point and a normal of any length.
 bool ShowsReflector(vec3 point, vec3 normal, ivec2 pixel, float depth) {
     return depth >= 0.0 && !(Dot(normal, OffsetToPixel(point, vec2(pixel) + 0.5, depth)) > ReflectorHeight(normal));
 }
 
-// `own` is the depth of the pixel that was hit.
+// Makes the test for a surface's point and normal, a ray's direction, and the pixel that the ray hit, of depth `own`.
 VisibilityTest MakeVisibilityTest(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float own) {
     precise float width = 2.0 * unified.pixel_to_view.y;
     precise float beside = STANDS_BESIDE * width;
@@ -63,11 +63,11 @@ VisibilityTest MakeVisibilityTest(vec3 point, vec3 normal, vec3 direction, ivec2
     return VisibilityTest(point, normal, direction, ReflectorHeight(normal), beside_squared, own, apart, is_reflector);
 }
 
-// Whether a ray can have seen what a pixel of a depth shows in its middle. A surface that stands before the hit and far
-// beside the ray stands elsewhere in the reflection. A surface behind the hit is beside the hit in the reflection, too.
-// If the pixel that was hit shows the surface that reflects, the ray has met a thing that stands on that surface, and
-// nothing behind the hit counts. The ray never sees the surface that reflects, nor anything below it. Sky lies behind
-// everything.
+// Whether a ray can have seen what a pixel of a depth shows at its centre `middle`. A surface that stands before the
+// hit and far beside the ray is elsewhere in the reflection. A surface behind the hit is beside the hit in the
+// reflection, too. If the pixel that was hit shows the surface that reflects, the ray has met a thing that stands on
+// that surface, and nothing behind the hit counts. The ray never sees the surface that reflects, nor anything below it.
+// Sky lies behind everything.
 bool IsVisibleAlongRay(VisibilityTest test, vec2 middle, float depth) {
     vec3 away = OffsetToPixel(test.point, middle, depth);
     precise vec3 off = away.yzx * test.direction.zxy - away.zxy * test.direction.yzx;

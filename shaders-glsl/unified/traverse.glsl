@@ -38,8 +38,9 @@ struct Hit {
     float s;         // of the hit, or of where a miss ends
 };
 
-// Steps forward: each goes over a pixel at least, along either axis. Steps down: no more than steps up. A face adds the
-// steps down from the level at which the walk begins, and one for each pixel that is passed before a step forward.
+// The most steps of a walk. Each step forward goes over at least one pixel along an axis. Steps down are no more than
+// the steps forward that also went up. A face adds the steps down from the level at which the walk begins, and one step
+// for each pixel that is passed before a step forward.
 int MaxSteps() {
 #ifdef FACES
     return 3 * (unified.size.x + unified.size.y) + FACE_LEVEL;
@@ -54,7 +55,7 @@ float Dot(vec3 a, vec3 b) {
     return sum;
 }
 
-// The pixel that a ray comes from as it enters another: across the boundary that it crossed last.
+// The pixel from which a ray enters `pixel`: across the side that the ray crossed last. `ahead` is as Ahead returns it.
 ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
     precise vec2 entries = (vec2(pixel + 1 - ahead) - ray.start) * ray.inverse;
     ivec2 back = 1 - 2 * ahead;
@@ -62,10 +63,10 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
 }
 
 // The test of version 2 of the oracle (reference::oracle), for a ray that enters a pixel behind the front of its block.
-// If it is true, the ray passes behind the block and does not hit it. That is so if the ray was behind the front of the
-// pixel before. At an edge, it is also so if the ray is deeper in the block than the thickness times the cosine between
-// the ray and the reversed normal. Sky has a negative thickness, so that its border with a surface always counts as an
-// edge.
+// If true, the ray passes behind the block and does not hit it. The test is true if the ray was behind the front of the
+// pixel before. At an edge, it is also true if the ray is deeper in the block than the thickness times the cosine
+// between the ray and the reversed normal. Sky has a negative thickness, so that its border with a surface always
+// counts as an edge.
 bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, vec3 normal, ivec2 ahead) {
     vec2 before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
     precise float thickness = block.x - block.y;
@@ -88,13 +89,13 @@ struct Walk {
     int steps;         // cells looked at
 };
 
-// Walks on until a block is met or the ray ends. A ray that goes on in captures (FOLLOWED) is followed only as long as
-// the image sees it. Such a ray meets a block as soon as it is behind the block's front, and `passes` lets it through
-// the pixel that it begins in.
+// Continues a walk until the ray meets a block or ends. With FOLLOWED, an image follows a ray only as long as it sees
+// the ray. The ray then meets a block as soon as it is behind the block's front, and `passes` lets it through the pixel
+// that it is in first.
 //
 // The loop holds nothing but the walk, and no branch but its end, since threads that walk together wait for each other
 // in every branch that one of them takes. Parameters are read before the loop, and the block that was met after it,
-// since the loop would repeat each read and write.
+// since the loop would repeat each read.
 void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
     Walk walk = w;
     bool recedes = ray.rate.z < 0.0;
@@ -123,13 +124,13 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
         bool meets = deepest <= block.x && (FOLLOWED ? !passes : nearest >= block.y);
         passes = false;
 
-        // The next pixel: exactly across the side that is nearer; along the other axis, the pixel that the ray is in
-        // there, which is in the same cell.
+        // The next pixel lies exactly across the nearer side of the cell. Along the other axis it is the pixel that the
+        // ray is in there, within the cell.
         int low = leaves_x ? first.y : first.x;
         precise float inside = (leaves_x ? start.y : start.x) + last * (leaves_x ? ray.rate.y : ray.rate.x);
         int beside = clamp(int(inside), low, low + (size - 1));
 #ifdef FACES
-        // Rounding may move a ray along a face's border beyond this border, where nothing stands, before the ray ends.
+        // Rounding may move a ray that runs along a face's border beyond it, where no pixel is, before the ray ends.
         beside = min(beside, border);
 #endif
         ivec2 onward = ivec2(leaves_x ? edge.x + across.x : beside, leaves_y ? edge.y + across.y : beside);
@@ -148,8 +149,8 @@ float PixelExit(Ray ray, Walk walk, ivec2 ahead) {
     return max(min(min(crossings.x, crossings.y), ray.end), walk.entry);
 }
 
-// The s of the ray's crossing with the front of the pixel that it is in, if the crossing lies inside the pixel; else
-// the s of the entry.
+// The s at which the ray crosses the front of the block of the pixel that it is in, if it does so inside the pixel;
+// else the s at which it entered the pixel.
 float FrontCrossing(Ray ray, Walk walk, ivec2 ahead, float front) {
     float last = PixelExit(ray, walk, ahead);
     precise float exit_depth = ray.depth + last * ray.rate.z;
@@ -158,21 +159,20 @@ float FrontCrossing(Ray ray, Walk walk, ivec2 ahead, float front) {
     return far <= front && front <= near && far < near ? min(max(crossing, walk.entry), last) : walk.entry;
 }
 
-// The side by which the ray leaves a cell, by axis: 1 for the far side, if the coordinate grows, else 0 for the near
-// side.
+// By which side along each axis a ray leaves a cell: 1 for the far side, if the coordinate grows, 0 for the near side.
 ivec2 Ahead(Ray ray) {
     return ivec2(greaterThan(ray.inverse, vec2(0.0)));
 }
 
 #ifndef FACES
 
-// Walks over the pyramid until the ray hits a block or ends. With FOLLOWED, a ray that passes wholly behind a block ends there, with the code
-// PATH_MISS_BEHIND; without FOLLOWED the walk goes on.
+// Walks over the pyramid until the ray hits a block or ends. With FOLLOWED, a ray that passes wholly behind a block
+// ends there, with the code PATH_MISS_BEHIND; without FOLLOWED the walk goes on.
 Hit Traverse(Ray ray) {
     Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, ray.end);
     ivec2 ahead = Ahead(ray);
 
-    // The first step leaves the starting pixel without looking at it.
+    // The first step leaves the ray's own pixel without a look at its block.
     precise vec2 sides = (vec2(ahead) - 0.5) * ray.inverse;
     float entry = min(sides.x, sides.y);
     if (!(entry < ray.end))
@@ -181,8 +181,8 @@ Hit Traverse(Ray ray) {
     ivec2 pixel = ivec2(sides.x == entry ? ray.pixel.x + 2 * ahead.x - 1 : int(at_side.x),
                         sides.y == entry ? ray.pixel.y + 2 * ahead.y - 1 : int(at_side.y));
     precise float entry_depth = ray.depth + entry * ray.rate.z;
-    // By version 2, the first pixel may show the surface that the ray leaves. The ray then enters at a depth beyond all
-    // others, and meets nothing there.
+    // By version 2, the first pixel may show the surface that the ray leaves. The ray then enters this pixel at a depth
+    // beyond all others, so that it meets nothing there.
     bool leaves = ORACLE == 2 && Dot(ray.direction, NORMAL_AT(pixel)) > 0.0;
     if (leaves && !FOLLOWED)
         entry_depth = ray.rate.z < 0.0 ? -NEVER : NEVER;

@@ -6,7 +6,7 @@
 #include "common/sight.glsl"
 #include "unified/parameters.glsl"
 
-// How far continuous pixel coordinates lie off the axis of the view: for each metre of z, or in metres at any z if rays of
+// How far continuous pixel coordinates lie off the axis of the view, in metres: at z = 1 m, or at any z if rays of
 // sight are parallel.
 vec2 OffAxis(vec2 position) {
     precise vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y)
@@ -32,8 +32,8 @@ vec3 ViewPoint(vec2 position, float depth) {
     return point;
 }
 
-// By how much the footprint of a mirror's ray, which is that of its pixel, widens with each metre. An orthographic
-// projection is seen as if from an eye very far away.
+// By how much the footprint of a mirror's ray, which is that of its pixel, widens with each metre. For an orthographic
+// projection the eye is taken to be very far away.
 float PixelSpread() {
     return ORTHOGRAPHIC ? 2.0 * unified.pixel_to_view.y / FAR_EYE : 2.0 * unified.pixel_to_view.y;
 }

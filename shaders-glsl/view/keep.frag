@@ -1,6 +1,6 @@
 #version 460
 #pragma program(Keep)
-// Keeps a mip level of an image, as 32-bit floats and at the size of the target, for `look.frag`, since methods
+// Copies a mip level of an image to 32-bit floats, scaled to the size of the target, for `look.frag`, since methods
 // overwrite their images in the next frame.
 
 layout(binding = 0) uniform sampler2D source; // a view of one level

@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Look)
-// The area of the window beside its panel: one picture, two side by side, or their difference. A picture is a colour,
-// or an intermediate image whose numbers are shown as shades. The target encodes sRGB.
+// Draws the area of the window beside its panel: one picture, two side by side, or their difference. A picture is a
+// colour image, or an intermediate image whose numbers are shown as shades. The target encodes sRGB.
 
 #include "common/constants.glsl"
 

@@ -7,8 +7,8 @@ use ssct_ground::scene::Camera;
 use ssct_ground::scene::camera::is_rotation;
 use ssct_ground::scene::projection::ReadProjection;
 
-/// The camera of a frame, in the caller's conventions, which are read off its matrices: handedness, whether y is up,
-/// reversed or standard depth, a finite or an infinite far plane, and the shift of a jittered projection.
+/// The camera of a frame, in the caller's conventions. The matrices alone tell handedness, whether y is up, whether
+/// depth is reversed, whether the far plane is finite, and the shift of a jittered projection.
 ///
 /// A matrix is 16 numbers, column by column, and is multiplied by column vectors from the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,14 +25,13 @@ pub struct CameraInput {
 /// The caller's camera in our conventions.
 pub(super) struct ConvertedCamera {
     pub camera: Camera,
-    /// Factor and offset that turn the caller's depth into reversed depth.
+    /// Factor and offset that turn the caller's depth into reversed depth: factor · depth + offset.
     pub to_reversed: [f32; 2],
     /// The matrix from the caller's view space to ours.
     pub their_view_to_ours: Mat3,
 }
 
-/// Ratio of the far to the near plane that stands for an infinite projection, since formulas of some published methods need a far
-/// plane.
+/// Ratio of far to near plane that stands for an infinite projection, since some published methods need a far plane.
 const INFINITE_FAR: f32 = 1e7;
 
 impl CameraInput {
@@ -76,16 +75,15 @@ mod tests {
         perspectives.chain(parallels()).collect()
     }
 
-    /// Orthographic projections: the near plane at 0.25 m or at the eye.
+    /// Orthographic projections with the near plane at 0.25 m or at the eye; `matrix` makes the depth a + b z.
     fn parallels() -> Vec<(&'static str, Mat4, ClipY, f32)> {
         let (fx, fy, near, far) = (0.2_f32, 0.3_f32, 0.25_f32, 80.0_f32);
-        let matrix = |y: f32, u: f32, v: f32, a: f32, b: f32| {
-            Mat4::from_cols_array(&[fx, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, b, 0.0, u, v, a, 1.0])
+        let matrix = |y: f32, shift_x: f32, shift_y: f32, a: f32, b: f32| {
+            Mat4::from_cols_array(&[fx, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, b, 0.0, shift_x, shift_y, a, 1.0])
         };
         let reversed = |near: f32| (far / (far - near), -1.0 / (far - near));
         let standard = |near: f32| (-near / (far - near), 1.0 / (far - near));
-        let (a, b) = reversed(near);
-        let (c, d) = standard(near);
+        let ((a, b), (c, d)) = (reversed(near), standard(near));
         vec![
             ("parallel, left-handed, reversed", matrix(fy, 0.0, 0.0, a, b), ClipY::Up, 1.0),
             ("parallel, right-handed, reversed", matrix(fy, 0.0, 0.0, a, -b), ClipY::Up, -1.0),

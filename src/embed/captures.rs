@@ -54,7 +54,7 @@ pub struct CaptureCubes {
     keep: FaceKeeper,
     images: CaptureImages,
     camera: super::camera::ConvertedCamera,
-    /// A bit for each face that was handed over.
+    /// A bit for each face that was handed over: bit 6 · capture + face.
     taken: u64,
 }
 
@@ -74,8 +74,8 @@ impl CaptureCubes {
                 info.side
             )));
         }
-        let places: Vec<Vec3> = info.places.iter().map(|p| Vec3::from(*p)).collect();
-        if places.iter().any(|p| !p.is_finite()) {
+        let places: Vec<Vec3> = info.places.iter().map(|place| Vec3::from(*place)).collect();
+        if places.iter().any(|place| !place.is_finite()) {
             return Err(Error::Usage("a capture's place has numbers that are not finite".into()));
         }
         let bounds = info.bounds.map_or(Some(Aabb::ALL), Aabb::between).ok_or_else(|| {
@@ -87,9 +87,9 @@ impl CaptureCubes {
         let input = CameraInput { world_to_view: identity, view_to_clip: info.view_to_clip, clip_y: info.clip_y };
         let camera = input.converted()?;
         let projection = camera.camera.view_to_clip_reversed();
-        let is_quarter = [projection.x_axis.x, projection.y_axis.y].iter().all(|scale| (scale - 1.0).abs() < 1e-5);
+        let is_quarter_turn = [projection.x_axis.x, projection.y_axis.y].iter().all(|scale| (scale - 1.0).abs() < 1e-5);
         if camera.camera.kind().is_orthographic()
-            || !is_quarter
+            || !is_quarter_turn
             || projection.z_axis.x != 0.0
             || projection.z_axis.y != 0.0
         {
@@ -106,7 +106,7 @@ impl CaptureCubes {
         })
     }
 
-    /// Records the commands that copy a face into the captures. Submit them before frames that see the face.
+    /// Records the commands that copy a face into the captures. Submit them before the frames that are to see the face.
     ///
     /// # Errors
     /// [`Error::Usage`] with what is wrong with an input; nothing is recorded then.

@@ -79,7 +79,7 @@ impl ImageInput {
         Ok(())
     }
 
-    /// Checks an image of the numbers of the triangles that pixels show.
+    /// Checks an image whose pixels have the number of the triangle that they show.
     pub(super) fn check_numbers(&self, name: &str, extent: [u32; 2]) -> Result<()> {
         self.check_made(name, Some(extent), (vk::ImageUsageFlags::STORAGE, "STORAGE"))?;
         if self.format != vk::Format::R32_UINT {
@@ -120,7 +120,7 @@ impl ImageInput {
     }
 }
 
-/// The images that a frame reads. An image that several inputs share is listed once.
+/// The caller's images that a frame reads, each with its input. An image that several inputs share is listed once.
 #[derive(Default)]
 pub(super) struct BorrowedImages(Vec<(ImageInput, Image)>);
 
@@ -136,8 +136,8 @@ impl BorrowedImages {
     pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<BorrowedIndex> {
         let place = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
         let Some(index) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
-            let like = (input.format, input.extent);
-            self.0.push((*input, Image::of_others(gpu, name, (input.image, input.view), input.part, like)));
+            let format = (input.format, input.extent);
+            self.0.push((*input, Image::of_others(gpu, name, (input.image, input.view), input.part, format)));
             return Ok(BorrowedIndex(self.0.len() - 1));
         };
         let known = &self.0[index].0;
@@ -150,16 +150,16 @@ impl BorrowedImages {
     }
 
     /// The image of an input.
-    pub fn image(&self, loan: BorrowedIndex) -> &Image {
-        &self.0[loan.0].1
+    pub fn image(&self, index: BorrowedIndex) -> &Image {
+        &self.0[index.0].1
     }
 
-    /// Tells a frame in which use the caller left the images.
+    /// Tells a frame the use in which the caller left each image.
     pub fn begin(&self, frame: &mut Frame) {
         self.0.iter().for_each(|(input, image)| frame.take_over(image, input.before));
     }
 
-    /// Hands the images back to the caller in the use that their inputs declare.
+    /// Hands each image back to the caller, ready for the next use that its input declares.
     pub fn end(&self, frame: &mut Frame) {
         self.0.iter().for_each(|(input, image)| frame.hand_over(image, input.after));
     }
@@ -178,13 +178,13 @@ fn is_depth_format(format: vk::Format) -> bool {
     )
 }
 
-/// Whether a shader reads the texels of a format as integers. The names of Vulkan's formats tell.
+/// Whether a shader reads the texels of a format as integers, by the name of the format in Vulkan.
 fn is_integer(format: vk::Format) -> bool {
     let name = format!("{format:?}");
     !is_depth_format(format) && ["UINT", "SINT"].iter().any(|kind| name.contains(kind))
 }
 
-/// Whether a format holds numbers below 0.
+/// Whether a format can hold numbers below 0, by its name in Vulkan.
 fn is_signed_format(format: vk::Format) -> bool {
     let name = format!("{format:?}");
     !["UNORM", "UFLOAT", "SRGB"].iter().any(|kind| name.contains(kind))
@@ -217,7 +217,7 @@ impl NormalInput {
     }
 
     /// Returns the code `NORMAL_*` of the encoding, and the matrix from a decoded normal to our view space.
-    pub(super) fn kind(&self, taken: &ConvertedCamera) -> (i32, Mat3) {
+    pub(super) fn kind(&self, camera: &ConvertedCamera) -> (i32, Mat3) {
         let kind = match self.encoding {
             NormalEncoding::Float => NORMAL_FLOAT,
             NormalEncoding::Unorm => NORMAL_UNORM,
@@ -225,8 +225,8 @@ impl NormalInput {
             NormalEncoding::OctahedralUnorm => NORMAL_OCTAHEDRAL_UNORM,
         };
         match self.space {
-            NormalSpace::View => (kind, taken.their_view_to_ours),
-            NormalSpace::World => (kind, Mat3::from_mat4(taken.camera.world_to_view)),
+            NormalSpace::View => (kind, camera.their_view_to_ours),
+            NormalSpace::World => (kind, Mat3::from_mat4(camera.camera.world_to_view)),
         }
     }
 }
@@ -290,7 +290,7 @@ impl FactorInput {
         }
     }
 
-    /// Adds the image of the factor to the borrowed images, if the factor has one.
+    /// Adds the factor's image, if it has one, to the borrowed images.
     pub(super) fn take(&self, borrowed: &mut BorrowedImages, gpu: &Gpu, name: &str) -> Result<BorrowedFactor> {
         Ok(match self {
             // A constant is rounded as an image of half floats would round it.
@@ -312,7 +312,7 @@ impl BorrowedFactor {
     pub fn to_factor(self, borrowed: &BorrowedImages) -> Factor<'_> {
         match self {
             Self::Constant(value) => Factor::Constant(value),
-            Self::Channel(loan, channel) => Factor::Channel(borrowed.image(loan), channel),
+            Self::Channel(index, channel) => Factor::Channel(borrowed.image(index), channel),
         }
     }
 }

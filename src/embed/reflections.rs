@@ -132,8 +132,7 @@ pub struct Recorded {
     pub skipped: Vec<Skipped>,
 }
 
-/// The pipelines, images and uniform memory that reflect one view in every frame. Views are independent of each other, and may be
-/// recorded by different threads.
+/// Pipelines, images and memory for the reflections of one view. Different threads may record different views.
 pub struct Reflections {
     frames: FrameContext,
     import: ImportPass,
@@ -155,7 +154,7 @@ enum WorldInput {
 }
 
 impl WorldInput {
-    /// Returns the kind of what frames are given; refuses captures together with triangles.
+    /// Returns the kind of input that frames are given. Fails if they are given captures and triangles together.
     fn from_inputs(captures: Option<u32>, triangles: Option<&Triangles>) -> Result<Self> {
         match (captures, triangles) {
             (None, None) => Ok(Self::Nothing),
@@ -167,8 +166,7 @@ impl WorldInput {
         }
     }
 
-    /// Returns whether passes that were made for `self` can read `given`. The number of triangles may differ, since
-    /// passes that are made do not depend on this number.
+    /// Returns whether passes made for `self` can read `given`. They do not depend on the number of triangles.
     fn takes(self, given: Self) -> bool {
         match (self, given) {
             (Self::Triangles(made), Self::Triangles(given)) => made == TriangleReading { count: made.count, ..given },
@@ -176,13 +174,14 @@ impl WorldInput {
         }
     }
 
+    /// Names the input for an error.
     fn describe(self) -> String {
         match self {
             Self::Nothing => "nothing".into(),
             Self::Captures(side) => format!("captures with faces of {side} texels a side"),
             Self::Triangles(TriangleReading { count, geometry_texels, .. }) => {
-                let way = if geometry_texels { "texel" } else { "storage" };
-                format!("triangles, {count} of them, which the device reads from {way} buffers")
+                let kind = if geometry_texels { "texel" } else { "storage" };
+                format!("triangles, {count} of them, which the device reads from {kind} buffers")
             }
         }
     }
@@ -250,7 +249,7 @@ impl Reflections {
     /// - Frames of this object, and the faces of the captures that they see, are submitted in the order in which they
     ///   were recorded, to one queue. A command buffer is submitted once, or thrown away before another is recorded.
     pub unsafe fn record(&mut self, commands: vk::CommandBuffer, input: &FrameInput) -> Result<Recorded> {
-        let taken = self.check(input)?;
+        let converted = self.check(input)?;
         let captures = input.captures.map(CaptureCubes::images).transpose()?;
         let triangles = input.triangles.map(Triangles::bound).transpose()?;
         let gpu = self.frames.gpu().clone();
@@ -267,20 +266,20 @@ impl Reflections {
         // SAFETY: the caller keeps to the contract of this function.
         let mut frame = unsafe { self.frames.begin_in(commands, input.slot, mode) }?;
         borrowed.begin(&mut frame);
-        let (kind, to_view) = input.normal.kind(&taken);
+        let (encoding, to_view) = input.normal.kind(&converted);
         let foreign = ForeignImages {
             depth: borrowed.image(depth),
-            to_reversed: taken.to_reversed,
-            normal: Some((borrowed.image(normal), kind, to_view)),
+            to_reversed: converted.to_reversed,
+            normal: Some((borrowed.image(normal), encoding, to_view)),
             material: [reflectivity, roughness].map(|factor| factor.to_factor(&borrowed)),
             color: borrowed.image(color),
             reflectors: input.reflectors,
             leaves_sky_out: false,
         };
-        let imported = self.import.record(&mut frame, &foreign, &taken.camera)?;
+        let imported = self.import.record(&mut frame, &foreign, &converted.camera)?;
         let gbuffer = GBuffer { triangle: numbers.map(|numbers| borrowed.image(numbers)), ..imported };
         frame.begin_effect();
-        let seen = Input {
+        let effect_input = Input {
             sky: sky.map(|sky| borrowed.image(sky)),
             captures: captures.map(|images| images.captures()),
             triangles,
@@ -289,10 +288,10 @@ impl Reflections {
                 scale,
                 shifted: jittered,
             }),
-            ..Input::of_screen(gbuffer, &taken.camera)
+            ..Input::of_screen(gbuffer, &converted.camera)
         };
-        let output = self.effect.record(&mut frame, &seen)?;
-        let give = |frame: &mut Frame, image: &Image| {
+        let output = self.effect.record(&mut frame, &effect_input)?;
+        let hand_over = |frame: &mut Frame, image: &Image| {
             frame.hand_over(image, input.outputs);
             OutputImage {
                 image: image.handle(),
@@ -301,9 +300,9 @@ impl Reflections {
                 extent: image.extent(),
             }
         };
-        let composite = self.wants.composite.then(|| give(&mut frame, output.composite));
-        let reflection = output.traced.reflection.filter(|_| self.wants.reflection).map(|r| give(&mut frame, r.0));
-        let hits = output.traced.hits.map(|h| give(&mut frame, h.0));
+        let composite = self.wants.composite.then(|| hand_over(&mut frame, output.composite));
+        let reflection = output.traced.reflection.filter(|_| self.wants.reflection).map(|r| hand_over(&mut frame, r.0));
+        let hits = output.traced.hits.map(|h| hand_over(&mut frame, h.0));
         borrowed.end(&mut frame);
         let report = frame.end()?;
         Ok(Recorded { composite, reflection, hits, passes: report.recorded, skipped: report.skipped })
@@ -312,8 +311,7 @@ impl Reflections {
     /// How long each pass of the last frame of a slot took; empty if the frame was not timed.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a slot that does not exist; [`Error::Vulkan`] with `NOT_READY` if the device is not done with the frame
-    /// yet.
+    /// [`Error::Usage`] for a slot that does not exist; [`Error::Vulkan`] with `NOT_READY` before the frame is done.
     pub fn times(&self, slot: usize) -> Result<Vec<PassTime>> {
         self.frames.times(slot)
     }
@@ -341,7 +339,7 @@ impl Reflections {
         if let Some(motion) = &input.motion {
             motion.check(extent)?;
         }
-        let given = WorldInput::from_inputs(input.captures.map(|c| c.extent()[0]), input.triangles)?;
+        let given = WorldInput::from_inputs(input.captures.map(|cubes| cubes.extent()[0]), input.triangles)?;
         if !self.beyond.takes(given) {
             return Err(Error::Usage(format!(
                 "the frame is given {}, and the reflections were made for {}: ReflectionsInfo says what frames have",
@@ -349,16 +347,16 @@ impl Reflections {
                 self.beyond.describe()
             )));
         }
-        let taken = input.camera.converted()?;
-        taken
+        let converted = input.camera.converted()?;
+        converted
             .camera
             .check_kind(self.setup.projection)
             .map_err(|e| Error::Usage(format!("{e}: see ReflectionsInfo.projection")))?;
-        Ok(taken)
+        Ok(converted)
     }
 }
 
-/// Makes the effect for frames with the captures or triangles that `beyond` says.
+/// Makes the effect for frames with captures, with triangles, or without either, as `beyond` says.
 fn effect(
     frames: &mut FrameContext,
     method: &MethodInfo,
@@ -373,8 +371,7 @@ fn effect(
     }
 }
 
-/// Sets the preset, or a parameter that the method reads: its own, or one of the effect around every method. Fails for
-/// any other name.
+/// Sets the preset, or a parameter that the method or the effect around it reads. Fails for any other name.
 fn set(setup: &mut Setup, method: &MethodInfo, name: &str, value: &str) -> Result<()> {
     if name == "preset" {
         let preset = [Preset::Published, Preset::Author].into_iter().find(|p| p.name() == value);

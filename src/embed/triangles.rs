@@ -164,11 +164,11 @@ impl TriangleMesh<'_> {
                 return wrong("has a place on its texture that is not finite".into());
             }
         }
-        let place = |vertex: usize| self.texture.map_or([0.0; 2], |texture| texture.places[vertex]);
-        let vertex = |(number, p): (usize, &Vec3)| Vertex {
-            position: p.to_array(),
+        let uv = |vertex: usize| self.texture.map_or([0.0; 2], |texture| texture.places[vertex]);
+        let vertex = |(number, place): (usize, &Vec3)| Vertex {
+            position: place.to_array(),
             normal: [0.0, 1.0, 0.0],
-            uv: place(number),
+            uv: uv(number),
             tangent: [1.0, 0.0, 0.0, 1.0],
         };
         let mesh = Mesh {
@@ -178,19 +178,19 @@ impl TriangleMesh<'_> {
             material: number,
             bounds: Aabb::ALL,
         };
-        // A material that emits all of its albedo has the colour of its albedo under every light.
+        // A material that emits all of its albedo has that colour under every light.
         let albedo_map = self.texture.map(|texture| texture.number);
         Ok((mesh, Material { albedo: color, albedo_map, emission: 1.0, ..Material::default() }))
     }
 }
 
-/// The most texels of all textures together. With the texels of all mip levels, the index of a texel still fits 31 bits.
+/// The most texels of all textures together, so that texels of all mip levels have indices of 31 bits.
 #[cfg(feature = "tree")]
 const MAX_TEXELS: usize = 1 << 30;
 
 #[cfg(feature = "tree")]
 impl HitTexture<'_> {
-    /// Checks and converts the texture. Alpha is 255, since shaders take alpha for the share of light that is emitted.
+    /// Checks and converts the texture. Alpha becomes 255: for shaders it is the share of light that is emitted.
     fn take(&self, number: usize) -> Result<Texture> {
         let [width, height] = self.extent;
         let wrong = |why: String| Err(Error::Usage(format!("texture {number} {why}")));

@@ -28,19 +28,19 @@ pub struct Permutation {
     pub module: String,
     /// The bindings, constants, blocks and outputs of the module.
     pub interface: Interface,
-    /// Binding and format of the image for each output of the fragment permutations, if this is a compute permutation beside them.
+    /// In a compute permutation beside fragment permutations: binding and format of an image for each output.
     pub stored: Vec<(u32, &'static str)>,
 }
 
 impl Permutation {
-    /// The bindings that fields of the program's struct give: all but the images in place of outputs.
+    /// Returns the bindings that are fields of the program's struct: all but the images that replace outputs.
     fn given(&self) -> impl Iterator<Item = &StageBinding> {
         let is_stored = |bound: &StageBinding| self.stored.iter().any(|(binding, _)| *binding == bound.binding);
         self.interface.bindings.iter().filter(move |bound| !is_stored(bound))
     }
 }
 
-/// The name of a shader, in labels and errors.
+/// Returns the name of a shader for labels and errors: its file and its macros, with spaces between.
 pub fn title(file: &str, defines: &[String]) -> String {
     [&[file.to_owned()], defines].concat().join(" ")
 }
@@ -49,25 +49,25 @@ pub fn title(file: &str, defines: &[String]) -> String {
 /// storage images that no fragment permutation has, in the order of the outputs.
 pub fn find_stored(permutations: &mut [Permutation]) -> Result<(), String> {
     let fragments: Vec<&Interface> =
-        permutations.iter().filter(|v| v.stage == Stage::Fragment).map(|v| &v.interface).collect();
-    let Some(outputs) = fragments.first().map(|interface| interface.outputs.len()) else { return Ok(()) };
-    if fragments.iter().any(|interface| interface.outputs.len() != outputs) {
+        permutations.iter().filter(|p| p.stage == Stage::Fragment).map(|p| &p.interface).collect();
+    let Some(output_count) = fragments.first().map(|interface| interface.outputs.len()) else { return Ok(()) };
+    if fragments.iter().any(|interface| interface.outputs.len() != output_count) {
         return Err("its fragment permutations have different numbers of outputs".into());
     }
-    if permutations.iter().any(|v| v.stage == Stage::Vertex) {
+    if permutations.iter().any(|p| p.stage == Stage::Vertex) {
         return Err("a vertex shader has the name of a fragment shader".into());
     }
     let read: BTreeSet<String> = fragments.iter().flat_map(|i| &i.bindings).map(|bound| bound.name.clone()).collect();
-    for Permutation { interface, file, stored, .. } in permutations.iter_mut().filter(|v| v.stage == Stage::Compute) {
+    for Permutation { interface, file, stored, .. } in permutations.iter_mut().filter(|p| p.stage == Stage::Compute) {
         let is_output = |b: &&StageBinding| b.kind == "StorageImage" && !b.read_only && !read.contains(&b.name);
         let images = interface.bindings.iter().filter(is_output).map(|bound| {
             let found = interface.formats.get(&bound.binding).map(|format| (bound.binding, *format));
             found.ok_or_else(|| format!("{file}: the output {} has no format", bound.name))
         });
         *stored = images.collect::<Result<_, _>>()?;
-        if stored.len() != outputs {
+        if stored.len() != output_count {
             return Err(format!(
-                "{file}: it stores {} images, and the fragment permutations draw {outputs}",
+                "{file}: it stores {} images, and the fragment permutations draw {output_count}",
                 stored.len()
             ));
         }
@@ -77,10 +77,10 @@ pub fn find_stored(permutations: &mut [Permutation]) -> Result<(), String> {
 
 /// Refuses a compute permutation that was made from a fragment shader's source and reads other inputs than that shader.
 fn check_twins(permutations: &[Permutation]) -> Result<(), String> {
-    for twin in permutations.iter().filter(|v| v.named.defines.iter().any(|define| define == glsl::COMPUTE)) {
-        let own = twin.named.defines.iter().take_while(|define| *define != glsl::COMPUTE);
-        let is_source = |v: &&Permutation| {
-            v.stage == Stage::Fragment && v.file == twin.file && v.named.defines.iter().eq(own.clone())
+    for twin in permutations.iter().filter(|p| p.named.defines.iter().any(|define| define == glsl::COMPUTE)) {
+        let source_defines = twin.named.defines.iter().take_while(|define| *define != glsl::COMPUTE);
+        let is_source = |p: &&Permutation| {
+            p.stage == Stage::Fragment && p.file == twin.file && p.named.defines.iter().eq(source_defines.clone())
         };
         let reads_alike = permutations.iter().find(is_source).is_some_and(|fragment| {
             twin.given().eq(fragment.given())
@@ -108,10 +108,10 @@ impl Groups {
         Self { named, declared: BTreeMap::new() }
     }
 
-    /// The declarations of all groups.
+    /// Returns the declarations of all groups, as Rust code.
     ///
     /// # Errors
-    /// A sentence about a group whose members no program has.
+    /// A sentence about a group if no program has all of its members.
     pub fn text(self) -> Result<String, String> {
         match self.named.iter().find(|group| !self.declared.contains_key(&group.name)) {
             Some(Group { name, .. }) => Err(format!("no program has all members of the group {name}")),
@@ -119,7 +119,7 @@ impl Groups {
         }
     }
 
-    /// Finds the group that a member belongs to, among the groups whose members are all in `names`.
+    /// Finds the group that `member` belongs to. A group counts only if `names` has all of its members.
     fn around(&self, member: &str, names: &BTreeSet<&str>) -> Option<&Group> {
         let has_all = |group: &&Group| group.members.iter().all(|member| names.contains(member.as_str()));
         self.named.iter().filter(has_all).find(|group| group.members.iter().any(|m| m == member))
@@ -135,7 +135,7 @@ impl Groups {
         self.keep(&group.name, format!("{title}pub struct {}<'a> {{\n{fields}}}\n", group.name))
     }
 
-    /// Keeps the declaration of a group. All programs have to declare its members alike.
+    /// Keeps the declaration `text` of the group `name`. Fails if another program declares the members differently.
     fn keep(&mut self, name: &str, text: String) -> Result<(), String> {
         match self.declared.insert(name.to_owned(), text.clone()) {
             Some(known) if known != text => Err(format!("its members of {name} are not those of other programs")),
@@ -144,7 +144,7 @@ impl Groups {
     }
 }
 
-/// The Rust type of a binding's field, and the code that makes its `Resource`, in which `{}` stands for the field.
+/// Returns the Rust type of a binding's field, and the code that makes its `Resource`, where `{}` stands for the field.
 fn bound_type(bound: &StageBinding) -> (String, String) {
     let StageBinding { kind, count, block, read_only, .. } = bound;
     let (ty, resource) = match (*kind, *count, *read_only) {
@@ -161,8 +161,8 @@ fn bound_type(bound: &StageBinding) -> (String, String) {
     (ty, resource.to_owned())
 }
 
-/// Declares the fields of a program's struct, and the match arms that find the resource of a binding by its name. A
-/// binding that some permutation lacks is an `Option`, and so is a group of which some permutation has no member.
+/// Returns two texts: the fields of a program's struct, and the match arms that find the resource of a binding by name.
+/// A binding that some permutation lacks is an `Option`, and so is a group of which some permutation has no member.
 fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(String, String), String> {
     let mut bindings: Vec<&StageBinding> = Vec::new();
     for bound in permutations.iter().flat_map(Permutation::given) {
@@ -174,7 +174,7 @@ fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(
     }
     let names: BTreeSet<&str> = bindings.iter().map(|bound| bound.name.as_str()).collect();
     let is_everywhere = |members: &[String]| {
-        let has_one = |v: &Permutation| v.given().any(|bound| members.contains(&bound.name));
+        let has_one = |p: &Permutation| p.given().any(|bound| members.contains(&bound.name));
         permutations.iter().all(has_one)
     };
     let (mut fields, mut arms) = (String::new(), String::new());
@@ -184,28 +184,28 @@ fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(
         let group = groups.around(name, &names).cloned();
         let members = group.as_ref().map_or(std::slice::from_ref(name), |group| &group.members);
         let is_option = !is_everywhere(members);
-        let mark = if is_option { "?" } else { "" };
+        let question = if is_option { "?" } else { "" };
         let value = match &group {
-            Some(group) => format!("self.{}{mark}.{name}", group.field()),
+            Some(group) => format!("self.{}{question}.{name}", group.field()),
             // The arm borrows the array from the field: a copy would not outlive the function.
             None if bound.count > 1 && is_option => format!("*self.{name}.as_ref()?"),
-            None => format!("self.{name}{mark}"),
+            None => format!("self.{name}{question}"),
         };
         let _ = writeln!(arms, "            {name:?} => Resource::{},", resource.replace("{}", &value));
         let (field, ty, about) = match group {
             Some(group) if !grouped.insert(group.name.clone()) => continue,
             Some(group) => {
-                let of_group = |member: &String| bindings.iter().find(|bound| bound.name == *member).copied();
-                groups.declare(&group, &group.members.iter().filter_map(of_group).collect::<Vec<_>>())?;
+                let member_binding = |member: &String| bindings.iter().find(|bound| bound.name == *member).copied();
+                groups.declare(&group, &group.members.iter().filter_map(member_binding).collect::<Vec<_>>())?;
                 (group.field(), format!("{}<'a>", group.name), format!("Bindings {}", group.members.join(", ")))
             }
             None => (name.clone(), ty, format!("Binding {}", bound.binding)),
         };
-        let (ty, some) = match is_option {
+        let (ty, note) = match is_option {
             true => (format!("Option<{ty}>"), ", which some permutations have"),
             false => (ty, ""),
         };
-        let _ = writeln!(fields, "    /// {about}{some}.\n    pub {field}: {ty},");
+        let _ = writeln!(fields, "    /// {about}{note}.\n    pub {field}: {ty},");
     }
     Ok((fields, arms))
 }
@@ -214,7 +214,7 @@ fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(
 pub fn program(name: &str, permutations: &[Permutation], groups: &mut Groups) -> Result<String, String> {
     check_twins(permutations)?;
     let (mut fields, arms) = program_fields(permutations, groups)?;
-    let mut pushes = permutations.iter().filter_map(|v| v.interface.push.as_ref());
+    let mut pushes = permutations.iter().filter_map(|p| p.interface.push.as_ref());
     let push = pushes.next();
     if pushes.any(|other| Some(other) != push) {
         return Err("its permutations have different push constants".into());
@@ -245,22 +245,22 @@ pub fn program(name: &str, permutations: &[Permutation], groups: &mut Groups) ->
          fn resource(&self, {argument}: &str) -> Option<Resource<'_>> {{\n        {found}\n    }}\n    \
          fn push(&self) -> &[u8] {{ {pushed} }}\n}}\n{constants}"
     );
-    let has = |stage: Stage| permutations.iter().find(|v| v.stage == stage);
-    if let Some(fragment) = has(Stage::Fragment) {
+    let find = |stage: Stage| permutations.iter().find(|p| p.stage == stage);
+    if let Some(fragment) = find(Stage::Fragment) {
         let outputs = fragment.interface.outputs.len();
         let _ = writeln!(text, "impl Fragment for {name}{elided} {{ type Outputs<T> = [T; {outputs}]; }}");
     }
-    if has(Stage::Vertex).is_some() {
+    if find(Stage::Vertex).is_some() {
         let _ = writeln!(text, "impl VertexProgram for {name}{elided} {{}}");
     }
-    if has(Stage::Compute).is_some() {
-        let kind = if has(Stage::Fragment).is_some() { "InEitherStage" } else { "Compute" };
+    if find(Stage::Compute).is_some() {
+        let kind = if find(Stage::Fragment).is_some() { "InEitherStage" } else { "Compute" };
         let _ = writeln!(text, "impl {kind} for {name}{elided} {{}}");
     }
     Ok(text)
 }
 
-/// Declares a permutation of a program.
+/// Returns the Rust code of one element of a program's `PERMUTATIONS`.
 fn permutation(permutation: &Permutation) -> String {
     let Permutation { named, stage, file, module, interface, stored } = permutation;
     let (title, defines) = (title(file, &named.defines), &named.defines);
@@ -283,14 +283,14 @@ fn permutation(permutation: &Permutation) -> String {
     )
 }
 
-/// Returns name and declaration of the struct with the specialization constants of all permutations of a program.
+/// Returns name and declaration of the struct of a program's specialization constants; `()` and "" if there are none.
 fn program_constants(
     program: &str,
     permutations: &[Permutation],
     groups: &mut Groups,
 ) -> Result<(String, String), String> {
     let mut constants: BTreeMap<u32, &Constant> = BTreeMap::new();
-    for constant in permutations.iter().flat_map(|v| &v.interface.constants) {
+    for constant in permutations.iter().flat_map(|p| &p.interface.constants) {
         if constants.insert(constant.id, constant).is_some_and(|known| known != constant) {
             return Err(format!("its permutations declare the constant {} differently", constant.name));
         }

@@ -28,8 +28,7 @@ use std::time::Duration;
 /// Which device to open, and how.
 #[derive(Debug, Clone, Default)]
 pub struct DeviceQuery {
-    /// Index in the list of `ssct devices`, or a part of a name. `None` takes the environment variable `SSCT_DEVICE`, or else the best
-    /// device by type.
+    /// Index in the list of `ssct devices`, or part of a name; `None` for that of `SSCT_DEVICE`, or the best by type.
     pub device: Option<String>,
     /// Whether to load the validation layers (core, synchronization, best practices).
     pub validation: bool,
@@ -40,8 +39,8 @@ pub struct DeviceQuery {
     pub isotropic: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
-    /// Whether the device compiles pipelines and does nothing else: it has no memory and runs no work, images that are read
-    /// back are zero, and [`Gpu::take_programs`] says what its compiler made. Such a device needs no hardware.
+    /// Whether the device only compiles pipelines. It then has no memory and runs no work, images that are read back
+    /// are zero, and [`Gpu::take_programs`] returns the compiled code. Such a device needs no hardware.
     pub compiles_only: bool,
     /// Instance extensions that a window needs.
     pub instance_extensions: Vec<&'static CStr>,
@@ -126,11 +125,11 @@ pub struct DeviceHandles {
 #[derive(Clone)]
 pub struct Gpu {
     shared: Arc<Shared>,
-    /// What an effect takes of a pool of images; `None` for an effect that shares none.
+    /// The pool that this handle takes its images from; `None` for a handle that makes every image anew.
     pub(super) loan: Option<Loan>,
 }
 
-/// The state that all handles of a device share, in the order in which its parts are made.
+/// The state that all handles of a device share; its fields stand in the order in which they are made.
 pub struct Shared {
     /// The loader.
     pub entry: ash::Entry,
@@ -193,18 +192,18 @@ pub fn vulkan(what: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
     move |result| Error::Vulkan { what: what.into(), result }
 }
 
-/// Converts a text that Vulkan returned; a text that no zero ends becomes empty.
+/// Converts a text that Vulkan returned. A text without a zero byte at its end becomes empty.
 pub(super) fn text(returned: std::result::Result<&CStr, std::ffi::FromBytesUntilNulError>) -> String {
     returned.map(|text| text.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// Every device that the loader sees, suitable or not.
+/// Lists every device that the loader sees, suitable or not.
 pub fn devices() -> Result<Vec<DeviceListing>> {
     let (_entry, instance, _) = create_instance(&DeviceQuery::default(), &ValidationLog::default())?;
     let listing = list(&instance, false);
     // SAFETY: nothing was created from the instance.
     unsafe { instance.destroy_instance(None) };
-    Ok(listing?.into_iter().map(|(_, l)| l).collect())
+    Ok(listing?.into_iter().map(|(_, listing)| listing).collect())
 }
 
 impl Gpu {
@@ -217,7 +216,7 @@ impl Gpu {
         // This handle keeps the log until a failed opening has destroyed the instance, which writes into it.
         let log = Arc::<ValidationLog>::default();
         let (entry, instance, has_debug) = create_instance(query, &log)?;
-        // From here on `Shared` destroys all that was made, or this function on an error.
+        // Once `Shared` exists, it destroys all that was made. If opening fails, this function destroys the instance.
         let debug = has_debug.then(|| Debug::new(&entry, &instance, query.validation, &log)).transpose();
         let opened = debug.and_then(|debug| open_device(entry.clone(), instance.clone(), debug, query));
         if opened.is_err() {
@@ -325,8 +324,8 @@ impl Gpu {
         self.shared.samplers.get(sampler)
     }
 
-    /// Calls `give_up` with a sentence if a frame is not done within `limit`, since a shader may run forever. The function must not
-    /// return but end the program, since what the device works on cannot be freed. Only the first call counts.
+    /// Calls `give_up` with a sentence if a frame is not done within `limit`, since a shader may run forever. `give_up`
+    /// must end the program, since what the device works on cannot be freed. Only the first call counts.
     pub fn wait_at_most(&self, limit: Duration, give_up: fn(&str)) {
         self.shared.frame_timeout.get_or_init(|| (limit, give_up));
     }
@@ -355,8 +354,7 @@ impl Gpu {
         self.shared.largest_point
     }
 
-    /// Whether fragment shaders know the number of their triangle (`gl_PrimitiveID`). This number needs the feature `geometryShader`,
-    /// which a device may lack.
+    /// Whether fragment shaders know their triangle's number (`gl_PrimitiveID`), by the feature `geometryShader`.
     pub fn numbers_triangles(&self) -> bool {
         self.shared.numbers_triangles
     }
@@ -374,13 +372,13 @@ impl Gpu {
         self.shared.ray_queries.is_ok()
     }
 
-    /// The largest width and height of an image that is drawn into; viewports are up to twice as large.
+    /// The largest width and height of an image that is drawn into. Viewports are up to twice as large as the image.
     pub fn max_image_size(&self) -> u32 {
-        let l = &self.shared.limits;
-        let [width, height] = l.max_viewport_dimensions;
-        [l.max_framebuffer_width, l.max_framebuffer_height, width / 2, height / 2]
+        let limits = &self.shared.limits;
+        let [width, height] = limits.max_viewport_dimensions;
+        [limits.max_framebuffer_width, limits.max_framebuffer_height, width / 2, height / 2]
             .into_iter()
-            .fold(l.max_image_dimension2_d, u32::min)
+            .fold(limits.max_image_dimension2_d, u32::min)
     }
 
     /// The most layers of an array of images.
@@ -398,8 +396,7 @@ impl Gpu {
         self.shared.limits.max_image_dimension3_d
     }
 
-    /// Returns an error unless images of a format can be filtered linearly. Vulkan promises linear filtering for no format with 32 bits a
-    /// channel.
+    /// Fails unless images of a format can be filtered linearly. Vulkan promises this for no format of 32-bit channels.
     pub fn require_linear_filter(&self, format: vk::Format) -> Result<()> {
         // SAFETY: the physical device is the one that this device was made from.
         let properties =
@@ -419,7 +416,7 @@ impl Gpu {
         let _ = unsafe { debug.set_debug_utils_object_name(&info) };
     }
 
-    /// Begins a label around commands, which debuggers show.
+    /// Begins a labelled region of commands, which debuggers show.
     pub(crate) fn begin_label(&self, commands: vk::CommandBuffer, name: &str) {
         if let Some(debug) = &self.shared.debug_device {
             let name = CString::new(name.replace('\0', " ")).unwrap_or_default();
@@ -464,7 +461,7 @@ impl Drop for Shared {
 }
 
 impl Debug {
-    /// Loads the functions. With `listen`, the messages of the validation layers go into the log.
+    /// Loads the functions of VK_EXT_debug_utils. With `listen`, the messages of the validation layers go into the log.
     fn new(entry: &ash::Entry, instance: &ash::Instance, listen: bool, log: &Arc<ValidationLog>) -> Result<Self> {
         let loader = ash::ext::debug_utils::Instance::new(entry, instance);
         let messenger = if listen {

@@ -1,5 +1,5 @@
-//! Statistics of a device's compiler about the programs of frames, by VK_KHR_pipeline_executable_properties. Only a
-//! device that was opened with [`DeviceQuery::compiles_only`](super::DeviceQuery::compiles_only) has them.
+//! Statistics of a device's compiler about the programs of frames, by VK_KHR_pipeline_executable_properties. They exist
+//! only on a device that was opened with [`DeviceQuery::compiles_only`](super::DeviceQuery::compiles_only).
 
 use super::device::{Gpu, text, vulkan};
 use super::pipeline::SharedPipeline;
@@ -61,7 +61,7 @@ struct PassPipeline {
 }
 
 impl Executables {
-    /// The extension that tells what a device compiled.
+    /// The extension by which a driver describes compiled pipelines.
     pub const EXTENSION: &'static CStr = ash::khr::pipeline_executable_properties::NAME;
 
     /// Loads the functions of a device on which the extension is on.
@@ -83,21 +83,21 @@ impl Executables {
 
     /// Asks the driver for the code that each stage of a pipeline was compiled to.
     fn of_pipeline(&self, pipeline: &SharedPipeline) -> Result<Vec<Executable>> {
-        let asked = |call: &str| vulkan(format!("{call} for {}", pipeline.name));
+        let failure = |call: &str| vulkan(format!("{call} for {}", pipeline.name));
         let info = vk::PipelineInfoKHR::default().pipeline(pipeline.handle);
         // SAFETY: the pipeline is alive and was made with its statistics captured.
         let properties = unsafe { self.functions.get_pipeline_executable_properties(&info) }
-            .map_err(asked("vkGetPipelineExecutablePropertiesKHR"))?;
-        let executable = |(index, p): (usize, &vk::PipelineExecutablePropertiesKHR)| {
+            .map_err(failure("vkGetPipelineExecutablePropertiesKHR"))?;
+        let executable = |(index, stage): (usize, &vk::PipelineExecutablePropertiesKHR)| {
             let info =
                 vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.handle).executable_index(index as u32);
             // SAFETY: the pipeline is alive, and the index is below the number of its executables.
             let statistics = unsafe { self.functions.get_pipeline_executable_statistics(&info) }
-                .map_err(asked("vkGetPipelineExecutableStatisticsKHR"))?;
+                .map_err(failure("vkGetPipelineExecutableStatisticsKHR"))?;
             Ok(Executable {
-                name: text(p.name_as_c_str()),
-                stage: stages(p.stages),
-                subgroup_size: p.subgroup_size,
+                name: text(stage.name_as_c_str()),
+                stage: stages(stage.stages),
+                subgroup_size: stage.subgroup_size,
                 statistics: statistics.iter().map(statistic).collect(),
             })
         };
@@ -105,6 +105,7 @@ impl Executables {
     }
 }
 
+/// Returns the names of shader stages, with "+" between them.
 fn stages(flags: vk::ShaderStageFlags) -> String {
     let known = [
         (vk::ShaderStageFlags::VERTEX, "vertex"),

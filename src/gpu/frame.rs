@@ -110,8 +110,9 @@ pub struct Skipped {
 pub struct Frame<'c> {
     context: &'c mut FrameContext,
     mode: Mode,
+    /// Label of each recorded pass, and whether the pass counts towards the method's time.
     passes: Vec<(String, bool)>,
-    /// Work of the host for the frame, as passes.
+    /// Work that the host did for the frame, reported like passes.
     on_host: Vec<PassTime>,
     skipped: Vec<Skipped>,
     counted: bool,
@@ -170,8 +171,8 @@ impl Frame<'_> {
         self.counted = true;
     }
 
-    /// Puts a stage's name and a slash before the names of the passes that follow, so that passes that are recorded again have
-    /// names of their own. `None` ends the stage.
+    /// Puts a prefix, which is `name` and a slash, before the names of the passes that follow, so that passes that are
+    /// recorded again have names of their own. `None` ends the prefix.
     pub fn stage(&mut self, name: Option<&str>) {
         self.stage = name.map_or(String::new(), |name| format!("{name}/"));
     }
@@ -186,13 +187,13 @@ impl Frame<'_> {
         self.on_host.push(PassTime { name: format!("{}{name}", self.stage), ms, start_ms: 0.0, counted: self.counted });
     }
 
-    /// Moves levels of an image to a use without a pass, for example textures after their upload.
+    /// Makes levels of an image ready for a use by barriers outside of a pass, for example after an upload.
     pub fn make_ready(&mut self, slice: ImageSlice, access: Access) {
         self.use_image(slice, access);
         self.flush();
     }
 
-    /// Takes over a caller's image in the state in which the caller left it.
+    /// Takes over a caller's image: `left` is the use in which the caller left it.
     pub fn take_over(&mut self, image: &Image, left: ImageUse) {
         for (_, state) in image.all().states() {
             self.undo.0.push((state.clone(), state.get()));
@@ -200,13 +201,13 @@ impl Frame<'_> {
         }
     }
 
-    /// Hands an image over to a use by the caller, which waits for everything that is recorded here.
+    /// Records the barriers after which the caller may use an image as `to` says, and sees all that is recorded here.
     pub fn hand_over(&mut self, image: &Image, to: ImageUse) {
         for (level, state) in image.all().states() {
-            let mut s = state.get();
-            self.undo.0.push((state.clone(), s));
-            let transition = s.hand_over(to);
-            state.set(s);
+            let mut current = state.get();
+            self.undo.0.push((state.clone(), current));
+            let transition = current.hand_over(to);
+            state.set(current);
             self.image_barrier(image, level, transition);
         }
         self.flush();
@@ -217,8 +218,7 @@ impl Frame<'_> {
         self.submit(&[], &[])
     }
 
-    /// Finishes a frame that the presentation engine shows: waits for `acquired` before `wait_stages`, and signals
-    /// `rendered` when all is done.
+    /// Finishes a frame that is presented: waits for `acquired` before `wait_stages`, and signals `rendered` when done.
     pub fn finish_presenting(
         self,
         acquired: vk::Semaphore,
@@ -275,7 +275,7 @@ impl Frame<'_> {
                 }
             };
             if waited.is_err() {
-                // A lost device is idle; any other must become idle before the resources that it uses are destroyed.
+                // A lost device is idle. Any other must become idle before the resources that it uses are destroyed.
                 let _ = device.device_wait_idle();
             }
             device.reset_fences(&fences).map_err(vulkan("vkResetFences"))?;
@@ -378,26 +378,27 @@ impl Frame<'_> {
         unsafe { self.device().cmd_pipeline_barrier2(self.context.commands, &info) };
     }
 
-    /// Collects the barriers that bring a pass's resources to their use; the next [`Self::flush`] records them.
-    fn prepare(&mut self, inputs: &ProgramInputs, [sampled, read, stored]: [Access; 3]) {
+    /// Collects the barriers of a pass's resources; the next [`Self::flush`] records them. Accesses are for sampled
+    /// images, for images and buffers that are only loaded, and for those that are stored to.
+    fn prepare(&mut self, inputs: &ProgramInputs, [sampled, loaded, stored]: [Access; 3]) {
         for (_, resource) in &inputs.resources {
             match *resource {
                 Resource::Sampled(Sampled(slice, _)) => self.use_image(slice, sampled),
                 Resource::SampledArray(images) => images.iter().for_each(|s| self.use_image(s.0, sampled)),
                 Resource::Storage(slice) => self.use_image(slice, stored),
-                Resource::Loaded(slice) => self.use_image(slice, read),
-                Resource::Texels(texels) => self.use_buffer(texels.buffer(), read),
+                Resource::Loaded(slice) => self.use_image(slice, loaded),
+                Resource::Texels(texels) => self.use_buffer(texels.buffer(), loaded),
                 Resource::Rays(structure) => {
                     structure.buffers().into_iter().for_each(|b| self.use_buffer(b, Access::RayQuery));
                 }
                 Resource::Buffer(b) => self.use_buffer(b, stored),
-                Resource::ReadBuffer(b) => self.use_buffer(b, read),
+                Resource::ReadBuffer(b) => self.use_buffer(b, loaded),
                 Resource::Uniform(_) => {}
             }
         }
     }
 
-    /// Collects the barriers that bring the levels of a slice to an access.
+    /// Collects the barriers that make the levels of a slice ready for an access.
     fn use_image(&mut self, slice: ImageSlice, access: Access) {
         for (level, state) in slice.states() {
             let transition = step(&mut self.undo, state, access);
@@ -423,7 +424,7 @@ impl Frame<'_> {
         );
     }
 
-    /// Collects the barrier that brings a buffer to an access.
+    /// Collects the barrier that makes a buffer ready for an access.
     fn use_buffer(&mut self, buffer: &Buffer, access: Access) {
         if let Some(t) = step(&mut self.undo, buffer.state(), access) {
             self.pending.buffers.push(
@@ -453,11 +454,11 @@ impl Frame<'_> {
     }
 }
 
-/// Changes a tracked state to an access, and returns the barrier that this needs. `undo` keeps the state from before.
+/// Changes a tracked state to an access, and returns the barrier that the change needs. `undo` keeps the earlier state.
 fn step(undo: &mut Undo, state: &TrackedState, access: Access) -> Option<Transition> {
-    let mut s = state.get();
-    undo.0.push((state.clone(), s));
-    let transition = s.transition(access);
-    state.set(s);
+    let mut current = state.get();
+    undo.0.push((state.clone(), current));
+    let transition = current.transition(access);
+    state.set(current);
     transition
 }

@@ -1,6 +1,6 @@
-//! The files of shaders, the programs that they name, and the way from GLSL to SPIR-V (shaderc, which is glslang; with
-//! the feature `compile-shaders`). `build.rs` includes this file, and so does the window, which compiles changed
-//! shaders anew, so that both compile alike.
+//! Finds the files of shaders, reads which programs they name, and compiles GLSL to SPIR-V (by shaderc, with the
+//! feature `compile-shaders`). `build.rs` includes this file, and so does the window, which compiles changed shaders
+//! anew: both therefore compile alike.
 //!
 //! A stage file names its programs right below `#version`, one a line, with the macros that are defined for each:
 //!
@@ -9,15 +9,15 @@
 //! #pragma program(BlurDown)
 //! ```
 //!
-//! Programs of one name are permutations of one program, and have one struct. A `.frag` and a `.comp` file may share a
-//! program. After a colon stands where the rays of a permutation end (`RaySource` in `program.rs`):
+//! Lines with one name are permutations of one program, and have one struct. A `.frag` and a `.comp` file may share a
+//! program. The word after a colon says where the rays of a permutation end (`RaySource` in `program.rs`):
 //!
 //! ```glsl
 //! #pragma program(Mirror: Confirmed, CONFIRMED)
 //! ```
 //!
-//! A `.frag` file with the line `#pragma in_either_stage` is compiled as compute shaders, too: each of its programs
-//! once more, with COMPUTE defined. `#pragma in_either_stage(MINIMUM)` adds further compute programs with MINIMUM
+//! Each program of a `.frag` file with the line `#pragma in_either_stage` is compiled once more as a compute shader,
+//! with COMPUTE defined. `#pragma in_either_stage(MINIMUM)` adds further compute programs with MINIMUM
 //! defined, for images of other formats.
 
 use std::path::{Path, PathBuf};
@@ -31,12 +31,12 @@ pub const COMPUTE: &str = "COMPUTE";
 /// Extensions of the files of a shader stage.
 pub const STAGES: &[&str] = &["vert", "frag", "comp"];
 
-/// All files of a shader stage, sorted; `.glsl` files are only included by others.
+/// Lists the files of shader stages below a folder, sorted. `.glsl` files are none: other files include them.
 pub fn stages(folder: &Path) -> Result<Vec<PathBuf>, String> {
     files(folder, STAGES)
 }
 
-/// All files with one of some extensions, sorted.
+/// Lists the files below a folder that have one of the extensions, sorted.
 pub fn files(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
@@ -74,7 +74,7 @@ pub struct NamedProgram {
 }
 
 impl NamedProgram {
-    /// The compute permutation of this fragment program, with further macros.
+    /// Returns the compute permutation of this fragment program, with further macros.
     pub fn in_compute(&self, defines: &[String]) -> Self {
         let own = [self.defines.clone(), vec![COMPUTE.to_owned()]].concat();
         Self { defines: [&own[..], defines].concat(), ..self.clone() }
@@ -84,11 +84,12 @@ impl NamedProgram {
 /// The pragma of a source whose fragment programs are compute programs, too.
 const IN_EITHER_STAGE: &str = "in_either_stage";
 
-/// Reads the pragmas `in_either_stage` of a source, each of which asks that every fragment shader is compiled as a compute shader, too.
-/// Returns the macros of each pragma, without COMPUTE.
+/// Reads the pragmas `in_either_stage` of a source. Each asks that every program of the source is compiled once more,
+/// as a compute shader with COMPUTE and the macros in the pragma's brackets defined. Returns these macros of each
+/// pragma.
 ///
 /// # Errors
-/// A sentence about a pragma that is not known here.
+/// A sentence about a pragma that has another form.
 pub fn in_either_stage(source: &str, path: &Path) -> Result<Vec<Vec<String>>, String> {
     let mut found = Vec::new();
     for (line, text) in source.lines().enumerate() {
@@ -110,17 +111,17 @@ pub fn in_either_stage(source: &str, path: &Path) -> Result<Vec<Vec<String>>, St
     Ok(found)
 }
 
-/// The words of a list with commas; `None` if one of them is no word.
+/// Splits a list at its commas; `None` if a part is not a word of letters, digits and underscores.
 fn words(list: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = list.split(',').map(str::trim).collect();
     let is_word = |w: &&str| !w.is_empty() && w.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     words.iter().all(is_word).then(|| words.into_iter().map(str::to_owned).collect())
 }
 
-/// The programs that a stage's source names, in order.
+/// Reads the programs that a stage's source names, in order.
 ///
 /// # Errors
-/// A sentence about a pragma that is not known here.
+/// A sentence about a pragma that has another form.
 pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> {
     let mut found = Vec::new();
     for (line, text) in source.lines().enumerate() {
@@ -142,7 +143,7 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> 
     Ok(found)
 }
 
-/// Reads the text between the brackets of `#pragma program(…)`; `None` if it names no program.
+/// Reads the text in the brackets of `#pragma program(…)`, such as `Name: RaySource, DEFINED`; `None` for a wrong form.
 fn named(list: &str) -> Option<NamedProgram> {
     let (rays, list) = match list.split_once(':') {
         None => (None, list.to_owned()),
@@ -156,8 +157,8 @@ fn named(list: &str) -> Option<NamedProgram> {
     Some(NamedProgram { name: words.remove(0), rays, defines: words })
 }
 
-/// Bindings or specialization constants that several programs have together, as a source names them: a struct of their
-/// own in Rust, which is one field of each program that has all of them.
+/// Bindings or specialization constants that several programs share, as a source names them. In Rust they have a struct
+/// of their own, which is one field of each program that has all of them.
 ///
 /// ```glsl
 /// #pragma group(LightConstants, LIGHTS, SHADOWS)
@@ -171,20 +172,20 @@ pub struct Group {
 }
 
 impl Group {
-    /// The name of the group's field in the structs of programs: the group's name in snake case.
+    /// Returns the name of the group's field in the structs of programs: the group's name in snake case.
     pub fn field(&self) -> String {
-        let spaced = |(i, c): (usize, char)| {
-            let space = (i > 0 && c.is_ascii_uppercase()).then_some('_');
-            space.into_iter().chain([c.to_ascii_lowercase()])
+        let in_snake_case = |(i, c): (usize, char)| {
+            let underscore = (i > 0 && c.is_ascii_uppercase()).then_some('_');
+            underscore.into_iter().chain([c.to_ascii_lowercase()])
         };
-        self.name.chars().enumerate().flat_map(spaced).collect()
+        self.name.chars().enumerate().flat_map(in_snake_case).collect()
     }
 }
 
-/// The groups that the files below a folder name, sorted by file.
+/// Reads the groups that the `.glsl` files below a folder declare, sorted by file.
 ///
 /// # Errors
-/// A sentence about a file that cannot be read, or a pragma that is not known here.
+/// A sentence about a file that cannot be read, or a pragma that has another form.
 pub fn groups(folder: &Path) -> Result<Vec<Group>, String> {
     let mut found = Vec::new();
     for path in files(folder, &["glsl"])? {
@@ -194,7 +195,7 @@ pub fn groups(folder: &Path) -> Result<Vec<Group>, String> {
     Ok(found)
 }
 
-/// The groups of bindings or constants that the lines `#pragma group(…)` of a source declare.
+/// Reads the groups of bindings or constants that the lines `#pragma group(…)` of a source declare.
 ///
 /// # Errors
 /// A sentence about such a line that has another form.
@@ -209,8 +210,7 @@ pub fn groups_in(source: &str, path: &Path) -> Result<Vec<Group>, String> {
     lists.map(group).collect()
 }
 
-/// Compiles a stage for Vulkan 1.3 with some macros defined; `root` is the folder of included files that do not lie
-/// beside the file that includes them.
+/// Compiles a stage for Vulkan 1.3 with some macros defined. Included files lie beside the includer or in `root`.
 ///
 /// # Errors
 /// The compiler's message, which names file and line.
@@ -229,7 +229,7 @@ pub fn compile<D: AsRef<str>>(
     for define in defines {
         options.add_macro_definition(define.as_ref(), None);
     }
-    // Unoptimised: the driver optimises, and the module stays close to the listing.
+    // The module is not optimised: the driver does so, and the module stays close to the source.
     options.set_optimization_level(shaderc::OptimizationLevel::Zero);
     options.set_include_callback(|name, _, includer, _| {
         let beside = Path::new(includer).parent().unwrap_or(root).join(name);

@@ -40,7 +40,7 @@ pub(crate) fn has_stencil(format: vk::Format) -> bool {
     format == vk::Format::D32_SFLOAT_S8_UINT
 }
 
-/// A handle to an image with its memory and views, which the last handle destroys. Clones are handles to the same image.
+/// A handle to an image with its memory and views. Clones are handles to the same image, and the last handle destroys it.
 #[derive(Clone)]
 pub struct Image {
     name: String,
@@ -49,7 +49,7 @@ pub struct Image {
 
 /// An image with its memory and views.
 pub struct OwnedImage {
-    /// Name for debuggers; that of the first effect for images of a pool.
+    /// Name for debuggers. An image of a pool keeps the name that the first effect gave it.
     name: String,
     gpu: Gpu,
     handle: vk::Image,
@@ -69,7 +69,7 @@ pub struct OwnedImage {
     slice_views: Vec<vk::ImageView>,
     layers: u32,
     states: Vec<TrackedState>,
-    /// Whether somebody else owns the handle and its views.
+    /// Whether the caller or the swapchain owns the Vulkan image and its views, so that they are not destroyed here.
     borrowed: bool,
     /// The part of a caller's image that this object stands for.
     part: Option<vk::ImageSubresourceRange>,
@@ -165,7 +165,7 @@ impl Image {
         Self::make(gpu, desc, Kind::Volume(depth))
     }
 
-    /// Makes an image of a checked size, or takes it of the pool that the device's handle has.
+    /// Makes an image whose size was checked, or takes it from the pool of the device's handle, if there is one.
     fn make(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
         match &gpu.loan {
             Some(loan) => loan.take(kind, desc, || Ok(Self::owning(OwnedImage::make(&gpu.unpooled(), desc, kind)?))),
@@ -173,6 +173,7 @@ impl Image {
         }
     }
 
+    /// Makes the first handle to an image.
     fn owning(image: OwnedImage) -> Self {
         Self { name: image.name.clone(), shared: Arc::new(image) }
     }
@@ -182,7 +183,7 @@ impl Image {
         Self { name: name.to_owned(), shared: Arc::clone(&self.shared) }
     }
 
-    /// An image of one level that is drawn into, read by shaders, and copied.
+    /// Makes an image of one level that is drawn into, read by shaders, and copied.
     pub fn target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
@@ -192,7 +193,7 @@ impl Image {
         Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
     }
 
-    /// Makes an image like that of [`Self::target`], for programs of a shader stage to write.
+    /// Makes an image like that of [`Self::target`], which programs of a shader stage write.
     pub fn target_in(gpu: &Gpu, stage: ShaderStage, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         if stage == ShaderStage::Fragment {
@@ -273,11 +274,11 @@ impl Image {
         ImageSlice { image: self, base: 0, count: 1, slice: Some(slice), by_face: false }
     }
 
-    /// The parts that can be read back at once: the slices of a volume, else the mip levels.
+    /// Returns the parts that are read back one by one: the slices of a volume, else the mip levels.
     pub fn parts(&self) -> Vec<ImageSlice<'_>> {
         match self.slice_views.len() as u32 {
-            0 => (0..self.levels()).map(|l| self.level(l)).collect(),
-            slices => (0..slices).map(|s| self.slice(s)).collect(),
+            0 => (0..self.levels()).map(|level| self.level(level)).collect(),
+            slices => (0..slices).map(|slice| self.slice(slice)).collect(),
         }
     }
 
@@ -379,7 +380,7 @@ impl OwnedImage {
         Ok(image)
     }
 
-    /// Wraps an image that somebody else made and destroys, without views.
+    /// Wraps a Vulkan image without views. The image counts as borrowed, and is not destroyed here.
     fn bare(gpu: &Gpu, name: &str, handle: vk::Image, (format, extent): (vk::Format, [u32; 2])) -> Self {
         Self {
             gpu: gpu.clone(),
@@ -430,7 +431,7 @@ impl OwnedImage {
         self.aspect() & !vk::ImageAspectFlags::STENCIL
     }
 
-    /// All layers of `count` levels from `base` on; for a caller's image, the part that the caller gave.
+    /// Returns all layers of `count` levels from `base` on; for a caller's image, the part that the caller gave.
     pub(crate) fn range(&self, base: u32, count: u32) -> vk::ImageSubresourceRange {
         if let Some(part) = self.part {
             return part;
@@ -453,7 +454,7 @@ impl Drop for OwnedImage {
         if self.borrowed {
             return;
         }
-        // SAFETY: submissions are waited for before resources go (`FrameContext`); null is allowed.
+        // SAFETY: submissions are waited for before resources are dropped (`FrameContext`); null is allowed.
         unsafe {
             for view in self.level_views.drain(..).chain(self.slice_views.drain(..)) {
                 device.destroy_image_view(view, None);

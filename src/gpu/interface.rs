@@ -1,5 +1,5 @@
-//! The interface of a shader's stage, read off its SPIR-V: bindings, blocks, outputs and specialization constants. `build.rs`
-//! includes this file, as it includes `glsl.rs`.
+//! Reads the interface of a shader's stage off its SPIR-V: bindings, blocks, outputs and specialization constants.
+//! `build.rs` includes this file, and so does the window.
 
 use rspirv::dr::{Module, Operand};
 use rspirv::spirv::{Decoration, Dim, ExecutionMode, ExecutionModel, ImageFormat, Op, StorageClass, Word};
@@ -20,7 +20,7 @@ pub struct Interface {
     pub local_size: [u32; 3],
     /// Uniform and push-constant blocks and the structs in them, by name.
     pub blocks: BTreeMap<String, Block>,
-    /// Vulkan's names for the formats of storage images, by binding, without formats that `format_name` does not know.
+    /// Vulkan's names for the formats of storage images, by binding. Formats unknown to `format_name` are left out.
     pub formats: BTreeMap<u32, &'static str>,
 }
 
@@ -66,7 +66,7 @@ pub struct Constant {
 }
 
 impl Interface {
-    /// Finds the interface of a module; `name` is what errors call it.
+    /// Finds the interface of a module of SPIR-V; errors call the module `name`.
     ///
     /// # Errors
     /// A sentence about a part of the module that has no twin in Rust.
@@ -77,7 +77,7 @@ impl Interface {
     }
 }
 
-/// Vulkan's name for a format of an image; `None` for a format that no output of a program in either stage has.
+/// Returns Vulkan's name for a format of an image; `None` for a format that no output of a shader has.
 fn format_name(format: ImageFormat) -> Option<&'static str> {
     Some(match format {
         ImageFormat::Rgba32f => "R32G32B32A32_SFLOAT",
@@ -92,10 +92,10 @@ fn format_name(format: ImageFormat) -> Option<&'static str> {
     })
 }
 
-/// Takes OpExecutionModeId out of a module, because rspirv's loader does not know this instruction. SPIR-V 1.6 uses it
-/// for LocalSizeId alone, whose three constants' ids are returned.
+/// Returns the words of a module without OpExecutionModeId, which rspirv's loader does not know, and the ids of the
+/// three constants of LocalSizeId, the only mode for which SPIR-V 1.6 uses this instruction.
 fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
-    const HEADER: usize = 5;
+    const HEADER: usize = 5; // words; in the first word of an instruction, the upper half is its length in words
     let (mut kept, mut found) = (words[..HEADER].to_vec(), None);
     let mut offset = HEADER;
     while offset < words.len() {
@@ -116,21 +116,22 @@ fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
 /// A block's Rust twin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Block {
-    /// Name, offset, Rust type and size of each field.
+    /// Name, offset in bytes, Rust type, and size in bytes of each field.
     pub fields: Vec<(String, u32, String, u32)>,
     /// Size in bytes.
     pub size: u32,
-    /// The stage that declares it.
+    /// The stage in which the block was found first.
     pub used_in: String,
 }
 
-/// A module with a look-up of its names and decorations.
+/// A module with look-ups of its names.
 struct Reflection<'a> {
     module: &'a Module,
     name: &'a str,
     /// Ids of the constants for the workgroup's three sides.
     local_size: Option<[Word; 3]>,
     names: HashMap<Word, String>,
+    /// Names of the members of structs, by the struct's id and the member's index.
     member_names: HashMap<(Word, u32), String>,
 }
 
@@ -140,8 +141,8 @@ impl<'a> Reflection<'a> {
         let (mut names, mut member_names) = (HashMap::new(), HashMap::new());
         for i in &module.debug_names {
             match (i.class.opcode, i.operands.as_slice()) {
-                (Op::Name, [Operand::IdRef(id), Operand::LiteralString(s)]) => {
-                    names.insert(*id, s.clone());
+                (Op::Name, [Operand::IdRef(id), Operand::LiteralString(name)]) => {
+                    names.insert(*id, name.clone());
                 }
                 (Op::MemberName, [Operand::IdRef(id), Operand::LiteralBit32(m), Operand::LiteralString(s)]) => {
                     member_names.insert((*id, *m), s.clone());
@@ -152,14 +153,14 @@ impl<'a> Reflection<'a> {
         Self { module, name, local_size, names, member_names }
     }
 
-    /// The number of an id's decoration, or 0 for a decoration without one; `None` if the id is not decorated so.
+    /// Returns the number of the decoration `wanted` of an id, or 0 if it has no number; `None` without the decoration.
     fn decoration(&self, id: Word, wanted: Decoration) -> Option<u32> {
         self.module.annotations.iter().find_map(|i| match (i.class.opcode, i.operands.as_slice()) {
             (Op::Decorate, [Operand::IdRef(target), Operand::Decoration(d), rest @ ..])
                 if *target == id && *d == wanted =>
             {
                 Some(match rest {
-                    [Operand::LiteralBit32(v), ..] => *v,
+                    [Operand::LiteralBit32(number), ..] => *number,
                     _ => 0,
                 })
             }
@@ -186,11 +187,12 @@ impl<'a> Reflection<'a> {
         })
     }
 
+    /// Finds the instruction that declares a type, a constant or a variable.
     fn definition(&self, id: Word) -> Option<&rspirv::dr::Instruction> {
         self.module.types_global_values.iter().find(|i| i.result_id == Some(id))
     }
 
-    /// The id that is the operand `index` of the instruction that defines `id`.
+    /// Returns the operand `index` of the instruction that declares `id`, if the operand is an id.
     fn operand_id(&self, id: Word, index: usize) -> Result<Word, String> {
         match self.definition(id).and_then(|d| d.operands.get(index)) {
             Some(Operand::IdRef(x)) => Ok(*x),
@@ -205,7 +207,7 @@ impl<'a> Reflection<'a> {
         }
     }
 
-    /// Every module-level variable with its storage class and pointee.
+    /// Returns the id of each variable, its storage class, and the id of the type that it points to.
     fn variables(&self) -> Result<Vec<(Word, StorageClass, Word)>, String> {
         let mut found = Vec::new();
         for i in self.module.types_global_values.iter().filter(|i| i.class.opcode == Op::Variable) {
@@ -235,9 +237,9 @@ impl<'a> Reflection<'a> {
         let is_fragment = self.is_fragment();
         let mut outputs = BTreeMap::new();
         for (id, class, pointee) in self.variables()? {
-            let own = self.names.get(&id).filter(|n| !n.is_empty());
+            let own_name = self.names.get(&id).filter(|name| !name.is_empty());
             let block = self.names.get(&pointee).cloned().unwrap_or_default();
-            let name = own.unwrap_or(&block).clone();
+            let name = own_name.unwrap_or(&block).clone();
             let is_block = matches!(class, StorageClass::Uniform | StorageClass::PushConstant);
             if is_block && self.definition(pointee).is_some_and(|d| d.class.opcode == Op::TypeStruct) {
                 self.collect(pointee, &mut found.blocks)?;
@@ -259,6 +261,7 @@ impl<'a> Reflection<'a> {
                 count = self.constant_u32(self.operand_id(pointee, 1)?)?;
                 definition = self.definition(self.operand_id(pointee, 0)?).ok_or("no type")?;
             }
+            // Operands 1 and 6 of OpTypeImage are its dimension and its format.
             let is_buffer = definition.operands.get(1) == Some(&Operand::Dim(Dim::DimBuffer));
             let kind = match (class, definition.class.opcode) {
                 (StorageClass::UniformConstant, Op::TypeImage) if is_buffer => "StorageTexels",
@@ -300,16 +303,16 @@ impl<'a> Reflection<'a> {
             Some(d) if d.class.opcode == Op::TypeStruct => self.members(pointee).len() as u32,
             _ => 0,
         };
-        let all = members > 0 && (0..members).all(|m| self.is_member_decorated(pointee, m, Decoration::NonWritable));
-        all || self.decoration(id, Decoration::NonWritable).is_some()
+        let is_read_only = |member| self.is_member_decorated(pointee, member, Decoration::NonWritable);
+        (members > 0 && (0..members).all(is_read_only)) || self.decoration(id, Decoration::NonWritable).is_some()
     }
 
-    /// The specialization constants, by id.
+    /// Returns the specialization constants, sorted by id.
     fn constants(&self) -> Result<Vec<Constant>, String> {
         let mut found = Vec::new();
         for i in &self.module.types_global_values {
-            let is_one = matches!(i.class.opcode, Op::SpecConstant | Op::SpecConstantTrue | Op::SpecConstantFalse);
-            let (true, Some(result), Some(ty)) = (is_one, i.result_id, i.result_type) else { continue };
+            let is_spec = matches!(i.class.opcode, Op::SpecConstant | Op::SpecConstantTrue | Op::SpecConstantFalse);
+            let (true, Some(result), Some(ty)) = (is_spec, i.result_id, i.result_type) else { continue };
             let Some(id) = self.decoration(result, Decoration::SpecId) else { continue };
             let name = self.names.get(&result).cloned().unwrap_or_default();
             let default = match i.operands.first() {
@@ -322,7 +325,7 @@ impl<'a> Reflection<'a> {
         Ok(found)
     }
 
-    /// The Rust type of a scalar, or of a vector's component.
+    /// Returns the Rust type of a scalar, or of a vector's component.
     fn component(&self, id: Word) -> Result<&'static str, String> {
         let d = self.definition(id).ok_or("no type")?;
         Ok(match d.class.opcode {
@@ -356,23 +359,23 @@ impl<'a> Reflection<'a> {
         operands.iter().filter_map(|o| if let Operand::IdRef(x) = o { Some(*x) } else { None }).collect()
     }
 
-    /// The fields of a struct, with their places in memory.
+    /// Returns the fields of a struct with their offsets, and the struct's size.
     fn struct_of(&self, id: Word) -> Result<Block, String> {
         let mut fields = Vec::new();
         let (mut end, mut align) = (0, 4);
-        for (m, ty) in self.members(id).into_iter().enumerate() {
-            let m = m as u32;
-            let offset = self.member_decoration(id, m, Decoration::Offset).unwrap_or(0);
-            let (rust, size, a) = self.rust_type(ty)?;
-            fields.push((self.member_names.get(&(id, m)).cloned().unwrap_or_default(), offset, rust, size));
+        for (member, ty) in self.members(id).into_iter().enumerate() {
+            let member = member as u32;
+            let offset = self.member_decoration(id, member, Decoration::Offset).unwrap_or(0);
+            let (rust, size, member_align) = self.rust_type(ty)?;
+            fields.push((self.member_names.get(&(id, member)).cloned().unwrap_or_default(), offset, rust, size));
             end = end.max(offset + size);
-            align = align.max(a);
+            align = align.max(member_align);
         }
         let size = end.div_ceil(align) * align;
         Ok(Block { fields, size, used_in: self.name.to_owned() })
     }
 
-    /// A type's name in Rust, and its size and alignment in a GLSL block, in bytes.
+    /// Returns a type's name in Rust, and its size and its alignment in a GLSL block, both in bytes.
     fn rust_type(&self, id: Word) -> Result<(String, u32, u32), String> {
         let d = self.definition(id).ok_or("no type")?;
         let wrong = || format!("{}: a block member of type {:?} has no Rust twin", self.name, d.class.opcode);

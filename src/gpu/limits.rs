@@ -1,15 +1,14 @@
-//! Checks of shaders against the limits of a device, with a sentence for an error. A shader may need more than Vulkan
-//! promises of every device.
+//! Checks shaders against the limits of a device, since a shader may need more than Vulkan promises of every device.
 
 use super::device::Gpu;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
 
-/// The most descriptors of one kind that a set has.
+/// The most descriptors of one kind that a descriptor set has.
 pub(super) const MAX_DESCRIPTORS: u32 = 32;
 
-/// Checks that a device can run some shaders together.
+/// Checks that a device can run the shaders of one pipeline; `bindings` are those of all its shaders.
 ///
 /// # Errors
 /// [`Error::NoDevice`] with the shader and the limit that it exceeds.
@@ -25,7 +24,7 @@ pub(super) fn check(gpu: &Gpu, shaders: &[&Shader], bindings: &[Binding]) -> Res
     }
 }
 
-/// The first limit that a workgroup or a stage exceeds: the limit's name, the number there is, and the most allowed.
+/// Finds the first limit that a stage or its workgroup exceeds: what is limited, the number there is, and the limit.
 fn excess(
     limits: &vk::PhysicalDeviceLimits,
     local_size: [u32; 3],

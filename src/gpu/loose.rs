@@ -32,8 +32,7 @@ pub enum DispatchSize<'a> {
     Indirect(&'a Buffer),
 }
 
-/// Makes a shader of SPIR-V code. The shader and its code live until the process ends. `name` is for labels and errors,
-/// and differs from the name of all other code.
+/// Makes a shader of SPIR-V code, which lives until the process ends. Its `name` must differ from every other shader's.
 ///
 /// # Errors
 /// [`Error::Usage`] for a binding of a kind that is not known here.

@@ -209,7 +209,7 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// A buffer in upload memory that holds some bytes.
+    /// Makes a buffer in upload memory, with a copy of the given bytes.
     pub fn upload(gpu: &Gpu, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Self> {
         let mut buffer = Self::new(gpu, name, bytes.len() as u64, usage, MemoryPlace::Upload)?;
         buffer.bytes_mut()?[..bytes.len()].copy_from_slice(bytes);
@@ -225,8 +225,8 @@ impl Buffer {
     pub fn bytes(&self) -> Result<&[u8]> {
         self.allocation
             .as_ref()
-            .and_then(|a| a.bytes())
-            .map(|s| &s[..self.size as usize])
+            .and_then(|allocation| allocation.bytes())
+            .map(|bytes| &bytes[..self.size as usize])
             .ok_or_else(|| self.unmapped())
     }
 
@@ -240,7 +240,7 @@ impl Buffer {
         Error::Memory { what: self.name.clone(), message: "the buffer is not visible to the host".into() }
     }
 
-    /// The address of a buffer whose usage has a device address, for shaders and for builds of ray structures.
+    /// Returns the device address of a buffer, for builds of ray structures; the buffer's usage must allow addresses.
     pub(super) fn address(&self) -> u64 {
         let info = vk::BufferDeviceAddressInfo::default().buffer(self.handle);
         // SAFETY: the buffer is alive, and where ray queries are on, the memory of all buffers is made for addresses.
@@ -280,14 +280,14 @@ impl TexelBuffer {
     /// # Errors
     /// [`Error::Vulkan`] without memory.
     pub fn new(buffer: Buffer, format: vk::Format, texel_bytes: u64) -> Result<Self> {
-        let most = texel_bytes * u64::from(buffer.gpu.shared().limits.max_texel_buffer_elements);
+        let limit = texel_bytes * u64::from(buffer.gpu.shared().limits.max_texel_buffer_elements);
         let bytes = buffer.size / texel_bytes * texel_bytes;
-        let info = vk::BufferViewCreateInfo::default().buffer(buffer.handle).format(format).range(bytes.min(most));
+        let info = vk::BufferViewCreateInfo::default().buffer(buffer.handle).format(format).range(bytes.min(limit));
         // SAFETY: the buffer has the usage, by the contract of this function; the view is destroyed in `drop`.
         let view = unsafe { buffer.gpu.raw().create_buffer_view(&info, None) }
             .map_err(vulkan(format!("vkCreateBufferView for {}", buffer.name)))?;
         buffer.gpu.name(view, &buffer.name);
-        Ok(Self { view, is_whole: bytes <= most, buffer })
+        Ok(Self { view, is_whole: bytes <= limit, buffer })
     }
 
     /// The usage that a buffer needs to become a texel buffer.

@@ -97,7 +97,7 @@ pub(super) enum Geometry<'a> {
 }
 
 impl Layout {
-    /// Makes the layouts for the bindings and push constants of some shaders, if the device's limits allow these.
+    /// Makes the layouts for all bindings and push constants of some shaders. Fails if they exceed the device's limits.
     fn new(gpu: &Gpu, shaders: &[(&Shader, vk::ShaderStageFlags)]) -> Result<Self> {
         let mut bindings: Vec<Binding> = Vec::new();
         for (shader, _) in shaders {
@@ -173,7 +173,7 @@ impl<F: Fragment> GraphicsPipeline<F> {
         Self::fullscreen_by(gpu, None, targets, &())
     }
 
-    /// Makes a full-screen pipeline of a program's permutation with a source of rays and specialization constants.
+    /// Makes a full-screen pipeline of a program's permutation for a source of rays, with specialization constants.
     ///
     /// # Errors
     /// [`Error::Usage`] if the program has no permutation with this source.
@@ -197,8 +197,8 @@ impl<F: Fragment> GraphicsPipeline<F> {
 }
 
 impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
-    /// Makes a pipeline that draws points, that is squares of pixels, which a vertex program makes from their number
-    /// alone. The pipeline has the permutation of the fragment program with a source of rays.
+    /// Makes a pipeline that draws points, which are squares of pixels. The vertex program places each by its number
+    /// alone. The fragment program's permutation is the one with the source of rays `rays`.
     ///
     /// # Errors
     /// [`Error::Usage`] if the program has no permutation with this source.
@@ -415,7 +415,7 @@ pub(super) struct Stages<'c> {
 }
 
 impl Stencil {
-    /// The test for both sides of triangles, with the reference value 1.
+    /// Returns the stencil test for both sides of triangles, with the reference value 1.
     fn state(self) -> vk::StencilOpState {
         let (pass_op, compare_op, write_mask) = match self {
             Self::Mark => (vk::StencilOp::REPLACE, vk::CompareOp::ALWAYS, 0xff),
@@ -453,7 +453,7 @@ impl<P: program::Compute> ComputePipeline<P> {
     }
 }
 
-/// The creation flags of a pipeline: on a device that compiles only, its statistics are captured.
+/// Returns the creation flags of a pipeline. On a device that only compiles, they keep the compiler's statistics.
 fn captured(gpu: &Gpu) -> vk::PipelineCreateFlags {
     match gpu.shared().executables {
         Some(_) => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
@@ -461,7 +461,7 @@ fn captured(gpu: &Gpu) -> vk::PipelineCreateFlags {
     }
 }
 
-/// The place of each specialization constant among the values, and the values.
+/// Lays out specialization constants, each an id with its bits. Returns where each lies in the values, and the values.
 fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>, Vec<u32>) {
     let size = size_of::<u32>();
     let entry = |(i, (constant_id, _)): (usize, &(u32, u32))| vk::SpecializationMapEntry {
@@ -472,7 +472,7 @@ fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>,
     (constants.iter().enumerate().map(entry).collect(), constants.iter().map(|(_, bits)| *bits).collect())
 }
 
-/// The pipeline that a call made, or the call's error with the pipeline's name.
+/// Returns the one pipeline that a call made, or the call's error with the pipeline's name.
 fn first(
     made: std::result::Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
     name: &str,

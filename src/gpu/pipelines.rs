@@ -1,6 +1,5 @@
-//! The pipelines of a device. A driver takes long to compile a pipeline, and under GPU-assisted validation half a
-//! minute for some. A device therefore keeps its pipelines, even those that nobody uses now, and returns a kept one to
-//! whoever asks for it again.
+//! The pipelines that a device keeps, even those that nobody uses now, to return them if they are asked for again. A
+//! driver takes long to compile a pipeline: under GPU-assisted validation, half a minute for some.
 
 use super::device::Gpu;
 use super::pipeline::{DepthState, SharedPipeline};
@@ -10,23 +9,22 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The number of kept pipelines. Above it, each new pipeline replaces one that nobody uses: the one that was asked for
-/// the longest time ago.
+/// The number of kept pipelines. Above it, each new one replaces the unused one that was least recently asked for.
 const KEPT: usize = 512;
 
 /// The compiled pipelines that a device keeps.
 #[derive(Default)]
 pub(crate) struct Pipelines(Mutex<KeyedCache<Key, SharedPipeline>>);
 
-/// A cache of shared things, each under a key.
+/// A cache of shared values (`things`), each under a key.
 struct KeyedCache<K, T> {
-    /// Each thing, with the value of `asked` when somebody last asked for the thing.
+    /// By key: the value of `asked` when the thing was last asked for, and the thing.
     things: HashMap<K, (u64, Arc<T>)>,
     /// Number of times that somebody asked for a thing.
     asked: u64,
 }
 
-/// All that tells two pipelines apart.
+/// The properties in which two pipelines may differ.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub(super) struct Key {
     /// Names of the vertex and the fragment shader, or of the compute shader alone.
@@ -66,7 +64,7 @@ impl Gpu {
         if let Some(kept) = pipelines.lock().get(&key) {
             return Ok(kept);
         }
-        // Compiled without the lock, since compiling takes long.
+        // The pipeline is compiled without the lock, since compiling takes long.
         let made = Arc::new(make()?);
         Ok(pipelines.lock().insert(key, made))
     }

@@ -1,5 +1,5 @@
-//! Programs that make every texel of their targets, in the shader stage that was chosen. Such programs run as fragment
-//! programs over whole targets, or as compute programs, a thread a texel. `build.rs` makes both from the same source
+//! Programs that make every texel of their targets, in the shader stage that was chosen. They run as fragment programs
+//! over whole targets, or as compute programs with a thread for each texel. `build.rs` makes both from the same source
 //! (`shaders-glsl/common/either_stage.glsl`), or from a `.frag` and a `.comp` file that name the same program.
 
 use super::device::Gpu;
@@ -21,7 +21,7 @@ pub enum ShaderStage {
 }
 
 impl ShaderStage {
-    /// How a program of this stage uses the images that it writes.
+    /// Returns the usage that an image needs so that programs of this stage can write it.
     pub fn target_usage(self) -> vk::ImageUsageFlags {
         match self {
             Self::Fragment => vk::ImageUsageFlags::COLOR_ATTACHMENT,
@@ -50,8 +50,7 @@ pub struct StoringPipeline<F> {
 }
 
 impl<F: InEitherStage> PixelPipeline<F> {
-    /// Compiles the program for this stage alone. The formats of the targets are given by location: UNDEFINED for an
-    /// output that nobody wants.
+    /// Compiles the program for this stage alone. `targets` has formats by location: UNDEFINED for an unwanted output.
     ///
     /// # Errors
     /// [`Error::Usage`](crate::error::Error::Usage) if no compute shader stores to these formats; errors of the device.
@@ -83,7 +82,7 @@ impl<F: InEitherStage> StoringPipeline<F> {
     ) -> Result<Self> {
         let targets = targets.as_ref();
         let chosen = permutation::<F>(PermutationChoice { stage: ShaderStage::Compute, rays }, targets)?;
-        let unwanted = |(target, (_, format)): (&vk::Format, &(u32, vk::Format))| {
+        let unwanted = |(target, (_binding, format)): (&vk::Format, &(u32, vk::Format))| {
             let is_unwanted = *target == vk::Format::UNDEFINED;
             is_unwanted.then(|| unwanted_image(gpu, *format)).transpose()
         };

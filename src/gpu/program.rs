@@ -53,7 +53,7 @@ impl From<ShaderStage> for PermutationChoice {
 }
 
 impl PermutationChoice {
-    /// A compute shader with a source of rays.
+    /// The choice of a compute shader with a source of rays.
     pub fn compute(rays: RaySource) -> Self {
         Self { stage: ShaderStage::Compute, rays: Some(rays) }
     }
@@ -92,8 +92,7 @@ pub trait Fragment: Program {
     type Outputs<T>: AsRef<[T]>;
 }
 
-/// A fragment program with compute permutations, which store what the fragment permutations draw: there is one for each choice
-/// of the outputs' formats.
+/// A fragment program whose compute permutations, one for each choice of formats, store what the fragment ones draw.
 pub trait InEitherStage: Fragment {}
 
 /// A program that is dispatched.
@@ -127,8 +126,8 @@ impl<'a> Sampled<'a> {
     }
 }
 
-/// Finds the permutation of a choice. A compute permutation beside fragment permutations must store to images of the
-/// formats `targets`, of which UNDEFINED fits every format.
+/// Finds the permutation of a choice. A compute permutation that stands in for a fragment permutation must store to
+/// images of the formats `targets`, among which UNDEFINED fits every format.
 ///
 /// # Errors
 /// [`Error::Usage`] if the program has no such permutation.
@@ -138,7 +137,7 @@ pub(super) fn permutation<P: Program>(
 ) -> Result<&'static Permutation> {
     let PermutationChoice { stage, rays } = choice;
     let stores =
-        |(format, target): (&(u32, vk::Format), &vk::Format)| *target == vk::Format::UNDEFINED || format.1 == *target;
+        |((_, format), target): (&(u32, vk::Format), &vk::Format)| *target == vk::Format::UNDEFINED || format == target;
     let is_chosen = |permutation: &&Permutation| {
         permutation.is_compute == (stage == ShaderStage::Compute)
             && permutation.rays == rays
@@ -154,7 +153,7 @@ pub(super) fn permutation<P: Program>(
     })
 }
 
-/// The specialization constants of a permutation: id and bits of each, in the order of ids.
+/// Returns id and bits of each specialization constant that a permutation has, sorted by id.
 pub(super) fn entries(permutation: &Permutation, constants: &impl Constants) -> Vec<(u32, u32)> {
     let mut entries = constants.entries();
     entries.retain(|(id, _)| permutation.constants.contains(id));
@@ -180,8 +179,8 @@ const fn bindings_agree(a: &Shader, b: &Shader) -> bool {
     while i < a.bindings.len() {
         let mut j = 0;
         while j < b.bindings.len() {
-            let (x, y) = (&a.bindings[i], &b.bindings[j]);
-            if x.binding == y.binding && (x.kind as u8 != y.kind as u8 || x.count != y.count) {
+            let (of_a, of_b) = (&a.bindings[i], &b.bindings[j]);
+            if of_a.binding == of_b.binding && (of_a.kind as u8 != of_b.kind as u8 || of_a.count != of_b.count) {
                 return false;
             }
             j += 1;

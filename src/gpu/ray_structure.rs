@@ -35,14 +35,13 @@ impl RayStructure {
     );
 
     /// Builds the structure over triangles, numbered in the order of the buffer. A ray query proposes each triangle as
-    /// a candidate, about which the shader decides.
+    /// a candidate, and the shader decides whether it counts as a hit.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] without ray queries, [`crate::error::Error::Memory`] without memory.
     pub fn build(context: &mut FrameContext, corners: &Corners) -> Result<Self> {
         let gpu = context.gpu().clone();
-        // The addresses that are asked for below exist only with ray queries.
-        gpu.ray_queries()?;
+        gpu.ray_queries()?; // a device without ray queries is refused: its buffers have no addresses
         let count = corners.triangles;
         let data = vk::AccelerationStructureGeometryTrianglesDataKHR::default()
             .vertex_format(vk::Format::R32G32B32_SFLOAT)
@@ -102,7 +101,7 @@ pub(super) struct Build {
 }
 
 impl Build {
-    /// The description for Vulkan, without the structure that is built and its scratch memory.
+    /// Returns the description for Vulkan; the structure to build and its scratch memory are still to be set.
     pub(super) fn info(&self) -> vk::AccelerationStructureBuildGeometryInfoKHR<'_> {
         vk::AccelerationStructureBuildGeometryInfoKHR::default()
             .ty(self.kind)
@@ -161,7 +160,8 @@ fn address(device_address: u64) -> vk::DeviceOrHostAddressConstKHR {
     vk::DeviceOrHostAddressConstKHR { device_address }
 }
 
-/// A `VkAccelerationStructureInstanceKHR` of the structure at an address: an identity matrix, and a mask for every ray.
+/// Returns the words of a `VkAccelerationStructureInstanceKHR` for the structure at an address. Words 0 to 11 are three
+/// rows of the identity matrix, the upper byte of word 12 is a mask for every ray, and words 14 and 15 are the address.
 fn instance(device_address: u64) -> [u32; 16] {
     let one = 1.0_f32.to_bits();
     let mut words = [0; 16];

@@ -38,7 +38,7 @@ impl Pixels {
 }
 
 impl Image {
-    /// A 32-bit float RGBA image with some texels, rows from the top, to be sampled.
+    /// Makes a 32-bit float RGBA image of the given texels, rows from the top, for shaders to sample.
     pub fn from_texels(context: &mut FrameContext, name: &str, extent: [u32; 2], texels: &[[f32; 4]]) -> Result<Self> {
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
         let format = vk::Format::R32G32B32A32_SFLOAT;
@@ -51,7 +51,7 @@ impl Image {
 }
 
 impl FrameContext {
-    /// Reads back a mip level or a slice of a volume; layers stand below one another.
+    /// Reads back a mip level, or a slice of a volume. The layers of an array stand one below the other.
     ///
     /// # Errors
     /// [`Error::Usage`] for a format without a decoder.
@@ -76,7 +76,7 @@ impl FrameContext {
 
 type Decode = fn(&[u8]) -> Vec<f32>;
 
-/// The channels and bytes of a format's texel, and the function that decodes texels.
+/// Returns how many channels and bytes a format's texel has, and the function that decodes texels; `None` without one.
 fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
     let f32s: Decode = |b| b.chunks_exact(4).map(|c| f32::from_ne_bytes([c[0], c[1], c[2], c[3]])).collect();
     let f16s: Decode = |b| b.chunks_exact(2).map(|c| half::f16::from_ne_bytes([c[0], c[1]]).to_f32()).collect();

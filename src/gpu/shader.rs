@@ -52,8 +52,7 @@ pub enum BindingKind {
     StorageBuffer,
 }
 
-/// Code that replaces compiled-in code, by [`Shader::name`], for shaders whose files changed while a window is open. A
-/// pipeline made after the change has the new code.
+/// New code, by [`Shader::name`], for shaders whose files changed. Pipelines that are made after the change have it.
 #[cfg(feature = "reload")]
 #[derive(Debug, Default)]
 pub struct ReplacedShaders(std::sync::Mutex<std::collections::HashMap<&'static str, std::sync::Arc<[u8]>>>);

@@ -42,13 +42,13 @@ impl Sources {
     }
 }
 
-/// The bytes of a shader's code, if its bindings and blocks are those that the program was built with.
+/// Returns new code of a shader as bytes, if its interface is still the one that the program was built with.
 ///
 /// # Errors
-/// A sentence on what differs.
+/// A sentence that says what differs.
 pub fn code_that_fits(shader: &Shader, words: &[u32]) -> std::result::Result<Arc<[u8]>, String> {
-    let built: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
-    let (built, now) = (Interface::from_words(&built, shader.name)?, Interface::from_words(words, shader.name)?);
+    let built_words: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
+    let (built, now) = (Interface::from_words(&built_words, shader.name)?, Interface::from_words(words, shader.name)?);
     if built == now {
         return Ok(words.iter().flat_map(|word| word.to_le_bytes()).collect());
     }
@@ -68,7 +68,7 @@ pub fn code_that_fits(shader: &Shader, words: &[u32]) -> std::result::Result<Arc
     Err(format!("{}: {what} changed, so the program must be built again", shader.name))
 }
 
-/// The folder that [`VARIABLE`] names, if it names one.
+/// Returns the folder that [`VARIABLE`] names, if it is set and not empty.
 pub fn named() -> Option<PathBuf> {
     std::env::var_os(VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from)
 }
@@ -87,7 +87,7 @@ pub fn code(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     let (sources, compiled) = match &mut *opened {
         Some(opened) => opened,
-        none => none.insert((Sources::open(&folder, VARIABLE)?, HashMap::new())),
+        closed => closed.insert((Sources::open(&folder, VARIABLE)?, HashMap::new())),
     };
     if let Some(code) = compiled.get(shader.name) {
         return Ok(Some(Arc::clone(code)));

@@ -1,5 +1,5 @@
-//! The one table from a use of an image or buffer to stage, access and layout, and the state that says which barrier
-//! the next use needs. All barriers of the crate come from here, except the full barriers of timing mode (`frame.rs`).
+//! The one table of stages, accesses and layout for each use of an image or a buffer, and the state that says which
+//! barrier the next use needs. All barriers come from here, except the full barriers of timing mode (`frame.rs`).
 
 use ash::vk;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -263,17 +263,18 @@ impl State {
         self.transition_to(next.info())
     }
 
-    /// Moves to a caller's use, for which everything before must be done; returns the barrier that the use needs.
+    /// Moves to a caller's use, before which all earlier work must be done; returns the barrier that the use needs.
     pub(super) fn hand_over(&mut self, to: ImageUse) -> Option<Transition> {
         let ImageUse { layout, stages, access } = to;
         self.transition_to(AccessInfo { stages, access, layout, writes: true })
     }
 
-    /// Moves to a use. A new layout, a write, or a read that does not see the last write yet needs a barrier.
+    /// Moves to a use, and returns its barrier. A new layout needs one. After an earlier use, so do a write, and a read
+    /// that does not see the last write yet.
     fn transition_to(&mut self, info: AccessInfo) -> Option<Transition> {
         let moves = info.layout != vk::ImageLayout::UNDEFINED && info.layout != self.layout;
-        let sees = self.read_stages.contains(info.stages) && self.read_access.contains(info.access);
-        let untouched = self.write_stages.is_empty() && self.read_stages.is_empty();
+        let sees_write = self.read_stages.contains(info.stages) && self.read_access.contains(info.access);
+        let is_unused = self.write_stages.is_empty() && self.read_stages.is_empty();
         let before = *self;
         if info.writes || moves {
             *self = Self {
@@ -287,9 +288,9 @@ impl State {
             self.read_stages |= info.stages;
             self.read_access |= info.access;
         }
-        let needed = moves || (!untouched && (info.writes || !(sees || before.write_stages.is_empty())));
+        let needed = moves || (!is_unused && (info.writes || !(sees_write || before.write_stages.is_empty())));
         needed.then(|| Transition {
-            // A write waits for the reads before it; the write before these reads is already ordered.
+            // Every use waits for the last write. A write or a new layout also waits for the reads since then.
             src_stages: before.write_stages
                 | if info.writes || moves { before.read_stages } else { vk::PipelineStageFlags2::NONE },
             src_access: before.write_access,

@@ -21,13 +21,14 @@ pub struct PassTime {
 /// Number of queries in a pool.
 const QUERIES: u32 = 512;
 
-/// Queries of one kind, taken in order. There are as many pools as a frame needs, and the next frame uses them again.
+/// Queries of one kind, taken in order from pools. A frame adds the pools that it needs, and later frames reuse them.
 struct Queries {
     gpu: Gpu,
     name: &'static str,
     kind: vk::QueryType,
     counters: vk::QueryPipelineStatisticFlags,
     pools: Vec<vk::QueryPool>,
+    /// Number of queries that the frame has taken, from all pools.
     taken: u32,
 }
 
@@ -123,14 +124,14 @@ impl Timestamps {
         Ok(())
     }
 
-    /// Milliseconds of every stamp since the first, after the submission is done.
+    /// Returns the milliseconds from the first timestamp to each one, after the submission is done.
     pub fn milliseconds(&self) -> Result<Vec<f64>> {
         let ticks: Vec<u64> = self.0.results()?;
         let shared = self.0.gpu.shared();
         let (mask, period) = (shared.timestamp_mask, f64::from(shared.limits.timestamp_period));
         let first = ticks.first().copied().unwrap_or(0);
-        // A counter of fewer than 64 bits may wrap: subtract first, then mask.
-        Ok(ticks.iter().map(|t| (t.wrapping_sub(first) & mask) as f64 * period * 1e-6).collect())
+        // A counter of fewer than 64 bits may wrap: subtract first, then mask. The period is in nanoseconds.
+        Ok(ticks.iter().map(|tick| (tick.wrapping_sub(first) & mask) as f64 * period * 1e-6).collect())
     }
 }
 

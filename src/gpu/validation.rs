@@ -15,9 +15,9 @@ pub const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 pub struct AllowedMessage {
     /// ID of the message.
     pub id: &'static str,
-    /// The versions of the layer that give this message, as Vulkan encodes versions; the end of the range does not.
+    /// The versions of the layer that give this message, as Vulkan encodes versions; the end is not included.
     pub versions: Range<u32>,
-    /// Beginning of the names of the drivers whose use gives the message; "" for every driver.
+    /// Beginning of the names of the drivers with which the message comes; "" for every driver.
     pub driver: &'static str,
     /// Reason why the message does not fail a run.
     pub reason: &'static str,
@@ -144,8 +144,7 @@ pub fn check(messages: &[Message]) -> Result<()> {
     Err(Error::Validation { ids, first: first.text.clone() })
 }
 
-/// The create info of a messenger that writes the layers' messages into a log. The log must outlive everything that is
-/// created with this info.
+/// Returns the create info of a messenger that writes into a log. The log must outlive what is created with this info.
 pub(super) fn messenger(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
     use vk::{DebugUtilsMessageSeverityFlagsEXT as S, DebugUtilsMessageTypeFlagsEXT as T};
     vk::DebugUtilsMessengerCreateInfoEXT::default()

@@ -1,5 +1,5 @@
-//! `area-light`: analytic highlights of spheres, capsules, cylinders, rectangles and cuboids with roughness (thesis §3.1.1). The
-//! method reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
+//! `area-light`: analytic highlights of spheres, capsules, cylinders, rectangles and cuboids on rough surfaces (thesis
+//! §3.1.1). The method reflects a scene's area lights and nothing else, and nothing hides them: "direct lighting only".
 
 use super::needs::Need;
 use super::{Input, Method, MethodInfo, MethodOutput, SceneInput, Setup};

@@ -1,4 +1,4 @@
-//! Captures and triangles of the scene, in which an effect looks beyond the screen.
+//! The captures and triangles of the scene in which an effect follows rays beyond the screen.
 
 use super::capture::{CaptureImages, Renewal};
 use super::setup::{CaptureCount, Tracer};
@@ -12,7 +12,7 @@ use ssct_ground::scene::capture::WantedCaptures;
 use ssct_ground::scene::{Capture, Material};
 
 impl Fallback {
-    /// The method that shows where a reflection fades or misses; `None` without a fallback.
+    /// Returns the method that shows where a reflection fades or misses; `None` without a fallback.
     pub fn method(self) -> Option<&'static MethodInfo> {
         match self {
             Self::None => None,
@@ -24,17 +24,17 @@ impl Fallback {
     }
 }
 
-/// How the triangles of the scene are read, and the table of the materials that they show.
+/// How shaders read the triangles of the scene, and the table of their materials.
 pub(super) struct PreparedTriangles {
     pub(super) reading: TriangleReading,
     pub(super) table: Option<TriangleTable>,
 }
 
 impl PreparedTriangles {
-    /// Returns the triangles of a scene where they stand now.
+    /// Returns the buffers of a scene's triangles, where the meshes stand now.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the triangles are not ready, and for more lights than the effect was made for.
+    /// [`Error::Usage`] if the triangles are not ready, and for more lights or triangles than the effect was made for.
     pub(super) fn bound<'t>(&'t self, data: &'t SceneData) -> Result<TriangleBuffers<'t>> {
         let (lights, most) = (data.light_count(), self.reading.lights);
         if lights > most {
@@ -42,14 +42,13 @@ impl PreparedTriangles {
                 format!("the scene has {lights} lights now, and this effect was made for {most}: make it anew");
             return Err(Error::Usage(message));
         }
-        let ready = data.triangles().zip(self.table.as_ref());
         let structure = data.ray_structure().filter(|_| self.reading.queries);
-        let is_ready = structure.is_some() == self.reading.queries;
-        let ((geometry, images), table) = ready.filter(|_| is_ready).ok_or_else(|| {
+        let has_tracer = structure.is_some() == self.reading.queries;
+        let (Some((geometry, images)), Some(table), true) = (data.triangles(), &self.table, has_tracer) else {
             let message = "the scene's triangles are not ready: SceneData::prepare_triangles comes before each frame";
-            Error::Usage(message.into())
-        })?;
-        // Meshes that move take room of their own, so that there may be more triangles now.
+            return Err(Error::Usage(message.into()));
+        };
+        // A mesh that moves for the first time takes more room, which may be more than shaders can read as texels.
         if self.reading.geometry_texels && !geometry.reading(images, lights).geometry_texels {
             let message =
                 "the scene's triangles are more now than this device can read as the effect does: make it anew";
@@ -59,22 +58,22 @@ impl PreparedTriangles {
     }
 }
 
-/// Captures of a scene, with the places, the size and the materials that they are made of.
+/// The captures of a scene, with the places, the size of the faces and the materials from which they are made.
 pub(super) struct CaptureSet {
-    /// Where the scene is captured; empty for captures that come from elsewhere.
+    /// Where the scene is captured; empty for captures that the caller gives.
     pub(super) places: Vec<Capture>,
     /// Width and height of the faces.
     pub(super) face: [u32; 2],
     pub(super) images: Option<CaptureImages>,
     pub(super) materials: Vec<Material>,
-    /// The passes that draw captures again; `None` for captures that neither move nor change.
+    /// The passes that draw captures again; `None` for captures that stay as they are.
     pub(super) renewal: Option<Renewal>,
-    /// True if the only capture follows the camera and is redrawn every frame.
+    /// Whether the set is a single capture, which follows the camera and is drawn anew in each frame.
     pub(super) at_camera: bool,
 }
 
 impl CaptureSet {
-    /// Makes the set for captures that the caller brings along: their images at once, or with each input.
+    /// Makes the set for captures that the caller gives: the images now, or with the input of each frame.
     pub(super) fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
         Self { places: Vec::new(), face, images, materials: Vec::new(), renewal: None, at_camera: false }
     }
@@ -93,7 +92,7 @@ pub(super) fn triangles_for(
     if !effect.is_among_triangles(info, scene.is_some()) {
         return Ok(None);
     }
-    let refused = || {
+    let unknown = || {
         Error::Usage(format!(
             "the method {} follows rays among the triangles of the scene, which are not known here; a G-buffer alone does \
              not have them",
@@ -101,12 +100,12 @@ pub(super) fn triangles_for(
         ))
     };
     let queries = effect.tracer == Tracer::Query;
-    let reading = scene.ok_or_else(refused)?.data.prepare_triangles(context, queries)?;
-    Ok(Some(reading.ok_or_else(refused)?))
+    let reading = scene.ok_or_else(unknown)?.data.prepare_triangles(context, queries)?;
+    Ok(Some(reading.ok_or_else(unknown)?))
 }
 
-/// Returns the captures of a scene that a method and its fallback look into, and the milliseconds that finding their places took.
-/// There are none if neither follows rays in captures, or if the scene has no place for a capture.
+/// Returns the captures in which a method or its fallback follows rays, and the milliseconds that finding their places
+/// took. There are none if neither of the two follows rays in captures, or if the scene has no place for a capture.
 ///
 /// # Errors
 /// [`Error::Usage`] if captures are wanted and there is no scene.
@@ -115,11 +114,11 @@ pub(super) fn captures_taken(
     effect: &EffectParams,
     scene: Option<&SceneInput>,
 ) -> Result<(Vec<Capture>, f64)> {
-    let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
-    let is_all = !info.is_screen_space() && info.takes_captures;
-    let is_asked_for = effect.captures_wanted() != CaptureCount::None && (behind || info.takes_captures);
-    // A method that looks into captures alone takes them without being asked.
-    if !is_asked_for && !behind && !is_all {
+    let fallback_takes = effect.fallback.method().is_some_and(|m| m.takes_captures);
+    let sees_only_captures = !info.is_screen_space() && info.takes_captures;
+    let is_asked_for = effect.captures_wanted() != CaptureCount::None && info.takes_captures;
+    // A method or a fallback that follows rays in captures alone gets captures even if the user asks for none.
+    if !is_asked_for && !fallback_takes && !sees_only_captures {
         return Ok((Vec::new(), 0.0));
     }
     let Some(scene) = scene else {

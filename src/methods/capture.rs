@@ -1,5 +1,5 @@
-//! Cube maps made at run time and filtered by roughness: the scene around a place, drawn by the scene passes, or the sky alone.
-//! Making them is not part of any frame's time.
+//! Makes cube maps that are filtered by roughness, of the scene around a place or of the sky alone, and captures, in
+//! which rays are followed. No frame's time includes this, unless frames draw captures anew.
 
 use super::SceneInput;
 use crate::error::Result;
@@ -23,7 +23,7 @@ use std::time::Instant;
 /// Near plane of the faces of a cube map, in metres.
 const NEAR_M: f32 = 0.01;
 
-/// Draws the scene around some places, with its lighting, and filters the faces into one map for each place.
+/// Draws the scene around some places, lit and with the sky, into a cube map for each place, filtered by roughness.
 pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<Vec<Image>> {
     let gpu: Gpu = context.gpu().clone();
     let gbuffer = GBufferPass::new(&gpu, [FACE_SIZE; 2])?;
@@ -48,14 +48,14 @@ pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) 
     Ok(maps)
 }
 
-/// Draws faces of captures by the scene passes, one after the other into the same images.
+/// Draws faces of captures by the scene passes, each face into the same images.
 pub struct CaptureFacePass {
     gbuffer: GBufferPass,
     lighting: LightingPass,
 }
 
 impl CaptureFacePass {
-    /// Makes the passes for faces of some texels a side.
+    /// Makes the passes for faces of `side` × `side` texels.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
@@ -66,20 +66,20 @@ impl CaptureFacePass {
         })
     }
 
-    /// Draws what the camera of a face sees, which [`face_camera`] makes. The sky is left black.
+    /// Records the passes that draw a face, seen by the camera that [`face_camera`] makes for it. The sky stays black.
     pub fn record(&self, frame: &mut Frame, scene: &SceneInput, camera: &Camera) -> Result<()> {
         self.gbuffer.record(frame, scene.data, scene.materials, camera)?;
         let images = self.gbuffer.gbuffer();
         self.lighting.record(frame, &images, self.gbuffer.albedo(), scene.data, camera)
     }
 
-    /// The images that were drawn.
+    /// The pass that holds the images of the face drawn last.
     pub fn drawn(&self) -> &GBufferPass {
         &self.gbuffer
     }
 }
 
-/// Returns the near plane that the faces of all captures share, which is the nearest of all.
+/// Returns the near plane, in metres, that the faces of all captures share: the nearest of theirs.
 pub fn common_near_m(captures: &[Capture]) -> f32 {
     captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
 }
@@ -94,7 +94,7 @@ fn forward_camera(taken: &[Capture]) -> Camera {
     face_camera(Vec3::ZERO, 4, common_near_m(taken))
 }
 
-/// Captures of a scene, with the images in which rays are followed (docs/definitions.md, "Images").
+/// The images of captures, in which rays are followed (docs/definitions.md, "Images").
 pub struct CaptureImages {
     pyramid: Image,
     normal: Image,
@@ -102,15 +102,15 @@ pub struct CaptureImages {
     places: Vec<Cell<Vec3>>,
     face: UnifiedBlock,
     face_unit: f32,
-    /// A box in the world outside of which nothing stands: the bounds of the scene when a face was last drawn.
+    /// A box in the world, in metres, outside of which nothing stands: the scene's bounds when a face was last drawn.
     bounds: Cell<Aabb>,
     /// Whether the scene keeps these images too, so that other effects may look into them.
     is_shared: bool,
 }
 
 impl CaptureImages {
-    /// Draws the scene around the places of some captures, at least one and at most `MAX_CAPTURES`. All have the size of the first
-    /// capture, and the nearest of their near planes.
+    /// Makes the images of some captures, from one to `MAX_CAPTURES`, and draws the scene into them. All have the face
+    /// size of the first capture, and the nearest of the near planes.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
@@ -168,12 +168,12 @@ impl CaptureImages {
         Self::empty(gpu, taken)
     }
 
-    /// Moves a capture to another place, where its faces are to be drawn before anything looks into them.
+    /// Moves a capture to another place. Its faces must be drawn there before rays are followed in it.
     pub fn place_at(&self, capture: usize, place: Vec3) {
         self.places[capture].set(place);
     }
 
-    /// Draws every face.
+    /// Draws all faces of all captures.
     fn draw(&self, context: &mut FrameContext, scene: &SceneInput, passes: &FacePasses) -> Result<()> {
         // Each face has a frame of its own, so that no frame is long enough for a driver to take it for hung.
         for face in 0..self.faces() {
@@ -182,15 +182,15 @@ impl CaptureImages {
         self.make_ready(context)
     }
 
-    /// Sets the bounds: a box in the world, in metres, outside of which nothing stands, so that a ray that is lost there ends in
-    /// the sky. Captures that are drawn from a scene have the scene's bounds; others have no bounds without this call.
+    /// Sets a box in the world, in metres, outside of which nothing stands: a ray lost there ends in the sky. Captures
+    /// drawn from a scene have the scene's bounds; others have none without this call.
     pub fn within(self, bounds: Aabb) -> Self {
         self.bounds.set(bounds);
         self
     }
 
-    /// Makes captures of faces that come from elsewhere. `face` is called once for each face 0…5 of each capture, and returns the
-    /// images that [`face_camera`] sees.
+    /// Makes captures of faces that the caller gives. `face` is called with the number of each capture and of each of
+    /// its faces, 0 to 5, and returns the G-buffer that the camera of [`face_camera`] sees.
     ///
     /// # Errors
     /// Errors of [`Self::new`], and what `face` returns.
@@ -202,11 +202,9 @@ impl CaptureImages {
         let gpu: Gpu = context.gpu().clone();
         let made = Self::empty(&gpu, taken)?;
         let keep = FaceKeeper::new(&gpu, made.color.extent())?;
-        for k in 0..taken.len() {
-            for f in 0..6 {
-                let images = GBufferImages::upload(context, &face(k, f)?)?;
-                context.once(|frame| made.take_face(frame, &keep, &images.gbuffer(), (6 * k + f) as u32))?;
-            }
+        for number in 0..6 * taken.len() {
+            let images = GBufferImages::upload(context, &face(number / 6, number % 6)?)?;
+            context.once(|frame| made.take_face(frame, &keep, &images.gbuffer(), number as u32))?;
         }
         made.make_ready(context)?;
         Ok(made)
@@ -217,7 +215,7 @@ impl CaptureImages {
         Self::of_camera(gpu, positions(taken), taken.first().map_or(1, |c| c.resolution), &forward_camera(taken))
     }
 
-    /// Makes the images for faces with the projection of a camera; where that camera looks does not matter.
+    /// Makes the images for captures with faces of `side` texels a side and the projection of the camera `forward`.
     pub(crate) fn of_camera(gpu: &Gpu, places: Vec<Vec3>, side: u32, forward: &Camera) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let extent = [side; 2];
@@ -255,8 +253,8 @@ impl CaptureImages {
         }
     }
 
-    /// Copies the images of a face, number 6 k + f for face f of capture k, and makes the colour's mip chain of this
-    /// face. No other face changes, since each face has a mip chain of its own.
+    /// Records the passes that copy a face, number 6 k + f for face f of capture k, into its layer, and make the
+    /// pyramid and the mip chain of its colour. No other face changes, since each face has a mip chain of its own.
     pub(crate) fn take_face(&self, frame: &mut Frame, keep: &FaceKeeper, face: &GBuffer, number: u32) -> Result<()> {
         let Self { pyramid, normal, color, .. } = self;
         let blocks = keep.pyramid.record(frame, face, &self.face)?;
@@ -269,7 +267,7 @@ impl CaptureImages {
         Ok(())
     }
 
-    /// Readies the images for the passes that follow rays in them, once all faces are taken.
+    /// Makes the images ready to be read by the passes that follow rays in them.
     fn make_ready(&self, context: &mut FrameContext) -> Result<()> {
         context.once(|frame| {
             frame.make_ready(self.color.all(), Access::ComputeSampled);
@@ -280,12 +278,12 @@ impl CaptureImages {
         Ok(())
     }
 
-    /// How many faces there are: six of each capture.
+    /// Returns the number of faces: six for each capture.
     pub fn faces(&self) -> u32 {
         6 * self.places.len() as u32
     }
 
-    /// How many captures there are.
+    /// Returns the number of captures.
     pub fn count(&self) -> usize {
         self.places.len()
     }
@@ -302,7 +300,7 @@ impl CaptureImages {
     }
 }
 
-/// The passes that turn a face's depths and normals into the pyramid and the normals that a capture keeps.
+/// The passes that make the pyramid and the normals of a capture from the depth and the normals of a face.
 pub(crate) struct FaceKeeper {
     pyramid: PyramidPass,
     normal: KeepNormalPass,
@@ -333,7 +331,7 @@ impl FacePasses {
         })
     }
 
-    /// Draws a face, number 6 k + f for face f of capture k.
+    /// Records the passes that draw a face, number 6 k + f for face f of capture k, and copy it into its layer.
     fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages, number: u32) -> Result<()> {
         let camera = face_camera(into.places[number as usize / 6].get(), number as usize % 6, self.near_m);
         self.scene.record(frame, scene, &camera)?;
@@ -342,9 +340,9 @@ impl FacePasses {
     }
 }
 
-/// Draws captures again: all faces of captures that move, and in each frame a few faces, in turn over all captures, so
-/// that captures show moving objects with a delay. The age of a face, in frames, is at most the number of all faces
-/// divided by the number for each frame, rounded up.
+/// Draws captures anew: all faces of captures that move, and in each frame a few faces, in turn over all captures, so
+/// that captures show moving objects with a delay. The age of a face in frames is at most the number of all faces over
+/// that of faces a frame, rounded up.
 pub struct Renewal {
     passes: FacePasses,
     faces_per_frame: u32,
@@ -353,8 +351,8 @@ pub struct Renewal {
 }
 
 impl Renewal {
-    /// Makes the passes that renew the captures of [`CaptureImages::new`] at the same places, by some faces in each frame. No face
-    /// is renewed twice in a frame.
+    /// Makes the passes that draw the captures of [`CaptureImages::new`] anew, `faces_per_frame` faces in each frame,
+    /// and none twice in a frame.
     ///
     /// # Errors
     /// Errors of the device.
@@ -362,8 +360,7 @@ impl Renewal {
         Ok(Self { passes: FacePasses::new(gpu, taken)?, faces_per_frame, next: Cell::new(0) })
     }
 
-    /// Moves captures to other places, as many as there are, and draws all of their faces there. The call is not part of any
-    /// frame's time.
+    /// Moves all captures to `places`, in the same order, and draws all their faces there, outside of any frame's time.
     ///
     /// # Errors
     /// Errors of the device.
@@ -381,8 +378,7 @@ impl Renewal {
         captures.draw(context, scene, &self.passes)
     }
 
-    /// Records the passes "capture/…" of each face whose turn it is: scene passes, pyramid, copies and colour chain.
-    /// These passes draw `scene` as it is now.
+    /// Records passes "capture/…" for the faces that are next in turn: scene passes, pyramid, copies and colour chain.
     ///
     /// # Errors
     /// Errors of the device.
@@ -397,7 +393,7 @@ impl Renewal {
     }
 }
 
-/// Makes the sky's cube map, with a level for each width of lobe. One map serves all places, since the sky is infinitely far.
+/// Makes the sky's cube map, filtered by roughness. One map serves all places, since the sky is infinitely far away.
 pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Image> {
     let gpu: Gpu = context.gpu().clone();
     let filter = CubeFilterPass::new(&gpu)?;
@@ -413,6 +409,6 @@ pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Ima
 /// Returns the materials without the properties that a capture does not show. A captured map stays valid as long as
 /// this result stays the same.
 pub fn captured_of(materials: &[Material]) -> Vec<Material> {
-    let bare = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
-    materials.iter().map(bare).collect()
+    let shown = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
+    materials.iter().map(shown).collect()
 }

@@ -1,8 +1,8 @@
-//! `captures`: mirror rays that are followed through captures of the scene alone, from where they begin. A lobe is seen as one cone
-//! around the mirror ray. Behind a screen-space method (`--fallback captures`), the method allows a fair comparison with `unified`,
-//! whose rays all go on in the captures.
+//! `captures`: follows the mirror rays of pixels through captures of the scene alone, from where they begin. A lobe is
+//! one cone around the mirror ray. Behind a screen-space method (`--fallback captures`), the method allows a fair
+//! comparison with `unified`, whose lost rays go on in the captures.
 
-use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest};
+use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest, Setup};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Image};
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
@@ -21,7 +21,7 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
-/// The passes and what they draw into.
+/// The passes, and the images that they write.
 pub struct CapturesMethod {
     lost: LostRays,
     /// `None` where there are no captures.
@@ -31,20 +31,11 @@ pub struct CapturesMethod {
 }
 
 impl CapturesMethod {
-    /// Makes the passes and the images that they draw into. Without captures, no pass follows rays.
+    /// Makes the passes and the images that they write. Without captures, no pass follows rays.
     pub(super) fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
-        let extent = request.setup.extent;
+        let Setup { extent, projection, .. } = request.setup;
         let (hits, behind) = (request.hits, request.behind);
-        let projection = request.setup.projection;
-        let wants = FollowWants {
-            over: false,
-            composite: false,
-            reflection: true,
-            hits,
-            stores_ends: false,
-            behind,
-            projection,
-        };
+        let wants = FollowWants { reflection: true, hits, behind, projection, ..FollowWants::default() };
         Ok(Self {
             lost: LostRays::new(gpu, extent, ListContent::Rays)?,
             follow: request.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,

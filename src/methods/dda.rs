@@ -1,5 +1,5 @@
-//! `dda`: every ray by a march over pixels with a constant thickness (McGuire and Mara, "Efficient GPU Screen-Space Ray
-//! Tracing", JCGT 2014), as most engines have it, and a mirror lookup where it ends: the method has no gloss.
+//! `dda`: traces every ray by a march over pixels with a constant thickness (McGuire and Mara, "Efficient GPU
+//! Screen-Space Ray Tracing", JCGT 2014), as most engines do. The colour is a mirror's: the method has no gloss.
 
 use super::layers::LayerParams;
 use super::thesis::{FadeParams, UNBOUNDED};

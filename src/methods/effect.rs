@@ -20,10 +20,9 @@ use crate::passes::{Captures, GBuffer};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use ssct_ground::scene::{Capture, ProjectionKind};
-use std::cell::Cell;
 use std::time::Instant;
 
-/// Faces of the capture at the camera. Each frame draws all of them.
+/// Faces of the capture at the camera, all of which each frame draws.
 const FACES_OF_A_CUBE: u32 = 6;
 
 /// The images that an effect made in a frame.
@@ -31,36 +30,36 @@ const FACES_OF_A_CUBE: u32 = 6;
 pub struct Output<'a> {
     /// The method's intermediates and hits, and the reflection that was composited.
     pub traced: MethodOutput<'a>,
-    /// The finished image, linear; lit colour alone where none was wanted or nothing reflects.
+    /// The finished image, linear; the lit colour alone if no composite was wanted or nothing reflects.
     pub composite: &'a Image,
 }
 
-/// A method of one size on one device, with the passes around it.
+/// A method for images of one size, on one device, with the passes around it.
 pub struct Effect {
     method: Box<dyn Method>,
     projection: ProjectionKind,
-    /// Other normals for the rays; with a bump, reflections are displaced afterwards.
+    /// Makes other normals for the rays; the bump displaces the reflections afterwards.
     trace_normals: Option<(TraceNormalsPass, Option<BumpPass>)>,
-    /// Draws what lies behind the first surfaces, for a method that is set up for it.
+    /// Draws the second layer of depth, for a method that marches through two layers.
     second_layer: Option<SecondLayer>,
-    scaled: Option<(DownsamplePass, UpsamplePass)>,
+    scaled: Option<(DownsamplePass, UpsamplePass)>, // for a lower resolution
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     history: Option<HistoryPass>,
-    /// How often light is reflected, and the pass that makes the image that later bounces reflect.
+    /// The number of bounces, and the pass that makes the image that the next bounce reflects; `None` for one bounce.
     bounces: Option<(u32, CompositePass)>,
-    /// `None` if no image with the reflection in it is wanted, or if the history makes that image.
+    /// Makes the finished image; `None` if it is not wanted, or if the history makes it.
     composite: Option<CompositePass>,
     captures: Option<CaptureSet>,
     triangles: Option<PreparedTriangles>,
     prepared: Prepared,
 }
 
-/// The images that a method makes of its scene once, outside of any frame: captures and their pyramids, cube maps, filtered skies.
+/// The cost of the images that a method makes of its scene once, outside of any frame: captures, cube maps, skies.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Prepared {
-    /// Milliseconds on the host until the device was done, the search for places of captures included.
+    /// Milliseconds on the host until the device was done, with the search for places of captures.
     pub time_ms: f64,
-    /// Bytes of device memory that stay.
+    /// Bytes of device memory that these images take.
     pub device_bytes: u64,
     /// The places of the captures in which rays go on: x, y and z in world axes, in metres.
     pub captures: Vec<[f32; 3]>,
@@ -70,8 +69,7 @@ pub struct Prepared {
 }
 
 impl Effect {
-    /// Makes the method and the passes around it. `scene` is the scene that the method reflects; a method that sees only the screen
-    /// needs none.
+    /// Makes the method and the passes around it. A method that sees the screen alone needs no `scene`.
     ///
     /// # Errors
     /// [`Error::Usage`] for a request in [`EXCLUSIONS`](exclusions::EXCLUSIONS), or without a scene that is needed.
@@ -99,21 +97,21 @@ impl Effect {
         let is_renewed = faces > 0 && !places.is_empty();
         let renewal = is_renewed.then(|| Renewal::new(context.gpu(), &places, faces)).transpose()?;
         let face = places.first().map_or([1; 2], |c| [c.resolution; 2]);
-        let captured = (!places.is_empty()).then(|| {
+        let captures = (!places.is_empty()).then(|| {
             let (images, materials) = (None, Vec::new());
             CaptureSet { places, face, images, materials, renewal, at_camera }
         });
-        let (mut held, begun) = (context.gpu().allocated_bytes(), Instant::now());
+        // Device memory that does not count as prepared: that of before, and images that every frame draws anew.
+        let (mut not_prepared, begun) = (context.gpu().allocated_bytes(), Instant::now());
         let triangles = triangles_for(context, info, &effect, scene)?;
         let with_triangles = context.gpu().allocated_bytes();
-        let mut made = Self::with_parts(context, info, setup, wants, (captured, triangles))?;
+        let mut made = Self::with_parts(context, info, setup, wants, (captures, triangles))?;
         let Some(scene) = scene else { return Ok(made) };
-        // Images that every frame draws anew are not prepared.
-        held += context.gpu().allocated_bytes() - with_triangles;
+        not_prepared += context.gpu().allocated_bytes() - with_triangles;
         let shared = made.prepare_at_cost(context, scene)?;
         made.prepared = Prepared {
             time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64() + shared.time_ms,
-            device_bytes: context.gpu().allocated_bytes().saturating_sub(held) + shared.device_bytes,
+            device_bytes: context.gpu().allocated_bytes().saturating_sub(not_prepared) + shared.device_bytes,
             captures: if at_camera { Vec::new() } else { made.places().map(|c| c.position.to_array()).collect() },
             ray_structure_ms: triangles
                 .filter(|reading| reading.queries)
@@ -122,11 +120,10 @@ impl Effect {
         Ok(made)
     }
 
-    /// Makes the method and the passes around it for a G-buffer without its scene, and for captures that come from elsewhere.
+    /// Makes the method and the passes around it for a G-buffer without its scene, and for given captures.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a request in [`EXCLUSIONS`](exclusions::EXCLUSIONS), such as a method that follows no
-    /// rays in captures.
+    /// [`Error::Usage`] for a request in [`EXCLUSIONS`](exclusions::EXCLUSIONS).
     pub fn with_captures(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -139,8 +136,8 @@ impl Effect {
         Self::with_parts(context, info, setup, wants, (Some(captures), None))
     }
 
-    /// Makes the method and the passes around it for captures that each input brings along ([`Input::captures`]), with faces of a
-    /// size in texels.
+    /// Makes the method and the passes around it for captures that each input gives ([`Input::captures`]). `face` is
+    /// the width and height of their faces in texels.
     ///
     /// # Errors
     /// Errors of [`Self::with_captures`].
@@ -155,11 +152,11 @@ impl Effect {
         Self::with_parts(context, info, setup, wants, (Some(CaptureSet::from_elsewhere(face, None)), None))
     }
 
-    /// Makes the method and the passes around it for a G-buffer without its scene, and for triangles that each input brings along
-    /// ([`Input::triangles`]). `reading` says how shaders read the triangles.
+    /// Makes the method and the passes around it for a G-buffer without its scene, and for triangles that each input
+    /// gives ([`Input::triangles`]). `reading` says how shaders read the triangles.
     ///
     /// # Errors
-    /// [`Error::Usage`] as for [`Self::new`], and for a method that follows no rays among triangles.
+    /// [`Error::Usage`] for a request in [`EXCLUSIONS`](exclusions::EXCLUSIONS).
     pub fn for_triangles(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -171,7 +168,7 @@ impl Effect {
         Self::with_parts(context, info, setup, wants, (None, Some(reading)))
     }
 
-    /// Makes the method and the passes around it, for captures or triangles of any origin, and after all checks.
+    /// Makes the method and the passes around it, after all checks, for captures or triangles of any origin.
     fn with_parts(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -205,9 +202,9 @@ impl Effect {
         let composite =
             wants.composite && fallback.is_none() && divisor == 1 && !history && !is_bumped && bounces.is_none();
         let mut scaled = None;
-        let mut inner = MethodRequest {
+        let mut request = MethodRequest {
             setup: setup.clone(),
-            // Hits of a lower resolution cannot be compared with those of the full size.
+            // Hits of a lower resolution cannot be compared with hits of the full size.
             hits: wants.hits && divisor == 1,
             reflection: wants.reflection || !composite,
             composite,
@@ -216,14 +213,14 @@ impl Effect {
             behind: false,
         };
         if divisor != 1 {
-            inner.setup.extent = resolution::divided(extent, divisor);
+            request.setup.extent = resolution::divided(extent, divisor);
             let downsample = DownsamplePass::new(&gpu, stage, extent, divisor)?;
             let is_numbered = triangles.is_some() && gpu.numbers_triangles();
             let downsample = if is_numbered { downsample.numbered(&gpu, stage)? } else { downsample };
             scaled = Some((downsample, UpsamplePass::new(&gpu, stage, extent, projection, divisor)?));
         }
         let effect = Self {
-            method: info.make(&gpu, &inner)?,
+            method: info.make(&gpu, &request)?,
             projection,
             trace_normals: other_normals
                 .then(|| -> Result<_> {
@@ -253,7 +250,7 @@ impl Effect {
         Ok(effect)
     }
 
-    /// Makes the images that outlive frames anew, after the scene's materials changed.
+    /// Makes the images that outlive frames: those that are missing, and those that changed materials make invalid.
     pub fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
         self.prepare_at_cost(context, scene).map(drop)
     }
@@ -293,11 +290,10 @@ impl Effect {
         Ok(cost)
     }
 
-    /// Makes the triangles of a scene ready for a frame, where its meshes stand now. Does nothing if no rays are followed among
-    /// triangles.
+    /// Makes the triangles of a scene ready for a frame, where its meshes stand now, if rays are traced among them.
     ///
     /// # Errors
-    /// Returns the errors of [`SceneData::prepare_triangles`].
+    /// Errors of [`SceneData::prepare_triangles`].
     pub fn prepare_triangles(&self, context: &mut FrameContext, data: &SceneData) -> Result<()> {
         let Some(triangles) = &self.triangles else { return Ok(()) };
         data.prepare_triangles(context, triangles.reading.queries).map(drop)
@@ -308,7 +304,7 @@ impl Effect {
         self.triangles.is_some()
     }
 
-    /// Number of frames that an image of a camera at rest takes: as many as a history averages, or one without a history.
+    /// Returns the number of frames for an image of a camera at rest: as many as a history averages, or one without it.
     pub fn frames_at_rest(&self) -> u32 {
         self.history.as_ref().map_or(1, HistoryPass::averaged)
     }
@@ -318,38 +314,35 @@ impl Effect {
         self.history.iter().for_each(HistoryPass::restart);
     }
 
-    /// Returns time, memory and captures of the images that were made before the first frame.
+    /// Returns time and memory of the images that were made before the first frame, and the places of captures.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
 
-    /// The captures in which rays go on, once they are made, and the places where they were captured. A capture that moves with the
-    /// camera is where the camera was when the last frame was recorded.
+    /// Returns the captures in which rays go on, once they are made, and where they stand. A capture at the camera
+    /// stands where the camera was when the last frame was recorded.
     pub fn captures(&self) -> Option<(Captures<'_>, Vec<Capture>)> {
         let images = self.captures.as_ref()?.images.as_ref()?.captures();
         Some((images, self.places().collect()))
     }
 
-    /// The captures with the places where they are now; none before their images are made.
+    /// Returns the captures with the places where they stand now; none before their images are made.
     fn places(&self) -> impl Iterator<Item = Capture> {
-        let captured =
-            self.captures.as_ref().and_then(|c| Some((c.places.iter(), c.images.as_ref()?.captures().places)));
-        let placed = |(captures, places): (std::slice::Iter<Capture>, &[Cell<Vec3>])| {
-            captures
-                .zip(places)
-                .map(|(capture, place)| Capture { position: place.get(), ..*capture })
-                .collect::<Vec<_>>()
-        };
-        captured.map_or(Vec::new(), placed).into_iter()
+        let mut placed = Vec::new();
+        if let Some(CaptureSet { places, images: Some(images), .. }) = &self.captures {
+            let pairs = places.iter().zip(images.captures().places);
+            placed.extend(pairs.map(|(capture, place)| Capture { position: place.get(), ..*capture }));
+        }
+        placed.into_iter()
     }
 
-    /// Faces of the captures that the method looks into; 0 without captures.
+    /// Returns the number of faces of the captures in which rays go on; 0 without captures.
     pub fn capture_faces(&self) -> u32 {
         let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
         images.map_or(0, CaptureImages::faces)
     }
 
-    /// Moves the captures, in their order, to other places, and draws the scene around these. Spare places are left out. Captures
+    /// Moves the n-th capture to the n-th place, and draws the scene around it. Spare places are ignored. Captures
     /// without a place stay, and so does the capture at the camera. The call is not part of any frame's time.
     pub fn move_captures(&mut self, context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<()> {
         let Some(captured) = self.captures.as_mut().filter(|c| !c.at_camera) else { return Ok(()) };
@@ -361,10 +354,10 @@ impl Effect {
         if images.is_shared() {
             *images = CaptureImages::undrawn(context.gpu(), &captured.places)?;
         }
-        // The passes that draw captures are kept, since a caller that moves captures once does so again.
+        // The passes that draw captures are kept, since a caller that moves captures once most likely does so again.
         let renewal = match &mut captured.renewal {
-            Some(kept) => kept,
-            none => none.insert(Renewal::new(context.gpu(), &captured.places, 0)?),
+            Some(renewal) => renewal,
+            empty => empty.insert(Renewal::new(context.gpu(), &captured.places, 0)?),
         };
         let places: Vec<Vec3> = captured.places.iter().map(|c| c.position).collect();
         renewal.move_to(context, scene, images, &places)?;
@@ -372,12 +365,12 @@ impl Effect {
         Ok(())
     }
 
-    /// Records every pass after lighting. The first passes renew captures, if some are renewed in each frame, or draw the capture
-    /// at the camera.
+    /// Records every pass after lighting. The first passes draw captures anew, if each frame does so, or the capture at
+    /// the camera.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the input has no scene, but the method needs one or captures are renewed; and for a camera of another
-    /// projection than the setup's.
+    /// [`Error::Usage`] if the input has no scene, but the method needs one or captures are drawn anew; and for a
+    /// camera of another projection than the setup's.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
         input.camera.check_kind(self.projection)?;
         let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
@@ -414,14 +407,14 @@ impl Effect {
         let mut traced = self.reflect(frame, &input, &shading)?;
         for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
             let (Some(reflection), Some((_, pass))) = (traced.reflection, &self.bounces) else { break };
-            // Each bounce adds its reflection to the lit colour without reflections.
+            // The image that the next bounce reflects is the lit colour without reflections, plus this reflection.
             let color = pass.record(frame, &gbuffer, reflection)?;
             frame.stage(Some(&format!("bounce {}", bounce + 1)));
             input = Input { bounce, gbuffer: GBuffer { color, ..gbuffer }, ..input };
             traced = self.reflect(frame, &input, &shading)?;
         }
         if let (Some(history), Some(reflection)) = (&self.history, traced.reflection) {
-            // Ends of rays at a lower resolution lie on another grid than the history.
+            // Ends of rays at a lower resolution have other pixels than the history, and are not used.
             let ends = traced.ends.filter(|_| self.scaled.is_none());
             let (averaged, composite) =
                 history.record(frame, &gbuffer, input.camera, reflection, (ends, input.motion))?;
@@ -436,8 +429,8 @@ impl Effect {
         Ok(Output { traced, composite })
     }
 
-    /// Records one bounce: the passes of the method, then those that scale its reflection to full size, shift it, and add the
-    /// fallback. `shading` has the normals that light a surface, and `input.gbuffer` has those that rays leave by.
+    /// Records one bounce: the passes of the method, then those that scale its reflection up, displace it, and add the
+    /// fallback. `shading` has the shading normals, and `input.gbuffer` the normals that rays are reflected at.
     fn reflect<'a>(
         &'a self,
         frame: &mut Frame,
@@ -459,12 +452,12 @@ impl Effect {
             traced.composite = None;
         }
         if let (Some((behind, pass)), Some(reflection)) = (&self.fallback, traced.reflection) {
-            let behind = behind.record(frame, &Input { in_front: Some(reflection), ..*input })?;
-            if let Some(far) = behind.reflection {
-                traced.reflection = Some(pass.record(frame, reflection, far)?);
+            let fallback = behind.record(frame, &Input { in_front: Some(reflection), ..*input })?;
+            if let Some(fallback_reflection) = fallback.reflection {
+                traced.reflection = Some(pass.record(frame, reflection, fallback_reflection)?);
                 traced.composite = None;
             }
-            traced.intermediates.extend(behind.intermediates);
+            traced.intermediates.extend(fallback.intermediates);
         }
         Ok(traced)
     }

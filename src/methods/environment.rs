@@ -1,10 +1,10 @@
-//! `environment`: a pre-filtered cube map, looked up by the reflection's direction (thesis §3.1.3), and
-//! as the fallback of §4.2.11 the skybox behind a screen-space method.
+//! `environment`: looks up a pre-filtered cube map by the reflection's direction (thesis §3.1.3). As the fallback of
+//! §4.2.11, it shows the sky behind a screen-space method.
 //!
-//! The map holds the environment of docs/definitions.md, "Surfaces": the sky, as it is seen where nothing stands. The sky is the
-//! only content for which a lookup by direction is right everywhere. A map captured among objects is right from one point only,
-//! except for light from infinitely far (§3.1.3). `local-map` looks up captured maps by direction nevertheless, and `pccm` corrects
-//! the direction. Each level of the map is blurred by the lobe of a roughness.
+//! The map holds the environment of docs/definitions.md, "Surfaces": the sky, as seen where nothing stands. The sky is
+//! the only content for which a lookup by direction is right everywhere. A map captured among objects is right from one
+//! point only, except for light from infinitely far away (§3.1.3). `local-map` looks up captured maps by direction
+//! nevertheless, and `pccm` corrects the direction. Each level of the map is blurred by the lobe of one roughness.
 
 use super::capture::filtered_sky;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};

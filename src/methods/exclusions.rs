@@ -1,12 +1,12 @@
-//! The table of the requests that an effect refuses. Errors, the help of parameters and the page of options come from
-//! this table. The functions that make captures and triangles refuse a request without the scene that they need.
+//! The table of the requests that an effect refuses, from which errors, the help of parameters and the page of options
+//! are made. The functions that make captures and triangles also refuse requests without the scene that they need.
 
 use super::setup::{BeyondScreen, CaptureCount, Setup, Tracer};
 use super::{EffectParams, METHODS, MethodInfo};
 use crate::error::{Error, Result};
 use crate::passes::trace_normals::TraceNormals;
 
-/// A request for an effect.
+/// A request for an effect, as [`check`] looks at it.
 pub struct Asked<'a> {
     /// The method.
     pub info: &'a MethodInfo,
@@ -16,25 +16,25 @@ pub struct Asked<'a> {
     pub effect: EffectParams,
     /// Whether the scene is known, and not a G-buffer alone.
     pub has_scene: bool,
-    /// True if there are captures for rays to go on in.
+    /// Whether rays can be followed through captures.
     pub has_captures: bool,
-    /// Whether rays go among triangles.
+    /// Whether rays are traced among triangles.
     pub has_triangles: bool,
-    /// The part of the scene that the caller brings along with a G-buffer.
+    /// The part of the scene that the caller gives beside a G-buffer.
     pub brought: Option<Brought>,
 }
 
-/// A part of the scene that a caller brings along with a G-buffer.
+/// A part of the scene that a caller gives beside a G-buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Brought {
-    /// Images of the scene from other places.
+    /// Captures: images of the scene from other places.
     Captures,
-    /// Triangles with their tree.
+    /// The triangles of the scene with their tree.
     Triangles,
 }
 
 impl<'a> Asked<'a> {
-    /// The request for a G-buffer without its scene, and with a part of the scene that the caller brings along.
+    /// Makes the request for a G-buffer without its scene, beside which the caller gives a part of the scene.
     pub fn beside_gbuffer(info: &'a MethodInfo, setup: &'a Setup, part: Brought) -> Self {
         Self {
             info,
@@ -47,10 +47,10 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// Whether a method sees enough: the screen, the whole scene, or captures or triangles in which it follows rays.
+    /// Whether a method has all that it must see: the screen, the scene, or captures or triangles that it takes.
     fn is_seen(&self, method: &MethodInfo) -> bool {
-        let is_given = (method.takes_captures && self.has_captures) || (method.takes_triangles && self.has_triangles);
-        self.has_scene || method.is_screen_space() || is_given
+        let has_part = (method.takes_captures && self.has_captures) || (method.takes_triangles && self.has_triangles);
+        self.has_scene || method.is_screen_space() || has_part
     }
 }
 
@@ -60,14 +60,14 @@ pub struct Exclusion {
     pub parameter: &'static str,
     /// The case in which the value is refused, in the words of the page of options.
     pub refused: &'static str,
-    /// Returns true for requests of this kind.
+    /// Whether a request is of this kind.
     pub applies: fn(&Asked) -> bool,
     message: fn(&Asked) -> String,
 }
 
 const DRAWN_ANEW: &str = "captures without their scene cannot be drawn anew in frames";
 
-/// The kinds of requests that are refused. If a request is of several kinds, the error names the first of them.
+/// The kinds of requests that are refused. If a request is of several kinds, the error is that of the first kind.
 pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "captures",
@@ -223,7 +223,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     },
 ];
 
-/// The name of the method that is a fallback.
+/// Returns the name of the method that is the fallback; "none" without a fallback.
 fn behind(asked: &Asked) -> &'static str {
     asked.effect.fallback.method().map_or("none", |method| method.name)
 }

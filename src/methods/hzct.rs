@@ -1,5 +1,5 @@
-//! `hzct`: Hi-Z cone tracing as the thesis describes the method that it extends (§4.2; Uludag, GPU Pro 5): `ssct` without the
-//! linear fallback, and with a fade of rays towards the camera.
+//! `hzct`: Hi-Z cone tracing (Uludag, GPU Pro 5), the method that the thesis extends, as the thesis describes it
+//! (§4.2): `ssct` without the linear march, and with a fade for rays towards the camera.
 
 use super::MethodInfo;
 use super::ssct::{ThesisDrawing, ThesisMethod};

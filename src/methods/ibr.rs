@@ -1,9 +1,9 @@
-//! `ibr`: image-based reflections (thesis §3.1.4). A proxy is a box in the scene. The content of the box is drawn, lit,
-//! into an image on the box's middle plane, and each pixel's mirror ray is tested against these planes. The image is
-//! read in the level that fits the width of the ray's cone, so that gloss costs nothing.
+//! `ibr`: image-based reflections (thesis §3.1.4). A proxy is a box in the scene. The content of the box is drawn and
+//! lit into an image on the box's middle plane, and each pixel's mirror ray is tested against these planes. A lookup
+//! reads the mip level that fits the width of the ray's cone, so that gloss costs nothing.
 //!
-//! The boxes are the scene's impostors (`[[impostor]]`) with a depth. The method differs from `billboard` in that no artist paints
-//! an image: a box shows its content as the scene passes light it, from its front alone.
+//! The boxes are the scene's impostors (`[[impostor]]`) with a depth. Unlike `billboard`, the method needs no image by
+//! an artist: a box shows its content as the scene passes light it, seen from the front.
 
 use super::capture::captured_of;
 use super::needs::Need;
@@ -56,7 +56,7 @@ parameters! {
     }
 }
 
-/// The pass, and an image for each box once they are drawn.
+/// The pass, and an image for each box once these are drawn.
 struct IbrMethod {
     pass: BillboardPass,
     parameters: IbrParams,
@@ -65,33 +65,33 @@ struct IbrMethod {
     captured: Vec<Material>,
 }
 
-/// Distance of the camera from a box, in multiples of the box's greatest half side. The distance makes the rays nearly parallel, as
-/// if they were projected onto the plane.
+/// Distance of the camera from the middle of a box, in multiples of the box's greatest half side. At this distance the
+/// rays of sight are nearly parallel, as in a projection onto the plane.
 const EYE_DISTANCE: f32 = 200.0;
 
-/// A camera that sees a box and nothing else, from its front.
+/// Returns a camera before a box that sees nothing else. The box reaches `depth` metres before and behind its plane.
 fn box_camera(proxy: &Impostor, depth: f32) -> Camera {
-    let (u, v) = (proxy.half_u.length(), proxy.half_v.length());
-    let away = EYE_DISTANCE * u.max(v).max(depth);
+    let (half_width, half_height) = (proxy.half_u.length(), proxy.half_v.length());
+    let away = EYE_DISTANCE * half_width.max(half_height).max(depth);
     let eye = proxy.centre + away * proxy.normal();
-    let fov_y_radians = 2.0 * (v / away).atan();
+    let fov_y_radians = 2.0 * (half_height / away).atan();
     Camera {
-        world_to_view: look_to_mat4(eye, -proxy.normal(), -proxy.half_v / v),
+        world_to_view: look_to_mat4(eye, -proxy.normal(), -proxy.half_v / half_height),
         lens: Lens::perspective(fov_y_radians, away - depth, away + depth),
-        aspect: u / v,
+        aspect: half_width / half_height,
         near_plane: None,
         projection: None,
     }
 }
 
-/// Width and height of a box's image.
+/// Returns width and height of a box's image, in texels, whose longer side has `side` texels.
 fn size(proxy: &Impostor, side: u32) -> [u32; 2] {
-    let (u, v) = (proxy.half_u.length(), proxy.half_v.length());
-    [u, v].map(|s| ((s / u.max(v) * side as f32).round() as u32).clamp(1, side))
+    let [u, v] = [proxy.half_u.length(), proxy.half_v.length()];
+    [u, v].map(|length| ((length / u.max(v) * side as f32).round() as u32).clamp(1, side))
 }
 
 impl IbrMethod {
-    /// Draws the content of a box. Colours are multiplied by alpha, which is 0 where nothing stands and where the sky shows.
+    /// Draws the content of a box into an image with premultiplied colours and alpha 0 where no lit surface shows.
     fn draw(&self, context: &mut FrameContext, scene: &SceneInput, proxy: &Impostor) -> Result<Image> {
         let gpu: Gpu = context.gpu().clone();
         let extent = size(proxy, self.parameters.ibr_side);

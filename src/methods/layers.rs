@@ -1,5 +1,5 @@
-//! A second layer of depth: what lies behind the first surface, drawn by depth peeling (Everitt 2001; Schmidt 2013, §6;
-//! Hermanns and Franke 2014, Conclusion) for the methods whose march tests both layers.
+//! Draws a second layer of depth, the nearest surfaces behind the first ones, by depth peeling (Everitt 2001; Schmidt
+//! 2013, §6; Hermanns and Franke 2014, Conclusion). Some methods march through both layers.
 
 use super::SceneInput;
 use crate::error::Result;
@@ -29,13 +29,13 @@ parameters! {
 }
 
 impl LayerParams {
-    /// True if rays are held against two layers of depth.
+    /// Whether rays are tested against two layers of depth.
     pub fn has_second(&self) -> bool {
         self.layers > 1
     }
 }
 
-/// The scene passes of the second layer, and the pass that scales the layer down if rays are traced at a lower resolution.
+/// The scene passes of the second layer, and a pass that scales it down if rays are traced at a lower resolution.
 pub struct SecondLayer {
     gbuffer: GBufferPass,
     lighting: LightingPass,
@@ -44,7 +44,7 @@ pub struct SecondLayer {
 }
 
 impl SecondLayer {
-    /// Makes the passes for G-buffers of a size in pixels. Rays are traced for blocks of `divisor` × `divisor` pixels.
+    /// Makes the passes for G-buffers of a size in pixels. One ray is traced for `divisor` × `divisor` pixels.
     ///
     /// # Errors
     /// Errors of the device.
@@ -58,8 +58,9 @@ impl SecondLayer {
         })
     }
 
-    /// Records the passes "layer/g-buffer" and "layer/lighting", which draw what lies behind the surfaces of a G-buffer. The result
-    /// has the size that rays are traced at.
+    /// Records passes "layer/g-buffer" and "layer/lighting", which draw the nearest surfaces behind those of `first`.
+    /// The result has the size at which rays are traced: pass "layer/downsample" scales it down if that size is
+    /// smaller.
     ///
     /// # Errors
     /// Errors of the device.

@@ -1,5 +1,5 @@
-//! `linear`: every ray by a linear march (thesis §4.2.2), which `ssct` keeps for rays towards the camera,
-//! and a mirror lookup where it ends: the method has no gloss.
+//! `linear`: traces every ray by the linear march of thesis §4.2.2, which `ssct` uses for rays towards the camera
+//! alone. The colour is a mirror's: the method has no gloss.
 
 use super::thesis::{self, FadeParams, MarchParams};
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest};

@@ -1,6 +1,6 @@
-//! `local-map`: cube maps captured in the scene and looked up by direction alone (thesis §3.1.3; the left of Schmidt 2013, figure
-//! 29). A lookup is right only at the place where its map was captured, and for what is infinitely far away. Maps and blending are
-//! those of `pccm`, so that the two methods differ in the correction of parallax alone.
+//! `local-map`: cube maps captured in the scene and looked up by direction alone (thesis §3.1.3; left side of figure 29
+//! in Schmidt 2013). A lookup is right only at the place of the capture, and for what is infinitely far away. Maps and
+//! blending are those of `pccm`; the methods differ only in the correction of parallax.
 
 use super::MethodInfo;
 use super::needs::Need;

@@ -1,5 +1,5 @@
-//! The parts of a scene that methods need. If a part is missing, its method shows nothing: its reflection is black everywhere, and
-//! its time is that of an empty loop.
+//! The parts of a scene that methods need. If a scene lacks a part, the method that needs it shows nothing: its
+//! reflection is black everywhere, and its time is that of an empty loop.
 
 use ssct_ground::scene::{Scene, planes};
 

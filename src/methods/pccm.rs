@@ -1,5 +1,5 @@
-//! `pccm`: parallax-corrected cube maps (Schmidt 2013, section 5.2, listing 1). The maps are captured at
-//! the scene's probes by this renderer; two are used in a frame, blended in each pixel (section 6).
+//! `pccm`: parallax-corrected cube maps (Schmidt 2013, section 5.2, listing 1), which this renderer captures at the
+//! scene's probes. A frame uses two of them, and blends the two in each pixel (section 6).
 
 use super::capture::{capture, captured_of};
 use super::needs::Need;
@@ -63,9 +63,10 @@ impl Method for PccmMethod {
     }
 }
 
-/// Returns the two maps of a frame: those whose boxes the camera is in or nearest to, and among equals those that were captured
-/// nearest to the camera. A single map is returned twice; `None` without maps.
+/// Returns the two maps for a frame seen from `eye`: those whose boxes are nearest to it, and of boxes that are equally
+/// near (or contain it) those captured nearest to it. A single map is returned twice; `None` without maps.
 fn two_nearest<T>(maps: &[T], probe: impl Fn(&T) -> &Probe, eye: Vec3) -> Option<[&T; 2]> {
+    // Distances from the eye to the map's box, and to the place where the map was captured.
     let distances = |map: &T| {
         let Probe { position, bounds, .. } = probe(map);
         [eye.distance(eye.clamp(bounds.min, bounds.max)), eye.distance(*position)]

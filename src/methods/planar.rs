@@ -1,10 +1,11 @@
-//! `planar`: a mirrored camera draws the scene once more for each mirror (thesis §3.1.2), by the stencil or by a render target.
-//! Mirrors are planes found in the scene: the coplanar reflecting triangles that cover most of the screen, hidden or not. Each
-//! further plane draws the scene once more, so that there are few.
+//! `planar`: a mirrored camera draws the scene once more for each mirror (thesis §3.1.2), inside a stencil or into a
+//! render target. The mirrors are planes found in the scene: the coplanar reflecting triangles that cover most of the
+//! screen, hidden or not. Since each plane costs another drawing of the scene, few planes are used.
 //!
-//! The reflection is that of a perfect mirror, whatever the roughness and the normal map say: the mirrored matrix "does not allow
-//! any distortions". Mirrors in the mirror don't reflect. A pixel for which the mirrored camera sees nothing is a miss. The stencil
-//! saves the drawing outside the mirror, but not the vertices. The lighting runs over the whole image in both variants.
+//! The reflection is that of a perfect mirror, whatever the roughness and the normal map say: the mirrored matrix "does
+//! not allow any distortions". Mirrors in the mirror don't reflect. A pixel where the mirrored camera sees nothing is a
+//! miss. The stencil avoids shading outside the mirror, but not the work on vertices. Lighting runs over the whole
+//! image in both variants.
 
 use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};
@@ -44,7 +45,7 @@ parameters! {
     }
 }
 
-/// Number of planes that are considered in every frame: the largest of the scene.
+/// Number of planes, the largest of the scene, that are considered in every frame.
 const CANDIDATES: usize = 64;
 /// Distance from a plane, in metres, below which the camera sees the plane edge on.
 const EDGE_ON_M: f32 = 1e-3;
@@ -76,18 +77,18 @@ impl PlanarMethod {
         })
     }
 
-    /// The planes that cover most of what a camera sees, the largest first.
+    /// Returns the planes that cover most of the screen, the largest first: unit normal and offset in world space.
     fn planes(&self, camera: &Camera) -> Vec<Vec4> {
         let world_to_clip = camera.view_to_clip() * camera.world_to_view;
         let eye = camera.eye();
         let mut seen: Vec<(f32, Vec4)> = self
             .candidates
             .iter()
-            .filter(|g| g.plane.truncate().dot(eye) + g.plane.w > EDGE_ON_M)
-            .map(|g| (g.triangles.iter().map(|t| projected_area(&world_to_clip, t)).sum(), g.plane))
+            .filter(|group| group.plane.truncate().dot(eye) + group.plane.w > EDGE_ON_M)
+            .map(|group| (group.triangles.iter().map(|t| projected_area(&world_to_clip, t)).sum(), group.plane))
             .filter(|(area, _)| *area >= AREA_MIN)
             .collect();
-        seen.sort_by(|a, b| b.0.total_cmp(&a.0));
+        seen.sort_by(|(area, _), (other_area, _)| other_area.total_cmp(area));
         seen.truncate(self.parameters.planar_planes as usize);
         seen.into_iter().map(|(_, plane)| plane).collect()
     }
@@ -106,19 +107,19 @@ impl Method for PlanarMethod {
         self.planar.record_clear(frame)?;
         let planes = self.planes(camera);
         for &plane in &planes {
-            let behind = camera.mirrored(plane);
+            let mirrored_camera = camera.mirrored(plane);
             if self.parameters.planar_variant == MirrorDrawing::Stencil {
                 self.planar.record_mark(frame, gbuffer, camera, plane, mirrored.depth)?;
             }
-            self.scene.record(frame, scene.data, scene.materials, &behind)?;
-            self.lighting.record(frame, &mirrored, self.scene.albedo(), scene.data, &behind)?;
+            self.scene.record(frame, scene.data, scene.materials, &mirrored_camera)?;
+            self.lighting.record(frame, &mirrored, self.scene.albedo(), scene.data, &mirrored_camera)?;
             match self.parameters.planar_variant {
                 MirrorDrawing::Stencil => self.planar.record_copy(frame, &mirrored)?,
                 MirrorDrawing::Target => self.planar.record_lookup(frame, gbuffer, camera, plane, &mirrored)?,
             }
         }
         let made = |name, content, image| Intermediate { name, content, image };
-        // The intermediates of the last plane, if there is a plane.
+        // The images of the last plane, if there was a plane.
         let intermediates = if planes.is_empty() {
             Vec::new()
         } else {

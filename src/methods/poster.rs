@@ -1,5 +1,5 @@
-//! `poster`: the first screen space cone tracing (Hermanns and Franke, SIGGRAPH 2014 poster): a cone that marches through the
-//! pre-filtered G-buffer. One march does the work of both ray trace and cone trace.
+//! `poster`: the first screen space cone tracing (Hermanns and Franke, SIGGRAPH 2014 poster). A cone marches through a
+//! pre-filtered G-buffer, so that one march replaces ray trace and cone trace.
 
 use super::layers::LayerParams;
 use super::thesis::FadeParams;

@@ -1,4 +1,4 @@
-//! How methods are set up: the size, and the values of their parameters. Every record contains the whole setup.
+//! The setup of methods: the size of images, and the values of parameters. Every record contains the whole setup.
 
 use super::MethodInfo;
 use crate::gpu::{Gpu, ShaderStage};
@@ -50,7 +50,7 @@ choices! {
 }
 
 impl StageChoice {
-    /// Returns the stage of passes on a device. `all` is the stage that is asked for all passes of the frame.
+    /// Returns the stage in which passes run on a device. `all` is the stage that the user chose for all passes.
     pub(super) fn on(self, gpu: &Gpu, all: Stage) -> ShaderStage {
         match (self, all) {
             (Self::Fragment, _) | (Self::Auto, Stage::Fragment) => ShaderStage::Fragment,
@@ -75,7 +75,7 @@ choices! {
 }
 
 impl Stage {
-    /// The stage of passes that are published as fragment shaders.
+    /// Returns the stage of the passes that are published as fragment shaders.
     pub fn of_pixels(self) -> ShaderStage {
         match self {
             Self::Published | Self::Fragment => ShaderStage::Fragment,
@@ -128,7 +128,7 @@ choices! {
 }
 
 impl OwnRays {
-    /// Returns the number of rays on a device, for rays among triangles or on the screen alone.
+    /// Returns the number of own rays of a pixel on a device, for rays among triangles or on the screen alone.
     pub fn on(self, gpu: &Gpu, among_triangles: bool) -> i32 {
         match self {
             Self::Auto if !among_triangles || gpu.info().is_cpu() => 0,
@@ -140,7 +140,7 @@ impl OwnRays {
     }
 }
 
-/// The number of captures in which rays go on that the screen loses.
+/// The number of captures in which lost rays go on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CaptureCount {
     /// None: the screen is all there is.
@@ -171,7 +171,7 @@ choices! {
 }
 
 impl CaptureSide {
-    /// The side in texels; `None` if the scene decides.
+    /// Returns the side in texels; `None` if the scene decides.
     pub fn texels(self) -> Option<u32> {
         self.name().parse().ok()
     }
@@ -184,7 +184,7 @@ impl CaptureCount {
         Choice { name: "camera", help: "A single capture at the camera, drawn anew in each frame." },
     ];
 
-    /// Returns which captures of the scene are wanted; `None` if no capture stands at a place of the scene.
+    /// Returns which captures are wanted at places of the scene; `None` if there are none, or only one at the camera.
     pub fn wanted(self) -> Option<WantedCaptures> {
         match self {
             Self::None | Self::Camera => None,
@@ -288,8 +288,8 @@ parameters! {
 }
 
 impl EffectParams {
-    /// Returns where a method that takes both captures and triangles follows the rays that the screen loses, with the scene or
-    /// without it.
+    /// Returns where lost rays go on in a method that can follow them in captures and among triangles. `has_scene` says
+    /// whether the scene is known.
     pub fn beyond(&self, has_scene: bool) -> BeyondScreen {
         match self.beyond {
             BeyondScreen::Auto if self.captures != CaptureCount::None => BeyondScreen::Captures,
@@ -297,40 +297,39 @@ impl EffectParams {
                 BeyondScreen::Triangles
             }
             BeyondScreen::Auto => BeyondScreen::None,
-            said => said,
+            chosen => chosen,
         }
     }
 
-    /// Whether a method's rays end among the triangles of the scene: the rays that the screen loses, or all rays of a method that
-    /// looks at nothing else.
+    /// Whether a method traces rays among the scene's triangles: its lost rays, or all rays if it sees nothing else.
     pub fn is_among_triangles(&self, method: &MethodInfo, has_scene: bool) -> bool {
-        let is_all = !method.is_screen_space();
-        method.takes_triangles && (is_all || self.beyond(has_scene) == BeyondScreen::Triangles)
+        let sees_only_triangles = !method.is_screen_space();
+        method.takes_triangles && (sees_only_triangles || self.beyond(has_scene) == BeyondScreen::Triangles)
     }
 
-    /// The captures that are asked for: the value of `--captures`, or as many as the scene needs if rays are to go on in captures
-    /// and no number is given.
+    /// Returns the captures that are wanted: the value of `--captures`, or as many as the scene needs if lost rays are
+    /// to go on in captures and no value is given.
     pub fn captures_wanted(&self) -> CaptureCount {
         match (self.beyond, self.captures) {
             (BeyondScreen::Captures, CaptureCount::None) => CaptureCount::Auto,
-            (_, asked) => asked,
+            (_, captures) => captures,
         }
     }
 
-    /// Full pixels along a side of one traced pixel: 1, 2 or 4.
+    /// Returns the number of full pixels along a side of one traced pixel: 1, 2 or 4.
     pub fn divisor(&self) -> u32 {
         (1.0 / self.resolution_scale).round() as u32
     }
 }
 
-/// How methods are set up. One setup may serve several methods, each of which reads the parameters that it has.
+/// The setup of methods. One setup may serve several methods, each of which reads the parameters that it has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
     /// Width and height in pixels.
     pub extent: [u32; 2],
     /// The projection of the cameras.
     pub projection: ProjectionKind,
-    /// The values of parameters.
+    /// The values of the parameters.
     pub values: Values,
 }
 
@@ -340,13 +339,13 @@ impl Setup {
         Self { extent, projection: ProjectionKind::Perspective, values: Values::default() }
     }
 
-    /// Returns this setup for images of a projection.
+    /// Returns this setup for another kind of projection.
     #[must_use]
     pub fn seen_by(&self, projection: ProjectionKind) -> Self {
         Self { projection, ..self.clone() }
     }
 
-    /// Makes a setup of the published values at a size, for methods whose rays all end on the screen.
+    /// Makes a setup of the published values at a size, in which no ray goes on beyond the screen.
     pub fn on_screen(extent: [u32; 2]) -> Self {
         Self::new(extent).with(|p: &mut EffectParams| p.beyond = BeyondScreen::None)
     }
@@ -360,9 +359,9 @@ impl Setup {
     /// Returns this setup with another preset; values that were given stay.
     #[must_use]
     pub fn of_preset(&self, preset: Preset) -> Self {
-        let mut of_preset = self.clone();
-        of_preset.values.preset = preset;
-        of_preset
+        let mut setup = self.clone();
+        setup.values.preset = preset;
+        setup
     }
 
     /// Returns this setup after a function changed values of [`EffectParams`] or of a method's own parameters.
@@ -371,22 +370,22 @@ impl Setup {
         Self { values: self.values.with(change), ..*self }
     }
 
-    /// The parameters of a method.
+    /// Returns the values of a group of parameters, for example those of a method.
     pub fn parameters<P: Parameters>(&self) -> P {
         P::from_values(&self.values)
     }
 
-    /// The parameters of the effect around a method.
+    /// Returns the parameters of the effect around a method.
     pub fn effect(&self) -> EffectParams {
         self.parameters()
     }
 
-    /// The stage of passes that are published as fragment shaders.
+    /// Returns the stage of the passes that are published as fragment shaders.
     pub fn stage(&self) -> ShaderStage {
         self.effect().stage.of_pixels()
     }
 
-    /// The setup in records: size, preset, and the value of every parameter of the effect and of a method.
+    /// Returns the setup as in records: size, preset, and the value of every parameter of the effect and of a method.
     pub fn recorded(&self, method: Option<&MethodInfo>) -> BTreeMap<&'static str, Value> {
         let own = method.map(MethodInfo::own_parameters).unwrap_or_default();
         let rows = EffectParams::table().into_iter().chain(own);
@@ -396,10 +395,10 @@ impl Setup {
     }
 }
 
-/// The outputs that are wanted of an effect.
+/// The outputs that an effect is to make.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wants {
-    /// Where each ray ended, if the method can say it. The rays are traced by the same program either way.
+    /// Where each ray ended, if the method can say so. The program that traces the rays is the same with or without it.
     pub hits: bool,
     /// The reflection as an image of its own.
     pub reflection: bool,
@@ -408,7 +407,7 @@ pub struct Wants {
 }
 
 impl Wants {
-    /// The composite alone, as it is timed.
+    /// The composite alone: what is timed.
     pub const IMAGE: Self = Self { hits: false, reflection: false, composite: true };
     /// The composite and the reflection.
     pub const REFLECTION: Self = Self { hits: false, reflection: true, composite: true };

@@ -1,5 +1,5 @@
 //! `ssct`: Hi-Z tracing, a linear march for rays towards the camera, and cone tracing (thesis ch. 4).
-//! `hzct` is the same without the march; both are [`ThesisMethod`].
+//! `hzct` leaves the march out. [`ThesisMethod`] implements both methods.
 
 use super::thesis::{self, ConeParams, FadeParams, HiZParams, MarchParams};
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest, Setup};
@@ -66,7 +66,7 @@ parameters! {
 }
 
 impl SsctParams {
-    /// The function that fills in the block's members for these parameters.
+    /// Returns a function that fills in those members of a block that these parameters decide.
     fn filling(self) -> Fill {
         Box::new(move |block| self.border.fill(self.cone.fill(self.march.fill(self.hi_z.fill(block)))))
     }
@@ -111,7 +111,7 @@ impl ThesisMethod {
         })
     }
 
-    /// Makes the chains and the cone trace of a setup, which [`Self::record_cone`] runs over hits that any tracer may have found.
+    /// Makes the chains and the cone trace alone, which [`Self::record_cone`] records for the hits of any tracer.
     ///
     /// # Errors
     /// Errors of the device.
@@ -130,7 +130,7 @@ impl ThesisMethod {
         Self::new(gpu, &request, drawn, Some(parameters.march.numbers()), parameters.filling())
     }
 
-    /// Records the cone trace over hits that any tracer may have found, for a method made by [`Self::cone_alone`].
+    /// Records the chains and the cone trace for the hits of any tracer, for a method made by [`Self::cone_alone`].
     pub fn record_cone<'a>(
         &'a self,
         frame: &mut Frame,
@@ -142,7 +142,7 @@ impl ThesisMethod {
         self.trace.record_cone(frame, &input, &parameters, hits)
     }
 
-    /// Records the chains that ray trace and cone trace read, and returns them with the parameters.
+    /// Records the chains that ray trace and cone trace read, and returns them with the uniform block of both.
     fn chains<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<(TraceInput<'a>, ThesisBlock)> {
         let (gbuffer, camera) = (&input.gbuffer, input.camera);
         let hi_z = input.once(|| self.hi_z.record(frame, gbuffer), || self.hi_z.made())?;
@@ -156,6 +156,7 @@ impl ThesisMethod {
 impl Method for ThesisMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let (chains, parameters) = self.chains(frame, input)?;
+        // In later bounces the rays are already traced, over the same depth and normals.
         let (reflection, hits) = self.trace.record(frame, &chains, &parameters, input.bounce > 0)?;
         let made = |name, content, image| Intermediate { name, content, image };
         let intermediates = vec![

@@ -1,5 +1,5 @@
-//! `sslr`: screen space local reflections as the thesis compares them with its own method (§4.3, after Killzone Shadow Fall):
-//! uniform march, mask, blurred chain.
+//! `sslr`: screen space local reflections, with which the thesis compares its own method (§4.3, after Killzone Shadow
+//! Fall): a uniform march, a mask of the hits, and blurred chains of both.
 
 use super::thesis::{self, UniformMarchParams};
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest};
@@ -14,7 +14,7 @@ use ssct_ground::parameter::{Parameter, Parameters, choices, parameters};
 
 /// The method's row in the table of methods.
 pub const INFO: MethodInfo = MethodInfo {
-    // The method keeps no hits, so that it does not know how far they are from the border.
+    // The last pass reads colours alone, and does not know how far the hits are from the border.
     fades: false,
     parameters: SslrParams::table,
     ..MethodInfo::screen(

@@ -1,5 +1,5 @@
-//! `ssr`: a march along the reflection in screen space, a sample a pixel (Schmidt 2013, section 5.4,
-//! listing 4). `ssr-fast` is the same with the march of listing 5; both are [`SchmidtMethod`].
+//! `ssr`: a march along the reflection in screen space, with one sample for each pixel on the way (Schmidt 2013,
+//! section 5.4, listing 4). `ssr-fast` uses the march of listing 5 instead. [`SchmidtMethod`] implements both methods.
 
 use super::layers::LayerParams;
 use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest};
@@ -39,7 +39,7 @@ parameters! {
     }
 }
 
-/// Schmidt's screen-space reflections. The method ignores roughness: every reflection is a mirror's.
+/// Schmidt's screen-space reflections, which ignore roughness: every reflection is that of a mirror.
 pub struct SchmidtMethod {
     /// The colour chain, of which the blur reads a coarse level; `None` without the blur.
     chain: Option<ColorChainPass>,
@@ -50,8 +50,8 @@ pub struct SchmidtMethod {
 }
 
 impl SchmidtMethod {
-    /// Makes the method with the march of listing 4 or 5. Listing 5 alone has the blur, which reads a chain of the lit colour.
-    /// `blur` says how the chain is filtered; `None` leaves the blur out.
+    /// Makes the method with the march of listing 4 or 5. Only listing 5 has a blur, which reads a mip chain of the lit
+    /// colour. `blur` says how this chain is filtered; `None` leaves the blur out.
     pub(super) fn new(
         gpu: &Gpu,
         request: &MethodRequest,

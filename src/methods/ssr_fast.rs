@@ -1,5 +1,5 @@
-//! `ssr-fast`: the optimised march of Schmidt 2013 (section 5.4, listing 5). The march goes ten pixels forward while it
-//! is before the surface, and a tenth of a pixel back while it is behind.
+//! `ssr-fast`: the optimised march of Schmidt 2013 (section 5.4, listing 5). It goes ten pixels forward while the ray
+//! is before the surface, and a tenth of a pixel back while the ray is behind it.
 
 use super::MethodInfo;
 use super::layers::LayerParams;

@@ -1,7 +1,7 @@
-//! `stochastic`: rays drawn from each pixel's lobe, resolved over the pixels around it by ratios, and, with `--history on`,
-//! averaged over frames. Engines ship this as stochastic screen-space reflections (Stachowiak, "Stochastic Screen-Space
-//! Reflections", SIGGRAPH 2015 course Advances in Real-Time Rendering; Heitz, Hill and McGuire 2018 for the ratio estimator). With
-//! many rays and without neighbours, the result is the average of several rays of thesis §3.1.5.
+//! `stochastic`: each pixel draws rays from its lobe and gathers those of the pixels around it, by a ratio estimator;
+//! `--history on` averages over frames. Engines call this stochastic screen-space reflections (Stachowiak, "Stochastic
+//! Screen-Space Reflections", SIGGRAPH 2015 course Advances in Real-Time Rendering; Heitz, Hill and McGuire 2018 for
+//! the estimator). With many rays and without neighbours, it is the average of several rays of thesis §3.1.5.
 
 use super::ssct::SsctParams;
 use super::thesis::FadeParams;
@@ -80,7 +80,7 @@ parameters! {
 struct StochasticMethod {
     walk: Walk,
     resolve: StochasticResolvePass,
-    /// Holds no ray, since this method loses none, but gives shaders the sky.
+    /// An empty list, since no ray of this method goes on beyond the screen; shaders get the sky with it.
     lost: LostRays,
     parameters: StochasticParams,
     fade: bool,
@@ -116,7 +116,7 @@ impl StochasticMethod {
         Ok(Self { walk, resolve, lost, parameters, fade: effect.fade })
     }
 
-    /// Traces and resolves one ray of every pixel after the other.
+    /// Records trace and resolve once for each ray that a pixel traces in a frame. `trace` records one trace.
     fn turns<'r>(
         &self,
         frame: &mut Frame,
@@ -170,8 +170,8 @@ impl Method for StochasticMethod {
                 let hi_z = input.once(|| pass.record(frame, gbuffer), || pass.made())?;
                 let (name, content) = ("hi-z", Content::StandardDepth);
                 intermediates.push(Intermediate { name, content, image: hi_z.0 });
-                let published = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);
-                let block = ssct.border.fill(ssct.march.fill(ssct.hi_z.fill(published)));
+                let camera_block = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);
+                let block = ssct.border.fill(ssct.march.fill(ssct.hi_z.fill(camera_block)));
                 self.turns(frame, input, &unified, |frame, stochastic| {
                     trace.record(frame, gbuffer, (hi_z, &block), beyond, (&unified, stochastic))
                 })?;

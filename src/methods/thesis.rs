@@ -1,5 +1,5 @@
-//! The parameters of the thesis's methods, in groups that several methods share, with the published and the author's numbers.
-//! Sources: thesis §4.2 and §4.3, and the facts on the author's own program.
+//! The parameters of the thesis's methods, in groups that several methods share. Published numbers come from thesis
+//! §4.2 and §4.3, and the author's numbers from the author's own program.
 
 use crate::gpu::shader::ThesisBlock;
 use crate::passes::MarchNumbers;
@@ -112,8 +112,9 @@ parameters! {
     }
 }
 
-/// Returns a block with the members that depend on a camera and a size in pixels alone. `levels` is the length of the Hi-Z chain;
-/// `fade` says whether reflections fade at the screen's border. The groups of parameters fill in the rest.
+/// Returns a block with the members that depend on a camera and a size in pixels alone. `levels` is the number of
+/// levels of the Hi-Z chain; `fade` says whether reflections fade at the screen's border. The groups of parameters fill
+/// in the rest.
 pub fn block(camera: &Camera, extent: [u32; 2], levels: u32, fade: bool) -> ThesisBlock {
     let projection = camera.view_to_clip().as_dmat4();
     ThesisBlock {
@@ -150,7 +151,7 @@ impl Default for FadeParams {
 }
 
 impl FadeParams {
-    /// Start and end of the fade. The end lies beyond the start, since Eq. 4.7 divides by their distance.
+    /// Returns start and end of the fade, with the end beyond the start, since Eq. 4.7 divides by their difference.
     pub fn ends(&self) -> [f32; 2] {
         [self.fade_start, self.fade_end.max(self.fade_start + 1e-6)]
     }
@@ -181,7 +182,7 @@ impl MarchParams {
         ThesisBlock { linear_march_stride: self.march_stride, binary_search_first: self.search_first, ..block }
     }
 
-    /// Returns the numbers that the listings define as constants.
+    /// Returns the numbers that are constants in the listings.
     pub fn numbers(&self) -> MarchNumbers {
         MarchNumbers {
             linear_march_count: self.march_steps as i32,

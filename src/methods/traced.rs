@@ -1,6 +1,6 @@
-//! `traced`: compute shaders follow every ray of every reflecting pixel through a tree over the triangles of the scene. Mirrors
-//! have one ray each, and lobes have the rays that `unified` shares among neighbours. No ray walks over the screen. A renderer with
-//! ray tracing would do the same, and screen-space methods are compared with this baseline.
+//! `traced`: compute shaders trace every ray of every reflecting pixel against the triangles of the scene. Mirrors have
+//! one ray each, and lobes have the rays that `unified` shares among neighbours. No ray walks over the screen. This is
+//! what a renderer with ray tracing would do, a baseline for screen-space methods.
 
 use super::MethodInfo;
 use super::unified::UnifiedMethod;

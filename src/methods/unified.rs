@@ -3,37 +3,38 @@
 //!
 //! # The idea
 //!
-//! A G-buffer is a height field seen from the camera: each pixel is a block, whose front is its depth and whose back lies a
-//! thickness T behind its front. A reflection ray, projected, is a straight line over this field. The true hit of screen space
-//! (`reference::oracle`) is the first block on the line that the ray's depth meets. A walk over every pixel finds this block in
-//! hundreds of steps. The thesis and the engines that followed it skip pixels, and lose hits on the way: at odd sizes, towards the
-//! camera, behind objects, far away. This method skips pixels and loses no hit.
+//! A G-buffer is a height field seen from the camera: each pixel is a block, whose front is its depth and whose back
+//! lies a thickness T behind its front. A reflection ray, projected, is a straight line over this field. The true hit
+//! of screen space (`reference::oracle`) is the first block on the line that the ray's depth meets. A walk over every
+//! pixel finds this block in hundreds of steps. The thesis and the engines that followed it skip pixels, and lose hits
+//! on the way: at odd sizes, towards the camera, behind objects, far away. This method skips pixels and loses no hit.
 //!
 //! **The ray** is followed in the space of (pixel x, pixel y, reversed depth), where it is straight and the frustum is
-//! a box. The ray's direction in this space is the exact derivative of the projection. A mirror reflects the direction
+//! a box. Its direction there is the exact derivative of the projection. A mirror with normal n reflects the direction
 //! v, in which the pixel is seen, to v + a n. Since v projects to a point, the derivative depends on a n alone, and
-//! nothing cancels (`traverse.glsl`). Reversed depth in f32 keeps its precision at any ratio of near to far.
+//! nothing cancels (`ray.glsl`). Reversed depth in f32 keeps its precision at any ratio of near to far.
 //!
 //! **The pyramid** ([`pyramid`]) holds, for each cell of 2ⁿ × 2ⁿ pixels, the interval from the farthest
 //! back to the nearest front of its blocks. Sides are padded so that cell = pixel >> n at every size.
 //! T follows the slope of the surface (docs/definitions.md, "Oracle", item 3). As depth plus a constant is
 //! proportional to 1 / z, the back is found from differences of stored depths (`pyramid.comp`).
 //!
-//! **The traversal** (`traverse.glsl`) walks over cells. Over a cell the ray's depth is an interval, whichever way the ray runs. If
-//! the intervals of ray and cell don't meet, the ray leaves the cell at once: before objects, behind them, away from the camera or
-//! towards it. If they meet, the walk goes down a level; in a pixel, the ray hits. Cells are integers, the side by which the ray
-//! leaves is crossed exactly, and each step goes forward or down, so that no ray can run out of steps.
+//! **The traversal** (`traverse.glsl`) walks over cells. Over a cell the ray's depth is an interval, whichever way the
+//! ray runs. If the intervals of ray and cell don't meet, the ray leaves the cell at once: before objects, behind them,
+//! away from the camera or towards it. If they meet, the walk goes down a level; in a pixel, the ray hits. Cells have
+//! integer coordinates, sides are crossed exactly, and each step goes forward or down, so that no ray runs out of
+//! steps.
 //!
-//! **From in front.** A block has a thickness so that no ray slips through a surface between two pixels. Therefore a block also
-//! stops rays that come from behind it and rays that pass an edge, and the block beside a ray's own pixel stops a ray that leaves
-//! its surface. Most hits that the world does not have are of these kinds. Version 2 of the oracle (`--oracle 2`) asks where a ray
-//! can have come from. The normal tells this for the first pixel; after the walk, one more look at the pyramid, at the pixel before
-//! the hit, tells it for the hit. Version 2 is a choice, since a miss is black, and a wrong hit is often a better guess than black.
+//! **From in front.** A block has a thickness so that no ray slips through a surface between two pixels. Therefore a
+//! block also stops rays that come from behind it or pass an edge, and the block beside a ray's own pixel stops a ray
+//! that leaves its surface. Most false hits are of these kinds. Version 2 of the oracle (`--oracle 2`) asks where a ray
+//! can have come from. The normal answers for the first pixel, and the pixel before a hit answers for the hit, after
+//! the walk. Version 2 is optional, since a miss is black, and a wrong hit is often a better guess than black.
 //!
 //! **Beyond the screen.** With captures (`--captures`) the screen is one image of the scene among several. A ray that the
 //! screen loses, because it leaves the screen or goes behind something, goes on through cubes of images with the same
-//! pyramid, by the same traversal ([`follow`](crate::passes::follow)). With captures the method hits only what it meets
-//! from in front, and nothing fades at the screen's border.
+//! pyramid, by the same traversal ([`follow`](crate::passes::follow)). With captures, rays hit only what they meet from
+//! in front, and nothing fades at the screen's border.
 //!
 //! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is the image. Otherwise
 //! [`classify`](crate::passes::classify) lists the tiles that hold mirrors, narrow lobes and wide lobes, and the passes for each
@@ -43,18 +44,18 @@
 //!
 //! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) takes one ray a pixel for narrow lobes, and one ray for 2 × 2 pixels
 //! for wide lobes. Neighbours have different directions of one pattern, and each pixel gathers the rays around it as samples of its
-//! own lobe: 9 rays of narrow lobes or 25 of wide ones. A fragment loads only 4 or 9 of them, since the four pixels of a block of 2
-//! × 2, which are shaded in step, exchange what they loaded (`exchanged_rays.glsl`). In compute shaders a workgroup loads its
-//! rays once into shared memory (`shared_rays.glsl`). Where a map turns the normals, the wide lobes of neighbours have little in
-//! common, and the footprint of each ray covers more of its own lobe. A pixel with a wide lobe interpolates between the cells
-//! around it that show its own surface. The pixels that stand for the cells lie on a chequerboard, so that not all of them miss a
-//! joint between tiles that is one pixel wide. Nothing is random. Among triangles, pixels whose neighbours say little of their
-//! reflection can have rays of their own (`--own-rays`). With a history (`--history on`), each frame of a camera at rest deals out
-//! new directions. Over a fallback ([`Fallback`]) the share of the rays that miss is not black but transparent, and the fallback
-//! shows through.
+//! own lobe: 9 rays of narrow lobes or 25 of wide ones. A fragment loads only 4 or 9 of them, since the four pixels of
+//! a block of 2 × 2, which are shaded in step, exchange what they loaded (`exchanged_rays.glsl`). In compute shaders a
+//! workgroup loads its rays once into shared memory (`shared_rays.glsl`). Where a map turns the normals, the wide lobes
+//! of neighbours have little in common, and the footprint of each ray covers more of its own lobe. A pixel with a wide
+//! lobe interpolates between the cells around it that show its own surface. The pixels that stand for cells lie as on a
+//! chequerboard, so that a line one pixel wide does not escape all of them. Nothing is random. Pixels whose neighbours'
+//! rays say little of their reflection can have own rays (`--own-rays`). With a history (`--history on`), each frame of
+//! a camera at rest deals out new directions. Over a fallback ([`Fallback`]) a ray that misses is not black but
+//! transparent, so that the fallback shows through.
 //!
 //! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
-//! Both programs make the same image to the bit where both stages compute alike; which is faster depends on the device.
+//! The two make the same image to the bit on devices whose stages compute alike; which is faster depends on the device.
 //! [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and `--stage` chooses one for
 //! all. Only the pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute
 //! program runs in as many workgroups of 8 × 8 as the classification has counted, and stores to the same images.
@@ -63,9 +64,10 @@
 //! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles; `traverse.glsl`;
 //! `surface.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `exchanged_rays.glsl` and
 //! `shared_rays.glsl`, `resolve_narrow.glsl`, `resolve_cells.glsl`
-//! and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. A `.frag`
-//! and a `.comp` of the same stem include each file that traces or resolves. The `.comp` files that show pixels share `store.glsl`. The
-//! pyramid, the traversal and the passes of gloss have plain twins in `reference::unified`.
+//! and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
+//! `follow.comp`. A `.frag` and a `.comp` of the same stem include each file that traces or resolves. The `.comp` files
+//! that write finished pixels share `store.glsl`. The pyramid, the traversal and the passes of gloss have twins on the
+//! CPU in `reference::unified`.
 
 mod beyond;
 
@@ -107,8 +109,8 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
-/// If the parameter `first` is `auto`, a CPU follows every ray among the triangles of scenes with up to this many
-/// triangles. A GPU does so in every scene (docs/unified.md).
+/// If the parameter `first` is `auto`, a CPU traces every ray among the triangles of scenes with up to this many
+/// triangles, and a GPU in every scene (docs/unified.md).
 const MOST_TRACED_FIRST_ON_CPU: u32 = 60_000;
 
 choices! {
@@ -168,7 +170,7 @@ parameters! {
     }
 }
 
-/// The passes in their order, and the images that the last of them draw into.
+/// The passes in their order, and the images that those which know the reflection write.
 pub struct UnifiedMethod {
     pyramid: PyramidPass,
     color: ColorChainPass,
@@ -178,11 +180,11 @@ pub struct UnifiedMethod {
     lost: LostRays,
     own: OwnRaysPass,
     beyond: Option<BeyondPass>,
-    /// Whether rays walk over the screen before they go beyond it.
+    /// Whether rays walk over the screen first.
     screen: bool,
     /// Whether hits on triangles have the screen's colours.
     screen_colors: bool,
-    /// The finished image, which the passes that know the reflection draw.
+    /// The finished image, if it is wanted.
     composite: Option<Image>,
     reflection: Option<Image>,
     /// Whether a history asks where rays ended.
@@ -195,7 +197,7 @@ pub struct UnifiedMethod {
 }
 
 impl UnifiedMethod {
-    /// Makes pipelines and images.
+    /// Makes the method `unified`, by its own parameters.
     pub(super) fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         let UnifiedParams { first, hit_color, trace_stage, resolve_stage, .. } = request.setup.parameters();
         let screen = match (request.triangles, first) {
@@ -210,7 +212,7 @@ impl UnifiedMethod {
         Self::with(gpu, request, (screen, triangles), stages)
     }
 
-    /// Makes the method without a walk over the screen: every ray goes among the triangles.
+    /// Makes the method `traced`, whose rays are all traced among the triangles, without a walk over the screen.
     pub(super) fn among_triangles(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         Self::with(gpu, request, (false, request.triangles), [StageChoice::Auto.on(gpu, Stage::Published); 2])
     }
@@ -256,10 +258,10 @@ impl UnifiedMethod {
                 let wanted = FollowWants { over, composite, reflection, hits, stores_ends, behind: false, projection };
                 Some(BeyondPass::Captures(FollowPass::new(gpu, pyramid::strip(face), wanted)?))
             }
-            // Rays that go among the triangles at once are on no list.
+            // Rays that are traced among the triangles at once are never lost.
             _ => None,
         };
-        let listed = match &beyond {
+        let list_content = match &beyond {
             Some(_) => ListContent::Rays,
             None if parts.own_rays > 0 => ListContent::Pixels,
             None => ListContent::Nothing,
@@ -271,7 +273,7 @@ impl UnifiedMethod {
             trace: UnifiedTracePass::new(gpu, &parts, hits)?,
             gloss: UnifiedGlossPass::new(gpu, &parts)?,
             own: OwnRaysPass::new(gpu, &parts)?,
-            lost: LostRays::new(gpu, extent, listed)?,
+            lost: LostRays::new(gpu, extent, list_content)?,
             beyond,
             screen,
             screen_colors: triangles.is_some_and(|triangles| triangles.screen_colors),
@@ -284,10 +286,8 @@ impl UnifiedMethod {
             max_point_offset_px: max_point_offset_px(gpu.precision(), effect.divisor()),
         })
     }
-}
 
-impl UnifiedMethod {
-    /// Empties the list of lost rays before a pass that fills it.
+    /// Records the pass that empties the list of lost rays, before a pass that fills it.
     fn clear_lost(&self, frame: &mut Frame) -> Result<()> {
         if self.beyond.is_some() { self.lost.clear(frame) } else { Ok(()) }
     }
@@ -299,7 +299,7 @@ struct Plan {
     mirrors: bool,
     narrow: bool,
     wide: bool,
-    /// Every lit surface reflects in one way, so that nothing is classified, and passes draw over the whole image.
+    /// Whether all lit surfaces reflect in one way, so that nothing is classified and passes draw the whole image.
     whole: bool,
 }
 
@@ -344,11 +344,11 @@ impl Method for UnifiedMethod {
         let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
         // The sides of a pixel are twice as long as `pixel_to_view`, which is for half a pixel.
         let [width, height] = parameters.pixel_to_view.map(|half| 2.0 * half);
-        let placed = input.triangles.map(|t| t.block(input.camera, self.max_point_offset_px * width.hypot(height)));
-        let placed = placed.unwrap_or_default();
+        let beside = self.max_point_offset_px * width.hypot(height);
+        let triangle_block = input.triangles.map(|t| t.block(input.camera, beside)).unwrap_or_default();
         let triangle_bindings = input.triangles.map(|triangles| TriangleBindings {
             triangles,
-            block: &placed,
+            block: &triangle_block,
             lights: &lights,
             screen_color: Sampled::nearest(if self.screen_colors {
                 gbuffer.color.all()
@@ -439,20 +439,20 @@ impl Method for UnifiedMethod {
     }
 }
 
-/// Returns how far a pixel's point may lie beside the surface that the pixel shows, in pixels along each axis of the screen. A
-/// rasteriser rounds corners to parts of a pixel; whoever drew the G-buffer may have fewer bits for this than the device. A pixel
-/// that stands for a block has the depth of the first pixel of the block.
+/// Returns how far a pixel's point may lie beside the surface that the pixel shows, in pixels along each axis of the
+/// screen. A rasteriser rounds corners to parts of a pixel, here by at most 8 bits, since another device may have drawn
+/// the G-buffer. A pixel that stands for a block has the depth of the block's first pixel.
 fn max_point_offset_px(precision: Precision, divisor: u32) -> f32 {
-    let rounded = 0.5f32.powi(precision.sub_pixel_bits.min(8) as i32 + 1);
-    rounded + 0.5 * (divisor - 1) as f32 / divisor as f32
+    let rounding = 0.5f32.powi(precision.sub_pixel_bits.min(8) as i32 + 1);
+    rounding + 0.5 * (divisor - 1) as f32 / divisor as f32
 }
 
-/// Returns the parameters of a camera for a size in pixels. Numbers of the projection are computed in f64 and rounded once.
+/// Returns the parameters of `unified` for a camera and a size in pixels. They are computed in f64 and rounded once.
 pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock {
     let projection = camera.view_to_clip_reversed().as_dmat4();
     let to_clip = [projection.x_axis.x, projection.y_axis.y];
     let side = extent.map(f64::from);
-    // A shift of the image goes with w, which is z in a perspective and 1 in an orthographic projection.
+    // The column that is multiplied by w: by z in a perspective, and by 1 in an orthographic projection.
     let shift = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
     let [fade_start, fade_end] = FadeParams::default().ends();
     UnifiedBlock {

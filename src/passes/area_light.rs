@@ -61,11 +61,11 @@ impl AreaLightPass {
     }
 }
 
-/// Returns the lights in view space.
+/// Returns the first [`MAX_AREA_LIGHTS`] lights in view space and metres, packed as `area_light.frag` reads them.
 fn light_block(lights: &[AreaLight], camera: &Camera) -> AreaLightBlock {
     let mut block = AreaLightBlock { count: lights.len().min(MAX_AREA_LIGHTS) as u32, ..AreaLightBlock::default() };
-    let place = |p| camera.world_to_view.transform_point3(p);
-    let along = |v| camera.world_to_view.transform_vector3(v).extend(0.0).to_array();
+    let place = |point| camera.world_to_view.transform_point3(point);
+    let along = |vector| camera.world_to_view.transform_vector3(vector).extend(0.0).to_array();
     for (data, light) in block.lights.iter_mut().zip(lights) {
         let (kind, a, b, c) = match light.shape {
             AreaShape::Sphere { centre, radius } => (SHAPE_SPHERE, place(centre).extend(radius), [0.0; 4], [0.0; 4]),

@@ -61,8 +61,8 @@ pub struct Drawing {
     pub occlusion: Occlusion,
     /// How wide a ray is at a billboard.
     pub blur: Blur,
-    /// How bright the glow beside an edge is, as a share of the image's colour there, and how far it reaches, in metres. Only a
-    /// pass that was made with a glow draws it.
+    /// The brightness of the glow beside an edge, as a share of the image's colour there, and the reach of the glow in
+    /// metres. Only a pass that was made with a glow draws it.
     pub glow: (f32, f32),
     /// Whether the images' colours are multiplied by their alpha already; read with [`Order::Nearest`] only.
     pub premultiplied: bool,
@@ -98,8 +98,8 @@ impl BillboardPass {
         check_at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, method)
     }
 
-    /// Records pass "billboards", or the pass of its label. The pass draws at most [`MAX_IMPOSTORS`] of a scene's
-    /// impostors, with their own images or with `images`, in the same order.
+    /// Records pass "billboards", or the pass of its label, which reflects the first [`MAX_IMPOSTORS`] impostors of a
+    /// scene. If `images` is given, its n-th image replaces the image of the n-th impostor.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -113,21 +113,21 @@ impl BillboardPass {
         let impostors = &scene.impostors[..scene.impostors.len().min(MAX_IMPOSTORS)];
         let image =
             |n: usize, impostor: &Impostor| images.map_or(&scene.textures[impostor.texture], |images| &images[n]);
+        let (glow, glow_width_m) = drawing.glow;
         let mut block = BillboardBlock {
             billboardCount: impostors.len() as i32,
             order: drawing.order as i32,
             occlusion: i32::from(drawing.occlusion == Occlusion::Depth),
             blur: drawing.blur as i32,
             premultiplied: i32::from(drawing.premultiplied),
-            glow: drawing.glow.0,
-            glowWidth: drawing.glow.1,
+            glow,
+            glowWidth: glow_width_m,
             ..BillboardBlock::default()
         };
         let mut textures = [Sampled::trilinear(scene.white.all()); MAX_IMPOSTORS];
-        let slots = block.Impostor.iter_mut().zip(&mut textures);
-        for (n, ((data, texture), impostor)) in slots.zip(impostors).enumerate() {
-            *data = ImpostorData { ModelMatrix: model_matrix(impostor).to_cols_array_2d() };
-            *texture = Sampled::trilinear(image(n, impostor).all());
+        for (n, impostor) in impostors.iter().enumerate() {
+            block.Impostor[n] = ImpostorData { ModelMatrix: model_matrix(impostor).to_cols_array_2d() };
+            textures[n] = Sampled::trilinear(image(n, impostor).all());
         }
         frame.pixels(
             self.label,
@@ -146,8 +146,8 @@ impl BillboardPass {
     }
 }
 
-/// Returns the matrix from the standard quad (figure 37: 1 × 1 in x and z) to an impostor's rectangle. The quad's texture
-/// coordinates run along +x and −z; ours begin at the image's top left.
+/// Returns the matrix from the standard quad (figure 37: 1 × 1 in x and z) to an impostor's rectangle in the world. The
+/// quad's texture coordinates run along +x and −z, and (0, 0) is the top left of the impostor's image.
 fn model_matrix(impostor: &Impostor) -> Mat4 {
     Mat4::from_cols(
         (2.0 * impostor.half_u).extend(0.0),

@@ -1,5 +1,5 @@
-//! Bump mapping after the tracing: reflections displaced by the deviation of the shading normals from those that rays were
-//! reflected at (thesis §4.4, after the game Thief).
+//! Bump mapping after the tracing (thesis §4.4, after the game Thief): each reflection is displaced by how far the
+//! shading normal deviates from the normal that rays were reflected at.
 
 use super::{GBuffer, LIT_COLOR, Reflection};
 use crate::error::Result;
@@ -14,7 +14,7 @@ pub struct BumpPass {
 }
 
 impl BumpPass {
-    /// Makes the pass for a size in pixels. `strength` is in screen heights for a deviation of 1.
+    /// Makes the pass for a size in pixels. `strength` is the displacement for a deviation of 1, in screen heights.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], strength: f32) -> Result<Self> {
         Ok(Self {
             pipeline: PixelPipeline::new(gpu, stage, [LIT_COLOR], &())?,
@@ -23,7 +23,7 @@ impl BumpPass {
         })
     }
 
-    /// Records pass "bump". `shading` has the normals of shading, and `traced` those that rays were reflected at.
+    /// Records pass "bump". `shading` has the shading normals, and `traced` the normals that rays were reflected at.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

@@ -1,5 +1,5 @@
-//! Classification (docs/numerics.md, "What a robust method does", item 7): which tiles of an image hold mirrors, narrow lobes and
-//! wide lobes, so that each kind has its own passes, over its tiles alone.
+//! Classification (docs/numerics.md, "What a robust method does", item 7): lists the tiles that hold mirrors, narrow
+//! lobes and wide lobes, so that each kind has its own passes, over its tiles alone.
 
 use super::GBuffer;
 use super::tiles::{self, Tiles};
@@ -49,7 +49,7 @@ impl ClassifyPass {
         })
     }
 
-    /// Records passes "classify/clear" and "classify/tiles".
+    /// Records passes "classify/clear" and "classify/tiles", and returns the lists that they write.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, parameters: &UnifiedBlock) -> Result<Tiles<'a>> {
         let [x, y] = tiles::count(gbuffer.material.extent());
         frame.fill("classify/clear", &self.arguments, 0)?;
@@ -69,7 +69,7 @@ impl ClassifyPass {
         self.tiles(false)
     }
 
-    /// Returns the tiles of an image whose reflecting pixels all reflect in one way, so that nothing is classified.
+    /// Returns the tiles of an image that needs no classification, since all its reflecting pixels are of one kind.
     pub fn whole(&self) -> Tiles<'_> {
         self.tiles(true)
     }

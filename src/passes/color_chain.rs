@@ -1,6 +1,6 @@
-//! Pre-convolution: the colour's mip chain (thesis §4.2.6), by the hardware's linear filter as the
-//! thesis chose, or by the 7-tap Gaussian of §4.3.2 as its alternative, with a mask (ch. 6) or without. For `unified` the coarse levels of
-//! the linear filter are made in one dispatch.
+//! Pre-convolution: the colour's mip chain (thesis §4.2.6). The thesis chose the hardware's linear filter; the
+//! alternative is the 7-tap Gaussian of §4.3.2, with a mask (ch. 6) or without. For `unified`, one dispatch makes the
+//! coarse levels of the linear filter.
 
 use super::{ColorChain, GBuffer, HiZ, LIT_COLOR};
 use crate::error::{Error, Result};
@@ -40,15 +40,15 @@ choices! {
 enum LevelPipelines {
     /// One blit for each level.
     Blits,
-    /// One blit for each level, but one dispatch for the last [`COARSE_LEVELS`] levels, and one for the first if the sky is left out.
+    /// One dispatch for level 1 if the sky is left out, one for the last [`COARSE_LEVELS`] levels, and else blits.
     Coarse(ComputePipeline<ColorFirst<'static>>, ComputePipeline<ColorCoarse<'static>>),
-    /// Two passes for each level, with the image between the two directions.
+    /// Two passes for each level, and the image between them, which is blurred along x alone.
     Gaussian(PixelPipeline<GaussianBlur<'static>>, Box<Image>),
-    /// Two masked passes a level, with the greatest depth difference in one surface, as a part of the lesser depth.
+    /// Two masked passes a level, the image between them, and the tolerance of depths ([`ColorChainPass::masked`]).
     Masked(PixelPipeline<GaussianBlurMasked<'static>>, Box<Image>, f32),
 }
 
-/// Levels that `color_coarse.comp` makes.
+/// Number of levels that `color_coarse.comp` makes.
 const COARSE_LEVELS: u32 = 7;
 
 /// The pass that makes the levels.
@@ -72,8 +72,8 @@ impl ColorChainPass {
         }))
     }
 
-    /// Makes the pass with the masked Gaussian, which reads the Hi-Z buffer ([`Self::record_masked`]); without a mask, does the
-    /// same as [`Self::new`]. `tolerance` is how far depths of one surface differ, as a part of the lesser depth.
+    /// Makes the pass with the masked Gaussian, which [`Self::record_masked`] records; without a mask, the pass of
+    /// [`Self::new`]. `tolerance` is the greatest difference of depths in one surface, as a part of the lesser depth.
     pub fn masked(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -89,7 +89,7 @@ impl ColorChainPass {
         Ok(Self(LevelPipelines::Masked(pipeline, intermediate_image(gpu, stage, extent, LIT_COLOR)?, tolerance)))
     }
 
-    /// Makes the chain that [`ChainFilter::Hardware`] makes, in fewer passes.
+    /// Makes a pass for the same chain as [`ChainFilter::Hardware`], in fewer passes of a frame.
     pub fn in_few_passes(gpu: &Gpu) -> Result<Self> {
         Ok(Self(LevelPipelines::Coarse(ComputePipeline::new(gpu)?, ComputePipeline::new(gpu)?)))
     }
@@ -111,10 +111,10 @@ impl ColorChainPass {
         Ok(ColorChain(chain))
     }
 
-    /// Records the chain as [`Self::record`] does, but with black for the sky in all levels above the first.
+    /// Records the chain as [`Self::record`] does, but with black for the sky in all levels except level 0.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a chain that is not made in few passes, whose levels hold the sky.
+    /// [`Error::Usage`] for a pass that [`Self::in_few_passes`] did not make.
     pub fn record_without_sky<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
         let LevelPipelines::Coarse(first, coarsest) = &self.0 else {
@@ -129,7 +129,7 @@ impl ColorChainPass {
         Ok(ColorChain(chain))
     }
 
-    /// Records the chain; a mask, if there is one, is read from the Hi-Z buffer of the same G-buffer.
+    /// Records the chain. A mask, if the pass has one, comes from `hi_z`, the Hi-Z buffer of the same G-buffer.
     pub fn record_masked<'a>(
         &self,
         frame: &mut Frame,
@@ -137,11 +137,11 @@ impl ColorChainPass {
         hi_z: HiZ,
         lens: &Lens,
     ) -> Result<ColorChain<'a>> {
-        let LevelPipelines::Masked(pipeline, between, tolerance) = &self.0 else { return self.record(frame, gbuffer) };
+        let LevelPipelines::Masked(pipeline, image, tolerance) = &self.0 else { return self.record(frame, gbuffer) };
         let chain = gbuffer.color;
         for level in 1..chain.levels() {
-            let [below, between, here] = [chain.level(level - 1), between.level(level), chain.level(level)];
-            let [w, h] = here.extent().map(|v| 1.0 / v as f32);
+            let [below, between, here] = [chain.level(level - 1), image.level(level), chain.level(level)];
+            let [w, h] = here.extent().map(|side| 1.0 / side as f32);
             for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
                 let blur = MaskedBlurBlock {
                     invSize: [w, h],
@@ -163,7 +163,7 @@ impl ColorChainPass {
     }
 }
 
-/// The image between the two directions of the Gaussian.
+/// Makes the image between the two passes of a Gaussian, with a full mip chain.
 fn intermediate_image(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: vk::Format) -> Result<Box<Image>> {
     use vk::ImageUsageFlags as U;
     let (levels, usage) = (image::full_chain(extent), stage.target_usage() | U::SAMPLED);
@@ -171,13 +171,13 @@ fn intermediate_image(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: v
     Ok(Box::new(Image::new(gpu, &described)?))
 }
 
-/// Records blits of some levels of a chain, each from the level below it.
+/// Records blits that make some levels of a chain, each from the next finer level.
 fn blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()> {
     levels.try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
 }
 
-/// Records the levels of a chain from level `from` on, as blits. The last [`COARSE_LEVELS`] levels are one dispatch instead, if none of them
-/// is below `from` and the chain has the one format that the shader writes.
+/// Records the levels of a chain from level `from` on, as blits. One dispatch makes the last [`COARSE_LEVELS`] levels
+/// instead, if these begin at `from` or later and have the one format that the shader writes.
 fn record_levels(
     frame: &mut Frame,
     chain: &Image,
@@ -214,14 +214,14 @@ fn coarse(
     frame.compute("color/coarse", pipeline, &program, [1; 3])
 }
 
-/// Records one level from the level below it, by way of the image between the two directions.
+/// Records a level as the Gaussian of the next finer level `below`, along x into `between`, then along y into `here`.
 fn gaussian(
     frame: &mut Frame,
     level: u32,
     pipeline: &PixelPipeline<GaussianBlur<'static>>,
     [below, between, here]: [ImageSlice; 3],
 ) -> Result<()> {
-    let [w, h] = here.extent().map(|v| 1.0 / v as f32);
+    let [w, h] = here.extent().map(|side| 1.0 / side as f32);
     for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
         frame.pixels(
             &format!("color/{level}{name}"),

@@ -20,7 +20,7 @@ impl CompositePass {
         })
     }
 
-    /// Makes the pass with an image that is the lit colour of the next bounce, with room for its chain.
+    /// Makes the pass whose image is the lit colour of the next bounce, with room for the levels of a colour chain.
     pub fn for_bounces(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let usage = stage.target_usage() | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
@@ -32,7 +32,7 @@ impl CompositePass {
         })
     }
 
-    /// Records pass "composite"; the image is linear, in level 0.
+    /// Records pass "composite", and returns the finished image, linear, in level 0.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, reflection: Reflection) -> Result<&'a Image> {
         frame.pixels(
             "composite",

@@ -21,7 +21,7 @@ pub struct MarchSteps {
     pub search_decrease: f32,
 }
 
-/// Pipeline and images of one size, for either kind of filtered images.
+/// Pipeline and images of one size, by the kind of filtered images that the march reads.
 pub enum ConeMarchPass {
     /// Through mip chains.
     Mip(TracedPass<ConeMarchMip<'static>>),
@@ -30,7 +30,7 @@ pub enum ConeMarchPass {
 }
 
 impl ConeMarchPass {
-    /// Makes the pass with an image of the hits or without, for two layers of depth or one.
+    /// Makes the pass. `hits` asks for an image of the hits, and `layers` for a march through two layers of depth.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -41,7 +41,7 @@ impl ConeMarchPass {
         layers: bool,
     ) -> Result<Self> {
         let MarchSteps { step_increase, step_count, search_count, search_decrease } = steps;
-        // The two programs have types of their own, with the same fields.
+        // The two programs have different types with the same fields.
         macro_rules! pass {
             ($constants:ident) => {{
                 let constants = $constants { hits, layers, step_increase, step_count, search_count, search_decrease };
@@ -75,7 +75,7 @@ impl ConeMarchPass {
         let behind_depth = Sampled::trilinear(behind.depth.all());
         let behind_normal = Sampled::trilinear(behind.normal.all());
         let behind_color = Sampled::trilinear(behind.color.all());
-        // The two programs have types of their own, with the same fields.
+        // The two programs have different types with the same fields.
         macro_rules! march {
             ($pass:expr, $program:ident) => {{
                 $pass.draw(

@@ -1,5 +1,5 @@
-//! A cube map's pre-filtering (thesis §3.1.3 and 4.2.11: "pre-filter it with a blur pass"): level 0 as
-//! it was captured, and coarser levels blurred by the Phong lobe of a roughness each.
+//! Pre-filters a cube map (thesis §3.1.3 and 4.2.11: "pre-filter it with a blur pass"). Level 0 stays as it was
+//! captured, and each coarser level is blurred by the Phong lobe of one roughness.
 
 use super::LIT_COLOR;
 use crate::error::Result;
@@ -12,14 +12,14 @@ use ssct_ground::math::phong;
 /// Side of a face in texels.
 pub const FACE_SIZE: u32 = 256;
 
-/// Levels of a filtered map. The coarsest has 8 texels a side for the roughest lobe, whose cone is about five of them wide. In each
-/// finer level the texels and the cone are half as wide.
+/// Levels of a filtered map. The coarsest level has 8 texels a side for the roughest lobe, whose cone is about five
+/// texels wide. In each finer level the texels and the cone are half as wide.
 pub const LEVELS: u32 = 6;
 
-/// Directions of a lobe that are averaged, at every level.
+/// Number of directions of a lobe that are averaged for each texel.
 const SAMPLES: u32 = 64;
 
-/// Roughness of a level: 0 at level 0, then doubling up to 1 at the coarsest. `CubeLevel` in GLSL is the inverse.
+/// Returns the roughness of a level: 0 at level 0, then doubling up to 1 at the coarsest. Inverse: `CubeLevel` in GLSL.
 pub fn level_roughness(level: u32) -> f64 {
     if level == 0 { 0.0 } else { 2_f64.powi(level as i32 - (LEVELS as i32 - 1)) }
 }
@@ -35,20 +35,20 @@ impl CubeFilterPass {
         Ok(Self { pipeline: ComputePipeline::new(gpu)? })
     }
 
-    /// Makes a cube map for the caller to fill in level 0, and then to hand to [`Self::record`].
+    /// Makes a cube map whose level 0 the caller fills before it passes the map to [`Self::record`] as `source`.
     pub fn source(gpu: &Gpu) -> Result<Image> {
         use vk::ImageUsageFlags as U;
         let usage = U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
         cube(gpu, "cube source", image::full_chain([FACE_SIZE; 2]), usage)
     }
 
-    /// Makes an image for the result.
+    /// Makes a cube map for the result of [`Self::record`], to be passed as `target`.
     pub fn target(gpu: &Gpu, name: &str) -> Result<Image> {
         use vk::ImageUsageFlags as U;
         cube(gpu, name, LEVELS, U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST)
     }
 
-    /// Records passes "cube/1" … (the source's own chain) and "cube filter/0" …, down to the coarsest level.
+    /// Records passes "cube/1" …, which make the source's chain, and "cube filter/0" …, which make the target's levels.
     pub fn record(&self, frame: &mut Frame, source: &Image, target: &Image) -> Result<()> {
         for level in 1..source.levels() {
             frame.blit(&format!("cube/{level}"), source.level(level - 1), source.level(level))?;

@@ -1,4 +1,4 @@
-//! The march over pixels of McGuire and Mara 2014 for every ray, and a mirror lookup where it ends.
+//! Traces every ray by the march over pixels of McGuire and Mara 2014, and looks up the mirror's colour where it ends.
 
 use super::traced::TracedPass;
 use super::{GBuffer, Hits, Reflection, camera_block};
@@ -12,8 +12,8 @@ use ssct_ground::scene::Camera;
 pub struct DdaTracePass(TracedPass<Dda<'static>>);
 
 impl DdaTracePass {
-    /// Makes the pass. `jitter` shifts samples from pixel to pixel, `refine` searches for each hit within its step, `layers` is the
-    /// number of layers of depth (1 or 2), and `hits` asks for an image of the hits.
+    /// Makes the pass. `jitter` shifts the samples from pixel to pixel, and `refine` searches for each hit within its
+    /// step. `layers` is the number of layers of depth (1 or 2), and `hits` asks for an image of the hits.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,

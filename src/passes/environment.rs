@@ -1,4 +1,4 @@
-//! The lookup of `environment`: a filtered cube map by the reflection's direction (thesis §3.1.3).
+//! The pass of `environment`, which looks up a filtered cube map by the direction of the reflection (thesis §3.1.3).
 
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
@@ -21,7 +21,7 @@ impl EnvironmentPass {
         })
     }
 
-    /// Records pass "environment", whose reflection does not fade.
+    /// Records pass "environment", which looks up `map`. The reflection does not fade.
     pub fn record(
         &self,
         frame: &mut Frame,

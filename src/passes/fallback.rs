@@ -1,5 +1,5 @@
-//! Puts a fallback behind a reflection: another reflection, which fades in where the first fades out (thesis §4.2.11; Schmidt 2013,
-//! section 5.4.2).
+//! Puts a fallback behind a reflection: a second reflection that fades in where the first fades out (thesis §4.2.11;
+//! Schmidt 2013, section 5.4.2).
 
 use super::{LIT_COLOR, Reflection};
 use crate::error::Result;
@@ -20,7 +20,7 @@ impl FallbackPass {
         })
     }
 
-    /// Records pass "fallback". The fade is 1 where the fallback has a colour, and that of the first reflection elsewhere.
+    /// Records pass "fallback". The fade becomes 1 where `behind`, the fallback, has a colour, and stays elsewhere.
     pub fn record(&self, frame: &mut Frame, reflection: Reflection, behind: Reflection) -> Result<Reflection<'_>> {
         let program = programs::Fallback {
             reflection_buffer: Sampled::nearest(reflection.0.all()),

@@ -1,6 +1,6 @@
-//! The poster's pre-filtered G-buffer of linear depth, normal and colour. The G-buffer has mip chains, made by the
-//! hardware's filter or by a filter that averages one surface alone, or volumes, whose slices are ever wider Gaussians
-//! of the original at its full size.
+//! The poster's pre-filtered G-buffer of linear depth, normal and colour. It has either mip chains or volumes. The
+//! hardware's filter makes the mip chains, or a filter that averages one surface alone. The slices of a volume are the
+//! full-size image, blurred by ever wider Gaussians.
 
 use super::{FilteredGBuffer, GBuffer, PosterFilter, camera_block};
 use crate::error::Result;
@@ -13,8 +13,8 @@ use ash::vk;
 use ssct_ground::math::constants::{GAUSSIAN_1, GAUSSIAN_2, GAUSSIAN_3};
 use ssct_ground::scene::Camera;
 
-/// The most slices of a volume. The last slice is blurred as wide as a texel of the mip chain's level 7. Each slice costs as much
-/// memory as the whole G-buffer.
+/// The most slices of a volume. The last slice is blurred as widely as level 7 of the mip chain. Each slice costs as
+/// much memory as the whole G-buffer.
 pub const MAX_SLICES: u32 = 8;
 
 // Formats of depth, normal and colour. Normal and colour have the formats of the G-buffer, so that they can be copied.
@@ -38,7 +38,7 @@ enum LinearDepths {
 
 /// The images of the filtered G-buffer, by the kind of filter.
 enum Images {
-    /// Depth and normal; the colour's chain is the G-buffer's own.
+    /// Mip chains of depth and normal; the chain of the colour is the G-buffer's own.
     Mip(Box<[Image; 2]>),
     Volume(Box<Volumes>),
     EdgeAware(Box<EdgeAwareChains>),
@@ -46,21 +46,22 @@ enum Images {
 
 struct EdgeAwareChains {
     pipeline: PixelPipeline<EdgeAware<'static>>,
-    /// How far depths of one surface differ, as a part of the lesser depth.
+    /// The greatest difference of depths in one surface, as a part of the lesser depth.
     tolerance: f32,
-    chains: [Image; 3],
+    chains: [Image; 3], // depth, normal and colour
 }
 
 struct Volumes {
     across: PixelPipeline<PosterBlurAcross<'static>>,
     down: PixelPipeline<PosterBlurDown<'static>>,
-    /// The images between the two directions of the blur.
+    /// Depth, normal and colour of one slice, blurred along x alone.
     between: [Image; 3],
-    volumes: [Image; 3],
+    volumes: [Image; 3], // depth, normal and colour
 }
 
 impl FilteredGBufferPass {
-    /// Makes the pass for a size in pixels. `tolerance` is that of the edge-aware filter, as a part of the depth.
+    /// Makes the pass for a size in pixels. The edge-aware filter takes depths for one surface that differ by less than
+    /// `tolerance`, as a part of the lesser depth.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] on a device that can't filter 32-bit depth.
@@ -70,13 +71,10 @@ impl FilteredGBufferPass {
         let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
         let levels = image::full_chain(extent);
         let desc = |n: usize| ImageDesc { name: NAMES[n], format: FORMATS[n], extent, levels: 1, layers: 1, usage };
+        let chain = |n| Image::new(gpu, &ImageDesc { levels, ..desc(n) });
         let images = match filter {
-            PosterFilter::Mip => {
-                let chain = |n| Image::new(gpu, &ImageDesc { levels, ..desc(n) });
-                Images::Mip(Box::new([chain(0)?, chain(1)?]))
-            }
+            PosterFilter::Mip => Images::Mip(Box::new([chain(0)?, chain(1)?])),
             PosterFilter::EdgeAware => {
-                let chain = |n| Image::new(gpu, &ImageDesc { levels, ..desc(n) });
                 let pipeline = PixelPipeline::new(gpu, stage, FORMATS, &())?;
                 let chains = [chain(0)?, chain(1)?, chain(2)?];
                 Images::EdgeAware(Box::new(EdgeAwareChains { pipeline, tolerance, chains }))
@@ -85,8 +83,8 @@ impl FilteredGBufferPass {
                 let volume = |n| Image::volume(gpu, &desc(n), levels.min(MAX_SLICES));
                 let plain = |n| Image::new(gpu, &desc(n));
                 let volumes = [volume(0)?, volume(1)?, volume(2)?];
-                // A sample in the middle of a slice weighs the next slice by 0, but that slice is not written yet in the first
-                // frame. Its memory may hold NaN, and 0 times NaN is NaN.
+                // A sample in the middle of a slice weighs the next slice by 0. In the first frame this slice is not
+                // written yet, and its memory may hold NaN. 0 times NaN is NaN.
                 FrameContext::new(gpu)?
                     .once(|frame| volumes.iter().try_for_each(|v| frame.clear("volume clear", v.all(), [0.0; 4])))?;
                 Images::Volume(Box::new(Volumes {
@@ -104,7 +102,7 @@ impl FilteredGBufferPass {
         Ok(Self { linear_depth, images, prefix: "" })
     }
 
-    /// Returns the pass with another beginning of its passes' names, for a second G-buffer in a frame.
+    /// Returns the pass with a prefix for the names of its passes, for a second G-buffer in a frame.
     pub fn labelled(self, prefix: &'static str) -> Self {
         Self { prefix, ..self }
     }
@@ -140,20 +138,20 @@ impl FilteredGBufferPass {
                 }
                 Ok(FilteredGBuffer { depth, normal, color })
             }
-            Images::Volume(v) => {
-                let [depth, normal, color] = &v.volumes;
+            Images::Volume(volumes) => {
+                let [depth, normal, color] = &volumes.volumes;
                 self.linear_depth(frame, gbuffer, camera, depth.slice(0))?;
                 frame.copy(&format!("{prefix}filter/0 normal"), gbuffer.normal.all(), normal.slice(0))?;
                 frame.copy(&format!("{prefix}filter/0 color"), gbuffer.color.level(0), color.slice(0))?;
                 for slice in 1..depth.depth() {
-                    v.blur(frame, slice, prefix)?;
+                    volumes.blur(frame, slice, prefix)?;
                 }
                 Ok(FilteredGBuffer { depth, normal, color })
             }
         }
     }
 
-    /// Records pass "linear depth", which writes view-space z in metres.
+    /// Records pass "linear depth", which writes view-space z, in metres, to a level or slice `to`.
     fn linear_depth(&self, frame: &mut Frame, gbuffer: &GBuffer, camera: &Camera, to: ImageSlice) -> Result<()> {
         let block = camera_block(camera, to.extent());
         let (camera, depth_buffer) = (&block, Sampled::nearest(gbuffer.depth.all()));
@@ -170,7 +168,7 @@ impl FilteredGBufferPass {
 }
 
 impl EdgeAwareChains {
-    /// Records one level from the level below it.
+    /// Records the pass that makes a level of all three chains from the next finer level.
     fn reduce(&self, frame: &mut Frame, level: u32, prefix: &str) -> Result<()> {
         let [depth_source, normal_source, color_source] =
             self.chains.each_ref().map(|chain| Sampled::nearest(chain.level(level - 1)));
@@ -182,14 +180,14 @@ impl EdgeAwareChains {
 }
 
 impl Volumes {
-    /// Records one slice from the slice below it.
+    /// Records the two passes that make a slice of all three volumes by blurring the slice before it along x, then y.
     fn blur(&self, frame: &mut Frame, slice: u32, prefix: &str) -> Result<()> {
-        let inverse_size = self.volumes[0].extent().map(|v| 1.0 / v as f32);
+        let inverse_size = self.volumes[0].extent().map(|side| 1.0 / side as f32);
         let step = tap_distance(slice);
         let push = |direction: [f32; 2]| PosterBlurBlock {
             inverse_size,
             direction: [direction[0] * step * inverse_size[0], direction[1] * step * inverse_size[1]],
-            slice: (slice as f32 - 0.5) / self.volumes[0].depth() as f32,
+            slice: (slice as f32 - 0.5) / self.volumes[0].depth() as f32, // the middle of the slice before
             into: slice as i32,
         };
         let across = PosterBlurAcross {
@@ -211,11 +209,11 @@ impl Volumes {
     }
 }
 
-/// Variance of the seven taps of thesis §4.3.2, in squares of their distance.
+/// Variance of the seven taps of thesis §4.3.2, in squares of the distance between two taps.
 const TAP_VARIANCE: f32 = 2.0 * (GAUSSIAN_1 as f32 * 1.0 + GAUSSIAN_2 as f32 * 4.0 + GAUSSIAN_3 as f32 * 9.0);
 
-/// Pixels between the taps that make a slice from the slice below it, so that each slice is as wide as the texels of its mip level.
-/// A box of 2^n pixels has the variance 4^n / 12, and variances add up.
+/// Returns the pixels from tap to tap in the blur that makes a slice from the slice before it. Slice n gets the
+/// variance of a box of 2^n pixels, 4^n / 12, and the variances of successive blurs add up.
 fn tap_distance(slice: u32) -> f32 {
     let variance = |n: u32| 4_f32.powi(n as i32) / 12.0;
     ((variance(slice) - variance(slice - 1)) / TAP_VARIANCE).sqrt()

@@ -1,5 +1,5 @@
-//! Passes that follow the rays that the screen lost ([`lost`](super::lost)) through the captures of a scene (docs/definitions.md,
-//! "Images"). The number of rays on the list sizes their dispatches.
+//! Passes that follow the rays that the screen lost ([`lost`](super::lost)) through the captures of a scene
+//! (docs/definitions.md, "Images"). The number of rays on the list sizes the dispatches of these passes.
 
 use super::lost::LostRayBindings;
 use super::{Canvas, Captures, GBuffer, Hits, Reflection, unwanted_hits};
@@ -17,31 +17,31 @@ pub struct FollowPass {
     unwanted_hits: Option<Image>,
 }
 
-/// The outputs that are wanted, and where rays begin.
+/// The variant of the passes: which outputs are wanted, and where rays begin.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FollowWants {
-    /// Whether another reflection shows where no image shows the end of a ray.
+    /// Whether another reflection, a fallback, shows where no image shows the end of a ray.
     pub over: bool,
-    /// The finished image.
+    /// Whether the finished image is wanted.
     pub composite: bool,
-    /// The reflection as an image of its own.
+    /// Whether the reflection is wanted as an image of its own.
     pub reflection: bool,
-    /// Where each ray ended.
+    /// Whether the image of hits is wanted, which says where each ray ended.
     pub hits: bool,
-    /// Where each ray of a glossy pixel ended, for a history.
+    /// Whether the passes store, for a history, where each ray of a glossy pixel ended.
     pub stores_ends: bool,
-    /// Whether rays begin only where the reflection in front leaves something uncovered.
+    /// Whether the method is a fallback, so that rays begin only where the reflection in front is not opaque.
     pub behind: bool,
     /// The screen's projection.
     pub projection: ProjectionKind,
 }
 
-/// The inputs of every pass of this file.
+/// The inputs of all passes that follow rays.
 #[derive(Clone, Copy)]
 pub struct FollowInput<'a> {
     /// The captures in which rays go on.
     pub captures: Captures<'a>,
-    /// The rays, the camera among the captures, and the sky.
+    /// The list of rays, the camera among the captures, and the sky.
     pub beyond: LostRayBindings<'a>,
 }
 
@@ -61,7 +61,7 @@ impl FollowPass {
         })
     }
 
-    /// Records pass "begin": puts the ray of every pixel that reflects on the list, from where it begins.
+    /// Records pass "begin", which puts the mirror ray of every reflecting pixel on the list, from the pixel's point.
     pub fn record_begin(
         &self,
         frame: &mut Frame,
@@ -82,7 +82,7 @@ impl FollowPass {
         frame.compute("begin", &self.begin, &program, [width, height, 1])
     }
 
-    /// Records pass "follow/mirrors": finishes the pixels whose mirror rays the screen lost.
+    /// Records pass "follow/mirrors", which follows the mirror rays on the list and finishes their pixels.
     pub fn record_mirrors(
         &self,
         frame: &mut Frame,
@@ -92,8 +92,8 @@ impl FollowPass {
         hits: Option<Hits>,
     ) -> Result<()> {
         // An image that is not wanted is not written, but its binding needs some image.
-        let stored = canvas.images().next().zip(hits.map(|h| h.0).or(self.unwanted_hits.as_ref()));
-        let Some((any, hits)) = stored else { return Ok(()) };
+        let Some(any) = canvas.images().next() else { return Ok(()) };
+        let Some(hits) = hits.map(|hits| hits.0).or(self.unwanted_hits.as_ref()) else { return Ok(()) };
         let program = programs::FollowMirrors {
             unified: captures.face,
             pyramid: captures.pyramid.all(),
@@ -109,7 +109,8 @@ impl FollowPass {
         frame.compute_indirect("follow/mirrors", &self.mirrors, &program, (beyond.counts, 0))
     }
 
-    /// Records pass "follow/narrow", which writes into the records what the rays of narrow lobes see after the screen lost them.
+    /// Records pass "follow/narrow", which follows the rays of narrow lobes. It writes to `records` what they see, and
+    /// to `ends` where they end, if a history asks for it.
     pub fn record_narrow(
         &self,
         frame: &mut Frame,
@@ -128,8 +129,8 @@ impl FollowPass {
         frame.compute_indirect("follow/narrow", &self.narrow, &program, (beyond.counts, 0))
     }
 
-    /// Records pass "follow/wide", which stores where the rays of cells with wide lobes end, and what they see there,
-    /// after the screen lost them.
+    /// Records pass "follow/wide", which follows the rays of cells with wide lobes. It writes to `seen` what they see,
+    /// and to `place`, and for a history to `ends`, where they end.
     pub fn record_wide(
         &self,
         frame: &mut Frame,

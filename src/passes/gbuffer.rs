@@ -1,5 +1,5 @@
-//! The G-buffer: albedo, normal, material and reversed depth of the nearest surface, from the
-//! meshes that the frustum may see. A scene pass: its time is reported, not counted.
+//! Draws the G-buffer: albedo, normal, material and reversed depth of the nearest surface, from the meshes that may lie
+//! in the frustum. The time of this scene pass is reported, but not counted.
 
 use super::scene_data::{MeshData, SceneData};
 use super::triangle_scene::TRIANGLE;
@@ -21,7 +21,7 @@ use ssct_ground::math::frustum::Frustum;
 use ssct_ground::scene::{Aabb, Camera, GBufferData, Material, Surface, Vertex};
 use std::mem::offset_of;
 
-/// The images that [`GBuffer`] borrows, all of one size.
+/// The images that a [`GBuffer`] borrows, all of one size.
 pub struct GBufferImages {
     depth: Image,
     normal: Image,
@@ -34,7 +34,7 @@ const NOTHING: [f32; 4] = [f32::from_bits(NO_TRIANGLE); 4];
 
 /// Pipelines and images of one size.
 pub struct GBufferPass {
-    /// Draws depth alone before all else, so that no surface is shaded in a pixel that does not show it.
+    /// Draws depth alone first, so that no surface is shaded in a pixel that does not show it; `None` to leave it out.
     depth: Option<GraphicsPipeline<GBufferDepth<'static>, GBufferVertex<'static>>>,
     pipeline: GBufferPipeline,
     images: GBufferImages,
@@ -62,7 +62,7 @@ pub struct Peel<'a> {
     pub separation_m: f32,
 }
 
-/// Makes a fragment program from the bindings that every program has for a surface, and from its own.
+/// Makes a fragment program from the bindings of a surface, which every such program has, and from its own fields.
 macro_rules! drawn_by {
     ($program:ident, $view:expr, $surface:expr $(, $field:ident: $value:expr)*) => {
         $program {
@@ -126,14 +126,14 @@ impl GBufferImages {
         if data.color.iter().all(|color| !color.is_nan()) {
             return Self::upload_unsound(context, data);
         }
-        let lit = |v: f32| if v.is_nan() { 0.0 } else { v };
-        let color = data.color.iter().map(|color| Vec3::from(color.to_array().map(lit))).collect();
+        let without_nan = |channel: f32| if channel.is_nan() { 0.0 } else { channel };
+        let color = data.color.iter().map(|color| Vec3::from(color.to_array().map(without_nan))).collect();
         Self::upload_unsound(context, &GBufferData { color, ..data.clone() })
     }
 
-    /// Uploads as [`GBufferImages::upload`] does, but keeps NaN in colours, to test how methods bear it.
+    /// Uploads as [`GBufferImages::upload`] does, but keeps NaN in colours, to test that methods bear NaN.
     pub fn upload_unsound(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
-        let padded = |v: &[Vec3], w: f32| v.iter().flat_map(|p| p.extend(w).to_array().map(half_bits)).collect();
+        let padded = |all: &[Vec3], w: f32| all.iter().flat_map(|v| v.extend(w).to_array().map(half_bits)).collect();
         let mut vectors: [Vec<u16>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
         let shown = data.surface.iter().zip(&data.depth);
         for (color, (surface, depth)) in vectors[1].as_chunks_mut::<4>().0.iter_mut().zip(shown) {
@@ -144,18 +144,18 @@ impl GBufferImages {
         images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
     }
 
-    /// Uploads as [`GBufferImages::upload`] does, but with colours and normals in 32-bit floats, which round nothing, so that
-    /// values can stand for other formats. The device must filter such images linearly.
+    /// Uploads as [`GBufferImages::upload`] does, but with colours and normals in 32-bit floats, which can hold the
+    /// rounded values of other formats unchanged. The device must be able to filter such images linearly.
     pub fn upload_wide(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         const WIDE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
-        let wide = |v: &[Vec3], w: f32| -> Vec<u8> {
-            v.iter().flat_map(|p| p.extend(w).to_array().map(f32::to_ne_bytes)).flatten().collect()
+        let wide = |all: &[Vec3], w: f32| -> Vec<u8> {
+            all.iter().flat_map(|v| v.extend(w).to_array().map(f32::to_ne_bytes)).flatten().collect()
         };
         let images = Self::with_formats(context.gpu(), [data.width, data.height], DEPTH, [WIDE; 2])?;
         images.filled(context, data, [&wide(&data.normal, 0.0), &wide(&data.color, 1.0)])
     }
 
-    /// Fills the images with depth and material of a G-buffer, and with normals and colour as bytes of their formats.
+    /// Fills the images with depth and material of a G-buffer, and with `normal` and `color`, bytes in their formats.
     fn filled(self, context: &mut FrameContext, data: &GBufferData, [normal, color]: [&[u8]; 2]) -> Result<Self> {
         let images = self;
         let material: Vec<u16> =
@@ -201,12 +201,13 @@ fn vertex_input() -> VertexInput<'static> {
     }
 }
 
-/// Returns the bits of a 16-bit float. Greater values become the greatest such float.
-fn half_bits(v: f32) -> u16 {
+/// Returns the bits of a number as a 16-bit float, clamped to the range of such floats.
+fn half_bits(number: f32) -> u16 {
     let most = half::f16::MAX.to_f32();
-    half::f16::from_f32(v.clamp(-most, most)).to_bits()
+    half::f16::from_f32(number.clamp(-most, most)).to_bits()
 }
 
+/// Makes an image that passes can also sample and copy; `usage` is what else they use it for.
 fn image_of(
     gpu: &Gpu,
     name: &str,
@@ -228,7 +229,7 @@ impl GBufferPass {
         Ok(Self { depth: Some(depth), ..Self::with(gpu, extent, DEPTH, GBufferPipeline::Nearest(pipeline))? })
     }
 
-    /// Makes a pass that also writes which triangle each pixel shows ([`GBuffer::triangle`]), if the device numbers triangles.
+    /// Makes a pass that also writes which triangle each pixel shows ([`GBuffer::triangle`]), if the device can.
     pub fn numbered(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         let plain = Self::new(gpu, extent)?;
         if !gpu.numbers_triangles() {
@@ -244,7 +245,7 @@ impl GBufferPass {
         })
     }
 
-    /// Makes a pass that draws what lies behind the surfaces of another pass: the next layer of depth peeling (Everitt 2001).
+    /// Makes a pass that draws the nearest surfaces behind those of another pass, by depth peeling (Everitt 2001).
     pub fn behind(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), TARGETS, DEPTH)?;
         Self::with(gpu, extent, DEPTH, GBufferPipeline::Peeled(pipeline))
@@ -256,6 +257,7 @@ impl GBufferPass {
         Self::with(gpu, extent, DEPTH_STENCIL, GBufferPipeline::Nearest(pipeline))
     }
 
+    /// Makes a pass that draws no depth beforehand and writes no triangles.
     fn with(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, pipeline: GBufferPipeline) -> Result<Self> {
         Ok(Self {
             depth: None,
@@ -272,17 +274,17 @@ impl GBufferPass {
         Self { label, ..self }
     }
 
-    /// The images, whose colour the lighting pass writes.
+    /// The images that the pass draws, and the lit colour, which the lighting pass writes.
     pub fn gbuffer(&self) -> GBuffer<'_> {
         GBuffer { triangle: self.triangle.as_ref(), ..self.images.gbuffer() }
     }
 
-    /// Albedo (a: 1 lit, 0 shows the sky).
+    /// The albedo. Its alpha is 0 where the sky shows, and elsewhere 1, less a part for emission.
     pub fn albedo(&self) -> &Image {
         &self.albedo
     }
 
-    /// Draws the scene with some materials (those of [`SceneData`]'s scene, possibly changed).
+    /// Records the passes that draw the scene with its materials, possibly changed, and counts what they draw.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -328,7 +330,7 @@ impl GBufferPass {
         Ok(view.drawn())
     }
 
-    /// Draws the nearest surfaces behind a layer, in a pass of [`GBufferPass::behind`].
+    /// Records a pass made by [`GBufferPass::behind`]: draws the nearest surfaces behind the layer `peel`.
     pub fn record_behind(
         &self,
         frame: &mut Frame,
@@ -362,7 +364,7 @@ impl GBufferPass {
     }
 }
 
-/// The inputs of a fragment program from a surface.
+/// The maps and parameters of a surface that fragment programs read.
 struct SurfaceInput<'a> {
     albedo_map: Sampled<'a>,
     normal_map: Sampled<'a>,
@@ -376,7 +378,7 @@ struct SurfaceInput<'a> {
 struct SceneView<'a> {
     scene: &'a SceneData,
     materials: &'a [Material],
-    /// The last mesh first: of surfaces in one place the last one drawn shows, which is then the first of the scene.
+    /// The meshes to draw, the last one first. Of surfaces in one place the one drawn last shows: the scene's first.
     seen: Vec<&'a MeshData>,
     culled: usize,
     world_to_clip: DMat4,
@@ -388,8 +390,8 @@ impl<'a> SceneView<'a> {
     fn new(scene: &'a SceneData, materials: &'a [Material], camera: &Camera, extent: [u32; 2]) -> Self {
         let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
         let frustum = Frustum::new(&world_to_clip.as_mat4());
-        let (seen, culled): (Vec<&MeshData>, Vec<_>) = scene.meshes.iter().rev().partition(|m| {
-            let Aabb { min, max } = m.bounds.placed(&m.placement);
+        let (seen, culled): (Vec<&MeshData>, Vec<_>) = scene.meshes.iter().rev().partition(|mesh| {
+            let Aabb { min, max } = mesh.bounds.placed(&mesh.placement);
             frustum.may_see(min, max)
         });
         let camera = camera_block(camera, extent);
@@ -405,13 +407,13 @@ impl<'a> SceneView<'a> {
         }
     }
 
-    /// The part without the meshes that have an alpha mask.
+    /// Returns the view without the meshes that have an alpha mask.
     fn opaque(&self) -> Self {
         let is_opaque = |mesh: &&MeshData| self.materials[mesh.material].alpha_mask.is_none();
         Self { seen: self.seen.iter().copied().filter(is_opaque).collect(), ..*self }
     }
 
-    /// Draws the seen meshes. `bind` binds the programs for each surface that differs from the one before.
+    /// Draws the seen meshes. `bind` binds the programs whenever material or placement differ from the mesh before.
     fn draw<'r, 'f, F: Fragment>(
         &self,
         raster: &mut Raster<'r, 'f, F, GBufferVertex<'static>>,
@@ -446,25 +448,25 @@ impl<'a> SceneView<'a> {
     }
 }
 
-/// Returns the kinds of reflectors that some materials may be, in the precision of the material image. A map can only lower a
-/// reflectivity or a roughness.
+/// Returns the kinds of reflectors that may occur on some materials, whose values are rounded as in the material image.
+/// A map can only lower a reflectivity or a roughness.
 fn reflectors<'m>(materials: impl Iterator<Item = &'m Material>) -> Reflectors {
-    let stored = |v: f32| half::f16::from_f32(v).to_f32();
+    let rounded = |value: f32| half::f16::from_f32(value).to_f32();
     let start = Reflectors { everywhere: true, ..Reflectors::default() };
-    materials.filter(|m| m.surface == Surface::Lit).fold(start, |r, m| {
-        let reflects = stored(m.reflectivity) > GBufferData::REFLECTS_ABOVE;
-        let roughness = stored(m.roughness);
-        let lowered = m.roughness_map.is_some();
+    materials.filter(|material| material.surface == Surface::Lit).fold(start, |found, material| {
+        let reflects = rounded(material.reflectivity) > GBufferData::REFLECTS_ABOVE;
+        let roughness = rounded(material.roughness);
+        let may_be_lower = material.roughness_map.is_some();
         Reflectors {
-            mirrors: r.mirrors || (reflects && (roughness <= 0.0 || lowered)),
-            narrow: r.narrow || (reflects && roughness > 0.0 && (roughness <= WIDE_ABOVE || lowered)),
-            wide: r.wide || (reflects && roughness > WIDE_ABOVE),
-            everywhere: r.everywhere && reflects && m.reflectivity_map.is_none(),
+            mirrors: found.mirrors || (reflects && (roughness <= 0.0 || may_be_lower)),
+            narrow: found.narrow || (reflects && roughness > 0.0 && (roughness <= WIDE_ABOVE || may_be_lower)),
+            wide: found.wide || (reflects && roughness > WIDE_ABOVE),
+            everywhere: found.everywhere && reflects && material.reflectivity_map.is_none(),
         }
     })
 }
 
-/// The uniform block for draws of one material.
+/// Returns the uniform block for draws of one material, without the mesh's turn.
 fn draw_block(material: &Material, world_to_clip: [[f32; 4]; 4]) -> DrawBlock {
     let lit = material.surface == Surface::Lit;
     DrawBlock {

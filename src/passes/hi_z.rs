@@ -1,5 +1,5 @@
-//! The Hi-Z buffer (thesis §4.2.4, Alg. 3, Eq. 4.1). Level 0 is the standard depth, and each further level the minimum
-//! of four texels of the level below, with their maximum beside it if that is wanted. CPU twin: `reference::hi_z`.
+//! Makes the Hi-Z buffer (thesis §4.2.4, Alg. 3, Eq. 4.1). Level 0 is the standard depth, and each texel above it the
+//! minimum of four texels of the finer level, with their maximum beside it if wanted. CPU twin: `reference::hi_z`.
 
 use super::{GBuffer, HiZ};
 use crate::error::Result;
@@ -25,7 +25,7 @@ impl HiZPass {
         Self::with_levels(gpu, stage, extent, image::full_chain(extent), if maximum { BOTH } else { MINIMUM })
     }
 
-    /// Makes the pass with level 0 alone: the depth buffer that linear marches filter.
+    /// Makes the pass with level 0 alone, a buffer of standard depth for marches that read it with a linear filter.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] on a device that can't filter its format.
@@ -80,7 +80,7 @@ impl HiZPass {
     }
 }
 
-/// Eq. 4.1 of the thesis for one side of the level below, in texels: the distance between the texels that a level reads there.
+/// Eq. 4.1 of the thesis: the distance between the texels that a level reads in a finer level of `side` texels a side.
 pub fn offset(side: u32) -> i32 {
     if side.is_multiple_of(2) { 1 } else { 2 }
 }

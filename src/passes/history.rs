@@ -1,4 +1,4 @@
-//! Temporal filtering (thesis §4.2.11): finds the reflection of earlier frames again in this frame, and averages both.
+//! Temporal filtering (thesis §4.2.11): finds each pixel's reflection in earlier frames, and averages over frames.
 
 use super::scene_data::MovableObject;
 use super::{GBuffer, LIT_COLOR, Reflection, stored_target};
@@ -19,14 +19,14 @@ const GUIDE: vk::Format = vk::Format::R32G32B32A32_UINT;
 /// The most frames that are averaged at rest.
 const MOST_AT_REST: f32 = 128.0;
 
-/// Pipeline, and the images of two frames of one size.
+/// Pipelines, and the images of two frames of one size.
 pub struct HistoryPass {
     gpu: Gpu,
     variant: Variant,
-    /// The program for a frame in which nothing has moved, so that each pixel has its own history.
+    /// The program for a frame in which nothing has moved, so that each pixel's history lies in the same pixel.
     at_rest: Pipeline,
-    /// The other programs, by [`HistorySearch::index`]. The program for a moving camera alone is made at once, the others when a
-    /// frame first needs them.
+    /// The programs for other frames, by [`HistorySearch::index`]. The one for a moving camera alone is made at once,
+    /// the others when a frame first needs them.
     searching: [OnceCell<Pipeline>; 4],
     history_images: [HistoryImages; 2],
     composite: Option<Image>,
@@ -34,9 +34,9 @@ pub struct HistoryPass {
     no_ends: Image,
     /// An image of one texel, `NO_TRIANGLE`, bound if the G-buffer has no triangle numbers.
     no_triangle: Image,
-    /// The state that one frame leaves to the next.
+    /// The state that one frame keeps for the next frame.
     previous_frame: RefCell<PreviousFrame>,
-    frames: Cell<u32>, // counts recorded frames, to take the two history images in turn
+    frames: Cell<u32>, // counts recorded frames, which write the two history images in turn
     averaged: u32,     // the most frames that are averaged
     deviations: f32,   // how many standard deviations a history may lie from the mean around its pixel
 }
@@ -52,7 +52,7 @@ struct Variant {
     composite: bool,
 }
 
-/// What may have moved since the frame before, beside the camera.
+/// What may have moved since the frame before, apart from the camera.
 #[derive(Clone, Copy, Default)]
 struct HistorySearch {
     /// Whether objects of the scene moved.
@@ -62,7 +62,7 @@ struct HistorySearch {
 }
 
 impl HistorySearch {
-    /// The index among the four programs.
+    /// Returns the index of the program for this case, 0 to 3.
     fn index(self) -> usize {
         usize::from(self.movers) | usize::from(self.motion) << 1
     }
@@ -71,21 +71,21 @@ impl HistorySearch {
 /// The motion of the surfaces that pixels show since the frame before, as the caller knows it.
 #[derive(Clone, Copy)]
 pub struct SurfaceMotion<'a> {
-    /// The way over the screen from where a surface is seen to where it was seen, in red and green.
+    /// The vectors, in red and green, from where a surface is seen on the screen to where it was seen.
     pub image: &'a Image,
-    /// Pixels in one unit of the image, x to the right and y down.
+    /// Factors from the image's values to pixels, x to the right and y down.
     pub scale: [f32; 2],
-    /// Whether the motion contains the difference of the shifts of the two frames' projections.
+    /// Whether the motion includes the change of the projection's shift (jitter) between the two frames.
     pub shifted: bool,
 }
 
-/// The images that are kept of a frame.
+/// The images of a frame that the next frame reads.
 struct HistoryImages {
     reflection: Image,
     guide: Image,
 }
 
-/// Camera and objects of the last frame, and how long they have been at rest.
+/// Camera and objects of the last frame, and the changes of the frame that is being recorded.
 #[derive(Default)]
 struct PreviousFrame {
     camera: Option<Camera>,
@@ -93,7 +93,7 @@ struct PreviousFrame {
     /// Whether something moved in the last frame.
     moved: bool,
     turns: Turns,
-    /// The changes of this frame, until it is recorded.
+    /// The objects that moved since the frame before. This field and those below describe the frame since it began.
     movers: Vec<Mover>,
     change: CameraChange,
     repeats: bool,
@@ -107,11 +107,11 @@ struct Mover {
     back: DMat4,
 }
 
-/// The directions in which the rays of a frame leave, by counts of frames.
+/// Counts of frames that decide in which directions of their lobes the rays of a frame leave.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Turns {
-    /// Number of frames with other directions before this one since the history began. The number stops growing once the picture
-    /// has been at rest for as many frames as are averaged.
+    /// Number of frames with other directions before this one since the history began. It stops growing once the
+    /// picture has been at rest for as many frames as are averaged.
     pub drawn: u32,
     /// Number of frames with other directions since the camera last moved; 0 while the camera moves.
     pub rested: u32,
@@ -120,7 +120,8 @@ pub struct Turns {
 }
 
 impl Turns {
-    /// Returns the turns of the next frame. `has_stopped` says whether the last moving object came to rest.
+    /// Returns the turns of the next frame, if at most `averaged` frames are averaged. `has_stopped` says whether the
+    /// last moving object came to rest.
     fn next(self, change: CameraChange, has_stopped: bool, averaged: u32) -> Self {
         let Self { drawn, rested, left } = self;
         let most = averaged.saturating_sub(1);
@@ -128,8 +129,8 @@ impl Turns {
         let turned = Self { drawn: drawn.wrapping_add(1), rested: rested.wrapping_add(1), left };
         match (change, left) {
             (CameraChange::Moves, _) => Self { rested: 0, ..turned },
-            (_, 0) => self,
-            // Each frame of a jittered camera differs from the one before, so that its directions never stop changing.
+            (_, 0) => self, // all directions have been averaged
+            // Under a jittered camera no frame repeats the one before, so that the directions never stop changing.
             (CameraChange::Shifts, _) => turned,
             (CameraChange::None, _) => Self { left: left - 1, ..turned },
         }
@@ -140,7 +141,7 @@ impl Turns {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum CameraChange {
     None,
-    /// The shift of the projection alone differs, as in jittered cameras.
+    /// Nothing differs except the shift of the projection, as in jittered cameras.
     Shifts,
     #[default]
     Moves,
@@ -159,7 +160,8 @@ impl CameraChange {
 }
 
 impl PreviousFrame {
-    /// Returns what to search for, with the caller's motion or without; `None` in the first frame and if nothing moved.
+    /// Returns what may have moved, so that histories must be searched for; `None` in the first frame and if nothing
+    /// moved. `motion` says whether the caller gives the motion of surfaces.
     fn search(&self, motion: bool) -> Option<HistorySearch> {
         let movers = !self.movers.is_empty();
         let moves = self.change == CameraChange::Moves || motion || movers;
@@ -168,9 +170,9 @@ impl PreviousFrame {
 }
 
 impl HistoryPass {
-    /// Makes the pass for a size in pixels and a projection. `averaged` is the most frames that are averaged. `deviations` is how
-    /// many standard deviations a history may lie from the mean of the reflections around its pixel. With `composite` the pass also
-    /// makes the finished image.
+    /// Makes the pass for a size in pixels and a projection. At most `averaged` frames are averaged. A history may lie
+    /// `deviations` standard deviations from the mean of the reflections around its pixel. With `composite` the pass
+    /// also makes the finished image.
     ///
     /// # Errors
     /// Errors of the device.
@@ -204,7 +206,7 @@ impl HistoryPass {
         Ok(made)
     }
 
-    /// How many frames are averaged at most.
+    /// Returns the most frames that are averaged.
     pub fn averaged(&self) -> u32 {
         self.averaged
     }
@@ -215,8 +217,8 @@ impl HistoryPass {
         self.previous_frame.take();
     }
 
-    /// Begins a frame that is seen from a camera, with the objects where they stand now. `may_move` says whether other objects may
-    /// move, too. Returns the directions in which the frame's rays leave.
+    /// Begins a frame that is seen from a camera, with the objects where they stand now. `may_move` says whether other
+    /// objects may move, too. Returns the turns that decide in which directions the frame's rays leave.
     pub fn begin(&self, camera: &Camera, standing: Vec<MovableObject>, may_move: bool) -> Turns {
         let mut previous_frame = self.previous_frame.borrow_mut();
         previous_frame.movers = movers(&previous_frame.standing, &standing);
@@ -233,9 +235,9 @@ impl HistoryPass {
         turns
     }
 
-    /// Records pass "history" of the frame that [`Self::begin`] began. Returns the averaged reflection, and the finished image if
-    /// the pass makes it. `ends` says where the rays of each pixel ended, in units of [`view_unit_m()`], and `motion` how surfaces moved;
-    /// `None` where unknown.
+    /// Records pass "history" of the frame that [`Self::begin`] began. Returns the averaged reflection, and the
+    /// finished image if the pass makes it. `ends` is the image ([`ENDS`]) of where the rays of each pixel ended, and
+    /// `motion` says how surfaces moved; `None` where unknown.
     ///
     /// # Errors
     /// Errors of the device.
@@ -271,7 +273,7 @@ impl HistoryPass {
             color_before: earlier.reflection.all(),
             guide_before: earlier.guide.all(),
             color_buffer: gbuffer.color.level(0),
-            // Images that stand for unknown ones are not read.
+            // An image that stands for an unknown one is not read.
             ends_image: ends.unwrap_or(&self.no_ends).all(),
             triangle_buffer: gbuffer.triangle.unwrap_or(&self.no_triangle).all(),
             motion_buffer: Sampled::nearest(motion.map_or(gbuffer.depth, |motion| motion.image).all()),
@@ -287,7 +289,7 @@ impl HistoryPass {
         Ok((Reflection(&now.reflection), composite))
     }
 
-    /// The program for a frame in which something may have moved, compiled at the first call.
+    /// Returns the program for a frame in which something may have moved, compiled at the first call.
     fn searching(&self, search: HistorySearch) -> Result<&Pipeline> {
         let made = &self.searching[search.index()];
         if let Some(pipeline) = made.get() {
@@ -297,7 +299,7 @@ impl HistoryPass {
         Ok(made.get_or_init(|| pipeline))
     }
 
-    /// The uniform block of a frame: the matrices to the frame before, and what has moved since.
+    /// Returns the uniform block of a frame: the matrices to the frame before, and what has moved since then.
     fn block(
         &self,
         camera: &Camera,
@@ -306,8 +308,8 @@ impl HistoryPass {
         motion: Option<SurfaceMotion>,
     ) -> HistoryBlock {
         let before = previous_frame.before.as_ref().unwrap_or(camera);
-        // At rest, a pixel of a jittered camera keeps its own history, wherever in the pixel the surface was seen. Moving the
-        // history by parts of a pixel would blur it.
+        // If only the jitter changed, a pixel keeps its own history: the earlier camera is taken to have been this one.
+        // To move the history by parts of a pixel would blur it.
         let earlier = if previous_frame.change == CameraChange::Shifts { camera } else { before };
         let rests = previous_frame.change != CameraChange::Moves;
         let settles = previous_frame.change == CameraChange::None;
@@ -335,8 +337,8 @@ impl HistoryPass {
         };
         if let Some(SurfaceMotion { scale, shifted, .. }) = motion {
             let shifts = |past_camera: &Camera| shift(past_camera, extent) - shift(camera, extent);
-            let held = if shifted { shifts(before) } else { Vec2::ZERO };
-            (block.motion_scale, block.motion_shift) = (scale, (shifts(earlier) - held).to_array());
+            let included = if shifted { shifts(before) } else { Vec2::ZERO };
+            (block.motion_scale, block.motion_shift) = (scale, (shifts(earlier) - included).to_array());
         }
         for (data, mover) in block.movers.iter_mut().zip(&previous_frame.movers) {
             let [first, end] = mover.triangles;
@@ -347,7 +349,7 @@ impl HistoryPass {
     }
 }
 
-/// Compiles the program for what may have moved; `None` if nothing has.
+/// Compiles the program for frames in which `search` may have moved, or for frames in which nothing moved.
 fn pipeline(gpu: &Gpu, variant: Variant, search: Option<HistorySearch>) -> Result<Pipeline> {
     let Variant { stage, is_orthographic: orthographic, composite } = variant;
     let HistorySearch { movers, motion } = search.unwrap_or_default();
@@ -356,7 +358,7 @@ fn pipeline(gpu: &Gpu, variant: Variant, search: Option<HistorySearch>) -> Resul
     PixelPipeline::new(gpu, stage, [LIT_COLOR, GUIDE, color], &constants)
 }
 
-/// How far a camera's projection shifts the image, in pixels, x to the right and y down: for example by jitter.
+/// Returns how far a camera's projection shifts the image, for example by jitter: pixels, x to the right and y down.
 fn shift(camera: &Camera, extent: [u32; 2]) -> Vec2 {
     let projection = camera.view_to_clip_reversed();
     let column = if camera.kind().is_orthographic() { projection.w_axis } else { projection.z_axis };
@@ -364,17 +366,17 @@ fn shift(camera: &Camera, extent: [u32; 2]) -> Vec2 {
     column.xy() * Vec2::new(width, -height)
 }
 
-/// Returns the objects that stand elsewhere than before; the first of them, if a block has no room for all.
+/// Returns the first [`MOST_MOVERS`] objects that stand elsewhere than before.
 fn movers(before: &[MovableObject], now: &[MovableObject]) -> Vec<Mover> {
     let pairs = before.iter().zip(now).filter(|(a, b)| a.triangles == b.triangles && a.placement != b.placement);
-    let back = |a: &MovableObject, b: &MovableObject| {
-        let [before, now] = [a, b].map(|standing| standing.placement);
+    let back = |before: &MovableObject, now: &MovableObject| {
+        let [before, now] = [before, now].map(|object| object.placement);
         if before.is_offset() && now.is_offset() {
             return DMat4::from_translation((before.offset - now.offset).as_dvec3());
         }
         before.matrix() * now.matrix().inverse()
     };
-    let moved = pairs.map(|(a, b)| Mover { triangles: b.triangles, back: back(a, b) });
+    let moved = pairs.map(|(before, now)| Mover { triangles: now.triangles, back: back(before, now) });
     moved.take(MOST_MOVERS as usize).collect()
 }
 

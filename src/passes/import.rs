@@ -1,5 +1,5 @@
-//! Takes over the G-buffer of another renderer, in whatever conventions it has, as images that every method reads. The time of the
-//! pass is not counted, since a renderer that draws such images itself needs no import.
+//! Converts the G-buffer of another renderer, whatever its conventions, to the images that every method reads. The time
+//! of the pass is not counted, since a renderer that draws such images itself needs no import.
 
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, PerProjection, Reflectors, camera_block};
 use crate::error::Result;
@@ -14,7 +14,7 @@ use ssct_ground::scene::{Camera, ProjectionKind};
 /// Pipelines and images of one size.
 pub struct ImportPass {
     gpu: Gpu,
-    /// The pipeline for each way to store normals (`NORMAL_*`), made when a frame first needs it.
+    /// A pipeline for each encoding of normals (`NORMAL_*`) and projection, made when a frame first needs it.
     pipelines: [PerProjection<ComputePipeline<Import<'static>>>; NORMAL_OF_DEPTH as usize + 1],
     depth: Image,
     normal: Image,
@@ -28,7 +28,7 @@ pub struct ImportPass {
 pub struct ForeignImages<'a> {
     /// Depth, in R.
     pub depth: &'a Image,
-    /// Factor and offset that turn the depth into reversed depth.
+    /// Factor and offset that turn the values of `depth` into reversed depth.
     pub to_reversed: [f32; 2],
     /// Normals, if there are any, the code of their encoding (`NORMAL_*`), and the matrix that turns them into our view space.
     pub normal: Option<(&'a Image, i32, Mat3)>,
@@ -38,7 +38,7 @@ pub struct ForeignImages<'a> {
     pub color: &'a Image,
     /// The kinds of reflecting surface that the frame may have, as the caller knows them.
     pub reflectors: Reflectors,
-    /// Whether the colour is to be black where nothing stands, since the sky is given apart.
+    /// Whether the colour becomes black where nothing stands, because the sky is given separately.
     pub leaves_sky_out: bool,
 }
 
@@ -52,6 +52,7 @@ pub enum Factor<'a> {
 }
 
 impl Factor<'_> {
+    /// Returns the value that all pixels have; `None` for a channel of an image.
     fn constant(self) -> Option<f32> {
         if let Self::Constant(value) = self { Some(value) } else { None }
     }
@@ -86,12 +87,14 @@ impl ImportPass {
         self.depth.extent()
     }
 
-    /// Records pass "import". A constant reflectivity or roughness rules out kinds of reflectors.
+    /// Records pass "import". A constant reflectivity or roughness rules out kinds of reflectors in the result.
     pub fn record(&self, frame: &mut Frame, from: &ForeignImages, camera: &Camera) -> Result<GBuffer<'_>> {
         let (kind, to_view) =
             from.normal.map_or((NORMAL_OF_DEPTH, Mat3::IDENTITY), |(_, kind, to_view)| (kind, to_view));
         let (block, projection, camera) = (block(from, to_view), camera.kind(), camera_block(camera, self.extent()));
+        let [reflectivity, roughness] = from.material;
         let source = |factor| match factor {
+            // The binding needs some image, which is not read.
             Factor::Constant(_) => Sampled::nearest(from.color.all()),
             Factor::Channel(image, _) => Sampled::nearest(image.all()),
         };
@@ -101,8 +104,8 @@ impl ImportPass {
             import_block: &block,
             depth_source: Sampled::nearest(from.depth.all()),
             normal_source: Sampled::nearest(from.normal.map_or(from.color, |(image, ..)| image).all()),
-            reflectivity_source: source(from.material[0]),
-            roughness_source: source(from.material[1]),
+            reflectivity_source: source(reflectivity),
+            roughness_source: source(roughness),
             color_source: Sampled::nearest(from.color.all()),
             depth_image: self.depth.all(),
             normal_image: self.normal.all(),
@@ -110,8 +113,8 @@ impl ImportPass {
             color_image: self.color.level(0),
         };
         frame.compute(self.label, self.pipeline(kind, projection)?, &program, [width, height, 1])?;
-        let of_constants = Reflectors::for_constants(from.material[0].constant(), from.material[1].constant());
-        let reflectors = from.reflectors.and(of_constants);
+        let possible = Reflectors::for_constants(reflectivity.constant(), roughness.constant());
+        let reflectors = from.reflectors.and(possible);
         Ok(GBuffer {
             triangle: None,
             depth: &self.depth,
@@ -122,14 +125,14 @@ impl ImportPass {
         })
     }
 
-    /// The pipeline for a way to store normals, made when a frame first needs it.
+    /// Returns the pipeline for an encoding of normals and a projection, made at the first call.
     fn pipeline(&self, normal_kind: i32, kind: ProjectionKind) -> Result<&ComputePipeline<Import<'static>>> {
         let constants = ImportConstants { normal_kind, orthographic: kind.is_orthographic() };
         self.pipelines[normal_kind as usize].get(kind, || ComputePipeline::with(&self.gpu, &constants))
     }
 }
 
-/// The uniform block for the images of another renderer; `to_view` turns decoded normals into our view space.
+/// Returns the uniform block for the images of another renderer; `to_view` turns decoded normals into our view space.
 fn block(from: &ForeignImages, to_view: Mat3) -> ImportBlock {
     let channel = |factor| if let Factor::Channel(_, channel) = factor { channel as i32 } else { -1 };
     ImportBlock {

@@ -1,5 +1,5 @@
-//! Keeps the normals of one face in its layer of the captures' normals (`keep_normal.comp`), which have a format of
-//! their own. A compute program converts them, since not every driver can blit into that format.
+//! Copies the normals of one face into its layer of the captures' normals (`keep_normal.comp`). A compute program does
+//! so, since the two formats differ, and not every driver can blit into that of the layers.
 
 use super::GBuffer;
 use crate::error::Result;
@@ -17,7 +17,7 @@ impl KeepNormalPass {
         Ok(Self { pipeline: ComputePipeline::new(gpu)? })
     }
 
-    /// Records pass "capture/keep normal", which writes a layer of `normals`, an array of RGBA8 snorm images of the face's size.
+    /// Records pass "capture/keep normal", which writes a layer of `normals`, an array of RGBA8 snorm images.
     pub fn record(&self, frame: &mut Frame, face: &GBuffer, normals: &Image, layer: u32) -> Result<()> {
         let [width, height] = normals.extent();
         let program = programs::KeepNormal {

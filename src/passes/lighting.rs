@@ -1,4 +1,4 @@
-//! Lit colour from the G-buffer: direct light without shadows, and the sky. A scene pass.
+//! Makes the lit colour of the G-buffer: direct light without shadows, and the sky. A scene pass.
 
 use super::scene_data::SceneData;
 use super::{GBuffer, LIT_COLOR, PerProjection, camera_block};
@@ -10,23 +10,23 @@ use ssct_ground::scene::{Camera, ProjectionKind};
 pub struct LightingPass {
     gpu: Gpu,
     stage: ShaderStage,
-    sky_apart: bool, // Whether pixels of the sky become black.
+    sky_apart: bool, // whether pixels that show the sky become black
     pipelines: PerProjection<PixelPipeline<programs::Lighting<'static>>>,
     label: &'static str,
 }
 
 impl LightingPass {
-    /// Compiles the pipeline, of fragment shaders.
+    /// Makes the pass for fragment shaders, and compiles the pipeline for perspectives.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Self::in_stage(gpu, ShaderStage::Fragment)
     }
 
-    /// Compiles the pipeline of a stage.
+    /// Makes the pass for a shader stage, and compiles the pipeline for perspectives.
     pub fn in_stage(gpu: &Gpu, stage: ShaderStage) -> Result<Self> {
         Self::with(gpu, stage, false)
     }
 
-    /// Makes a lighting pass that writes black for the sky. All passes write alpha 1 for lit surfaces, 0 for sky.
+    /// Makes a pass that writes black for the sky. Every lighting pass writes alpha 1 for lit surfaces and 0 for sky.
     pub fn without_sky(gpu: &Gpu) -> Result<Self> {
         Self::with(gpu, ShaderStage::Fragment, true)
     }
@@ -47,7 +47,7 @@ impl LightingPass {
         Self { label, ..self }
     }
 
-    /// Writes level 0 of the G-buffer's colour.
+    /// Records pass "lighting", or the pass of its label, which writes level 0 of the G-buffer's colour.
     pub fn record(
         &self,
         frame: &mut Frame,

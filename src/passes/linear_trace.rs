@@ -1,4 +1,4 @@
-//! The linear marches of thesis §4.2.2 for every ray, and a mirror lookup where they end.
+//! Traces every ray by a linear march of thesis §4.2.2, and looks up the mirror's colour where the ray ends.
 
 use super::traced::TracedPass;
 use super::{GBuffer, HiZ, Hits, MarchNumbers, Reflection, march_constants};
@@ -22,7 +22,7 @@ choices! {
 pub struct LinearTracePass(TracedPass<Linear<'static>>);
 
 impl LinearTracePass {
-    /// Makes the pass with an image of the hits or without.
+    /// Makes the pass. `hits` asks for an image of the hits.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -35,7 +35,7 @@ impl LinearTracePass {
         Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
-    /// Records pass "ray trace".
+    /// Records pass "ray trace". `depth` has the standard depth in level 0.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

@@ -1,5 +1,5 @@
-//! Passes for a window that shows the methods' images: copies that outlast a frame ([`KeepPass`]), and the one picture that is made
-//! of the copies ([`LookPass`]).
+//! Passes for a window that shows the methods' images: [`KeepPass`] makes copies that outlast a frame, and [`LookPass`]
+//! makes one picture of the copies.
 
 use super::Content;
 use crate::error::Result;
@@ -9,7 +9,7 @@ use ash::vk;
 use ssct_ground::math::constants::*;
 use ssct_ground::scene::Lens;
 
-/// Format of the copies, wide enough for every image that a method makes.
+/// Format of the copies, which holds the values of every image that a method makes.
 const KEPT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Copies a level of an image into an image of the pass's size.
@@ -27,10 +27,10 @@ impl KeepPass {
         })
     }
 
-    /// Records pass "keep": each pixel takes the texel of the level in which the pixel lies.
+    /// Records pass "keep", which scales a level of an image to the pass's size by taking the nearest texel.
     pub fn record(&self, frame: &mut Frame, level: ImageSlice) -> Result<()> {
         let (from, to) = (level.extent(), self.image.extent());
-        let keep = KeepBlock { scale: [0, 1].map(|i| from[i] as f32 / to[i] as f32) };
+        let keep = KeepBlock { scale: [0, 1].map(|axis| from[axis] as f32 / to[axis] as f32) };
         frame.fullscreen(
             "keep",
             &self.pipeline,
@@ -53,7 +53,7 @@ pub enum Compare {
     One = COMPARE_ONE as isize,
     /// The first left of a line, the second right of it.
     Split = COMPARE_SPLIT as isize,
-    /// The magnitude of the difference between both.
+    /// The magnitude of the difference between the two.
     Difference = COMPARE_DIFFERENCE as isize,
 }
 
@@ -64,18 +64,18 @@ pub struct Tone {
     pub content: Content,
     /// One channel as grey; `None` shows all.
     pub channel: Option<u32>,
-    /// Factor, in powers of two.
+    /// Exponent of the power of two by which the numbers are multiplied.
     pub exposure_stops: f32,
     /// The number that is shown black, and the number that is shown white.
     pub range: [f32; 2],
 }
 
 impl Tone {
-    /// Colour with the tone of the display image.
+    /// Linear colour as the finished image shows it: unchanged, from 0 to 1.
     pub const DISPLAY: Self = Self { content: Content::Color, channel: None, exposure_stops: 0.0, range: [0.0, 1.0] };
 }
 
-/// What the screen shows.
+/// How one or two pictures are displayed on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureDisplay {
     /// Left, top, width and height of the pictures on the screen, in pixels.
@@ -88,7 +88,7 @@ pub struct PictureDisplay {
     pub gain: f32,
     /// How the numbers of the pictures are shown.
     pub tone: Tone,
-    /// The lens, for depths.
+    /// The lens of the camera, by which depths are shown.
     pub lens: Lens,
 }
 
@@ -98,12 +98,12 @@ pub struct LookPass {
 }
 
 impl LookPass {
-    /// Makes the pass for screens of an sRGB format, which encodes the colours.
+    /// Makes the pass for screens of a format, which must be an sRGB format so that it encodes the colours.
     pub fn new(gpu: &Gpu, screen: vk::Format) -> Result<Self> {
         Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, [screen])? })
     }
 
-    /// Records pass "look". Both pictures have the area's size; a single picture is given twice.
+    /// Records pass "look", which draws to `screen`. Pictures have the area's size; a single picture is given twice.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -139,7 +139,7 @@ impl LookPass {
     }
 }
 
-/// How `look.frag` shows a content.
+/// Returns the code `CONTENT_*` by which `look.frag` shows images of a content.
 fn shade(content: Content) -> i32 {
     match content {
         Content::Color => CONTENT_COLOR,

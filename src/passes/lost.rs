@@ -1,5 +1,5 @@
-//! Inputs that the passes that trace the screen share with those that follow rays through captures: the list of rays that the
-//! screen lost, the camera among the captures, and the sky.
+//! Inputs that are common to the passes that trace rays over the screen and to those that follow lost rays: the list of
+//! lost rays, the camera among the captures, and the sky.
 
 use super::tiles::{self, TILE};
 use super::{Captures, GBuffer, Pyramid, stored_target};
@@ -16,52 +16,52 @@ use ssct_ground::scene::{Camera, ProjectionKind};
 /// Bytes of a ray in the list (`LostRay` of `shaders-glsl/captures/lost.glsl`).
 const RAY_BYTES: u64 = 48;
 
-/// Bytes of a pixel in a list (`Doubt` of `shaders-glsl/triangles/doubt.glsl`).
+/// Bytes of a pixel in doubt in the list (`Doubt` of `shaders-glsl/triangles/doubt.glsl`).
 const DOUBT_BYTES: u64 = 16;
 
-/// The kind of elements on a list.
+/// The kind of entries that a list has room for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ListContent {
     /// Nothing: no ray is followed beyond the screen.
     Nothing,
-    /// Pixels that get rays of their own ([`own_rays`](super::own_rays)).
+    /// Pixels in doubt, which get own rays ([`own_rays`](super::own_rays)).
     Pixels,
-    /// Rays that the screen lost; once these have been followed, pixels that get rays of their own.
+    /// Rays that the screen lost; once these have been followed, pixels in doubt.
     Rays,
 }
 
-/// The buffers and images with which passes that trace the screen show the sky along a ray, and hand on rays that the screen lost.
+/// The buffers of the list of lost rays, and images that are bound in place of missing ones.
 pub struct LostRays {
     counts: Buffer,
     rays: Buffer,
-    /// A black cube map, bound if there is no sky of a scene.
+    /// A black cube map, bound if there is no sky.
     no_sky: Image,
     /// An image of one texel, `NO_TRIANGLE`, bound if the G-buffer has no triangle numbers.
     no_triangle: Image,
 }
 
-/// The bindings of [`LostRays`] in a frame.
+/// The list, the camera and the sky as a frame's passes bind them.
 #[derive(Clone, Copy)]
 pub struct LostRayBindings<'a> {
     /// The camera among the captures.
     pub block: &'a CaptureBlock,
     /// The faces of the sky's cube map in world axes.
     pub sky: Sampled<'a>,
-    /// The number of rays on the list.
+    /// The arguments of an indirect dispatch over the list, then the length of the list.
     pub counts: &'a Buffer,
-    /// The rays.
+    /// The entries of the list: lost rays, or pixels in doubt.
     pub rays: &'a Buffer,
-    /// An image bound if the G-buffer has no triangle numbers.
+    /// An image of one texel, bound if the G-buffer has no triangle numbers.
     no_triangle: &'a Image,
 }
 
 impl<'a> LostRayBindings<'a> {
-    /// The bindings that are common to all programs that write or read the list of rays.
+    /// Returns the bindings that are common to all programs that write or read the list of rays.
     pub(super) fn resources(&self) -> LostRayResources<'a> {
         LostRayResources { captures: self.block, environment: self.sky, lost_counts: self.counts, lost: self.rays }
     }
 
-    /// The bindings that are common to all programs that trace rays from the pixels of the screen.
+    /// Returns the bindings that are common to all programs that trace rays from the pixels of the screen.
     pub(super) fn screen_resources<'i>(&self, gbuffer: &GBuffer<'i>, pyramid: Pyramid<'i>) -> ScreenResources<'i>
     where
         'a: 'i,
@@ -76,7 +76,7 @@ impl<'a> LostRayBindings<'a> {
         }
     }
 
-    /// The image of the triangles that pixels show.
+    /// Returns the image of the triangles that pixels show, or an image of one texel if they are not known.
     fn triangle_of<'i>(&self, gbuffer: &GBuffer<'i>) -> ImageSlice<'i>
     where
         'a: 'i,
@@ -86,13 +86,13 @@ impl<'a> LostRayBindings<'a> {
 }
 
 impl LostRays {
-    /// Makes the buffers, with room on the list for an element of each pixel.
+    /// Makes the buffers, with room on the list for an entry of every pixel.
     pub fn new(gpu: &Gpu, extent: [u32; 2], content: ListContent) -> Result<Self> {
         use vk::BufferUsageFlags as U;
-        // Tiles at the border overlap, so that a ray may be on the list twice.
+        // Tiles at the border may overlap, so that a pixel may put two entries on the list.
         let tiles: u64 = tiles::count(extent).into_iter().map(u64::from).product();
         let pixels = tiles * u64::from(TILE * TILE);
-        // The buffer has room for one element of each kind at least, since shaders declare both.
+        // The buffer has room for at least one entry of each kind, since shaders declare both kinds.
         let bytes = match content {
             ListContent::Nothing => RAY_BYTES,
             ListContent::Pixels => DOUBT_BYTES * pixels,
@@ -122,8 +122,8 @@ impl LostRays {
         frame.fill("lost/clear", &self.counts, 0)
     }
 
-    /// Returns the bindings of a pass. Without a scene's sky, the pass "no sky" makes a black one. `wants_triangle` says that rays
-    /// begin on triangles that the G-buffer does not know; the pass "no triangle" then tells shaders so.
+    /// Returns the bindings of a frame. Without `sky`, the pass "no sky" makes a black one. With `wants_triangle`,
+    /// shaders ask for triangle numbers that the G-buffer lacks, and the pass "no triangle" writes that none is known.
     pub fn beyond<'a>(
         &'a self,
         frame: &mut Frame,
@@ -142,8 +142,8 @@ impl LostRays {
     }
 }
 
-/// Fills the uniform block through which shaders read captures and the sky, for one camera. Without captures, their
-/// number is 0.
+/// Returns the uniform block by which shaders read captures and the sky, for one camera: directions along the axes of
+/// the world, and places in metres from the camera's eye.
 pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlock {
     let mut block = CaptureBlock::default();
     let mut rotation = camera.world_to_view.as_dmat4().inverse();
@@ -152,8 +152,8 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
     block.view_unit = view_unit_m(camera);
     if let Some(captures) = captures {
         let eye = camera.eye();
-        for (place, position) in block.places.iter_mut().zip(captures.places) {
-            *place = (position.get() - eye).extend(0.0).to_array();
+        for (from_eye, place) in block.places.iter_mut().zip(captures.places) {
+            *from_eye = (place.get() - eye).extend(0.0).to_array();
         }
         block.count = captures.places.len().min(block.places.len()) as i32;
         block.face_unit = captures.face_unit;
@@ -163,12 +163,13 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
     block
 }
 
-/// Format of the images that say where the rays of each pixel ended (`shaders-glsl/unified/ends.glsl`): the distance in units of
-/// [`view_unit_m()`], as the bits of a float, 0 for none; and the number of a triangle.
+/// Format of the images that say where the rays of each pixel ended (`shaders-glsl/unified/ends.glsl`). R has the
+/// distance in view units ([`view_unit_m()`]) as the bits of a float, 0 for a miss, and G the number of the triangle.
 pub const ENDS: vk::Format = vk::Format::R32G32_UINT;
 
-/// Metres to one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`): 1 for an orthographic projection. For a perspective the
-/// unit is near (1 + k) with k = near / (far - near), since reversed depth plus k is near (1 + k) / z.
+/// Returns the metres in one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`), the view unit: 1 for an
+/// orthographic projection, else near (1 + k) with k = near / (far - near), since reversed depth + k is near (1 + k) /
+/// z.
 pub fn view_unit_m(camera: &Camera) -> f32 {
     match camera.kind() {
         ProjectionKind::Perspective => camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32,

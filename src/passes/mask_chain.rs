@@ -1,5 +1,5 @@
-//! SSLR's second stage: the chains of the ray trace colour and of its mask (thesis §4.3.2), by the
-//! mask-weighted Gaussian, or by the hardware's filter, as in the author's program.
+//! SSLR's second stage, which makes the mip chains of the ray trace colour and of its mask (thesis §4.3.2). The filter
+//! is a Gaussian that the mask weighs, or that of the hardware, as in the author's program.
 
 use super::{RayTraceColor, UNENCODED_COLOR};
 use crate::error::Result;
@@ -18,12 +18,12 @@ choices! {
     }
 }
 
-/// Pipeline and the images between the two directions of the Gaussian.
+/// The masked Gaussian; `None` for the hardware's filter.
 pub struct MaskChainPass {
     gaussian: Option<Gaussian>,
 }
 
-/// The program of the masked Gaussian, and the images between its two directions.
+/// The program of the masked Gaussian, and the images that are blurred along x alone.
 struct Gaussian {
     pipeline: PixelPipeline<programs::SslrBlur<'static>>,
     color: Image,
@@ -31,7 +31,7 @@ struct Gaussian {
 }
 
 impl MaskChainPass {
-    /// Makes the pass for ray trace colours of a size in pixels and the formats of their images.
+    /// Makes the pass for ray trace colours of a size in pixels. `formats` are those of the colour and of the mask.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -47,7 +47,7 @@ impl MaskChainPass {
         let image = |name, format, usage| {
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage: usage | U::SAMPLED })
         };
-        // A pass of its own encodes the colour that compute programs store.
+        // Compute programs store the colour before it is encoded, and another pass encodes it.
         let (color, encoded) = match stage {
             ShaderStage::Fragment => (formats[0], U::COLOR_ATTACHMENT),
             ShaderStage::Compute => (UNENCODED_COLOR, U::TRANSFER_DST),
@@ -60,9 +60,8 @@ impl MaskChainPass {
         Ok(Self { gaussian: Some(gaussian) })
     }
 
-    /// Records passes "blur/1" to the coarsest level. They filter each level of both chains into the next level of the
-    /// same images. In compute shaders, a pass that encodes the colour follows each pass of the Gaussian, such as
-    /// "blur/1h/encode".
+    /// Records passes "blur/1" to the coarsest level, each of which filters a level of both chains into the next level.
+    /// In compute shaders, a pass that encodes the colour, such as "blur/1h/encode", follows each pass of the Gaussian.
     pub fn record<'a>(&self, frame: &mut Frame, traced: RayTraceColor<'a>) -> Result<RayTraceColor<'a>> {
         let RayTraceColor { color, mask, .. } = traced;
         for level in 1..color.levels() {
@@ -74,14 +73,14 @@ impl MaskChainPass {
                 continue;
             };
             let between = [gaussian.color.level(level), gaussian.mask.level(level)];
-            let [w, h] = here[0].extent().map(|v| 1.0 / v as f32);
+            let [w, h] = here[0].extent().map(|side| 1.0 / side as f32);
             for (direction, step, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
                 let name = format!("blur/{level}{direction}");
-                let color = traced.unencoded.map_or(to[0], |unencoded| unencoded.level(level));
+                let color_target = traced.unencoded.map_or(to[0], |unencoded| unencoded.level(level));
                 frame.pixels(
                     &name,
                     &gaussian.pipeline,
-                    [color, to[1]].map(Target::overwrite),
+                    [color_target, to[1]].map(Target::overwrite),
                     &programs::SslrBlur {
                         tex: Sampled::trilinear(from[0]),
                         mask: Sampled::trilinear(from[1]),

@@ -1,6 +1,6 @@
-//! Rays of their own for pixels whose neighbours' rays say little of their reflection, followed through the triangles of a scene or
-//! over the screen (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these pixels, in the
-//! buffers of [`lost`](super::lost), after the lost rays have been followed.
+//! Traces own rays for pixels in doubt, whose neighbours' rays say little of their reflection, among the triangles of a
+//! scene or over the screen (docs/unified.md, "More rays where neighbours disagree"). The passes that gather list these
+//! pixels, in the buffers of [`lost`](super::lost), once the lost rays have been followed.
 
 use super::lost::{LostRayBindings, LostRays};
 use super::tiles::UnifiedSetup;
@@ -21,9 +21,9 @@ pub struct OwnRaysInput<'a> {
     pub pyramid: Pyramid<'a>,
     /// The images that the passes that gather have stored to.
     pub canvas: Canvas<'a>,
-    /// The sky, and the list.
+    /// The sky, and the list of pixels in doubt.
     pub beyond: LostRayBindings<'a>,
-    /// The triangles, where rays go among them.
+    /// The triangles, if rays are traced among them.
     pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
 
@@ -31,7 +31,7 @@ pub struct OwnRaysInput<'a> {
 pub struct OwnRaysPass(Option<ComputePipeline<OwnRays<'static>>>);
 
 impl OwnRaysPass {
-    /// Compiles the pipeline for triangles, read as `setup` says, or for the screen alone.
+    /// Compiles the pipeline for rays among triangles, if `setup` has triangles, or else for rays over the screen.
     ///
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer images or buffers than the program has.
@@ -55,12 +55,12 @@ impl OwnRaysPass {
         Ok(Self(Some(ComputePipeline::by(gpu, rays, &constants)?)))
     }
 
-    /// Records pass "lost/clear", which empties the list, if pixels get rays of their own.
+    /// Records pass "lost/clear", which empties the list, if pixels get own rays.
     pub fn clear(&self, frame: &mut Frame, list: &LostRays) -> Result<()> {
         if self.0.is_some() { list.clear(frame) } else { Ok(()) }
     }
 
-    /// Records one pass over the pixels on the list.
+    /// Records the pass `name`, which traces the own rays of the pixels on the list and stores these pixels anew.
     pub fn record(&self, frame: &mut Frame, name: &str, input: OwnRaysInput, parameters: &UnifiedBlock) -> Result<()> {
         let OwnRaysInput { gbuffer, pyramid, canvas, beyond, triangle_bindings } = input;
         let Some((pipeline, [color, reflection])) = self.0.as_ref().zip(canvas.stored()) else { return Ok(()) };

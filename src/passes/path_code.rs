@@ -1,4 +1,4 @@
-//! How rays end, as [`Hits`](super::Hits) tell.
+//! Codes that say how rays ended, as images of [`Hits`](super::Hits) hold them.
 
 use ssct_ground::math::constants;
 
@@ -15,9 +15,9 @@ pub enum PathCode {
     Miss = constants::PATH_MISS as isize,
     /// A linear march found nothing.
     LinearMiss = constants::PATH_LINEAR_MISS as isize,
-    /// The ray ran out of iterations; the thesis takes it for a hit.
+    /// The ray ran out of iterations; the thesis takes this end for a hit.
     Exhausted = constants::PATH_EXHAUSTED as isize,
-    /// The ray goes towards the camera, and the method has no fallback for it.
+    /// The ray goes towards the camera, and the method traces no such rays.
     Untraced = constants::PATH_UNTRACED as isize,
     /// `unified`: the ray ran out of steps. Such an end cannot happen and is never a hit, but it is counted.
     Unfinished = constants::PATH_UNFINISHED as isize,
@@ -37,12 +37,12 @@ pub enum PathCode {
     LinearExhausted = constants::PATH_LINEAR_EXHAUSTED as isize,
     /// With triangles: the ray hit a triangle.
     Triangle = constants::PATH_TRIANGLE as isize,
-    /// With captures: the ray hit in a capture, whose number [`PathCode::capture`] tells.
+    /// With captures: the ray hit something in a capture, whose number [`PathCode::capture`] returns.
     Capture = constants::PATH_CAPTURE as isize,
 }
 
 impl PathCode {
-    /// The code of a channel value; `None` for a value that is no code.
+    /// Returns the code that a value of the fourth channel stands for; `None` for a value that is no code.
     pub fn from_channel(value: f32) -> Option<Self> {
         const CODES: [PathCode; 16] = [
             PathCode::None,
@@ -68,12 +68,13 @@ impl PathCode {
         CODES.into_iter().find(|c| *c as u8 as f32 == value)
     }
 
-    /// The capture in which a ray hit, by the channel's value.
+    /// Returns the number of the capture in which a ray hit, by the value of the fourth channel; `None` for other ends.
     pub fn capture(value: f32) -> Option<usize> {
-        (0..constants::CAPTURE_SLOTS).find(|k| value == (constants::PATH_CAPTURE + k) as f32).map(|k| k as usize)
+        let mut slots = 0..constants::CAPTURE_SLOTS;
+        slots.find(|slot| value == (constants::PATH_CAPTURE + slot) as f32).map(|slot| slot as usize)
     }
 
-    /// Returns words that end a sentence about a ray with this code.
+    /// Returns the end of a sentence whose subject is a ray with this code.
     pub fn words(self) -> &'static str {
         match self {
             Self::None => "does not exist",

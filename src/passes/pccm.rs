@@ -1,5 +1,5 @@
-//! The lookup of `pccm`: two cube maps, each corrected for parallax by its proxy box, blended (Schmidt 2013, section 5.2, listing
-//! 1, and section 6). The lookup of `local-map` leaves the correction out.
+//! The pass of `pccm`, which blends the colours of two cube maps, each looked up with a correction of parallax by its
+//! proxy box (Schmidt 2013, section 5.2, listing 1, and section 6). For `local-map` it leaves the correction out.
 
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
@@ -26,7 +26,7 @@ impl PccmPass {
         })
     }
 
-    /// Records pass "pccm" or "local map" with two maps, which may be the same. The reflection does not fade.
+    /// Records pass "pccm" or "local map" with two cube maps, which may be the same. The reflection does not fade.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -50,6 +50,7 @@ impl PccmPass {
     }
 }
 
+/// Returns the place and the proxy box of a cube map, in the world and in metres.
 fn local_cube_map(probe: &Probe) -> LocalCubeMap {
     LocalCubeMap {
         position: probe.position.extend(1.0).to_array(),

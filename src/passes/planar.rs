@@ -1,5 +1,5 @@
-//! Planar reflections (thesis §3.1.2): the passes before and after the mirrored scene is drawn. The scene itself is drawn and
-//! lit by the passes that draw and light every scene, with a mirrored camera.
+//! Planar reflections (thesis §3.1.2): the passes before and after the mirrored scene is drawn. The scene passes draw
+//! and light the mirrored scene, as any scene, with a mirrored camera.
 
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
@@ -33,7 +33,7 @@ pub struct PlanarPass {
 }
 
 impl PlanarPass {
-    /// Makes the pass and its image of a size in pixels. `stencil` is the format of the depth target that is marked.
+    /// Makes the pass and its image of a size in pixels. `stencil` is the format of the depth with the stencil to mark.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], stencil: vk::Format) -> Result<Self> {
         Ok(Self {
             mark: GraphicsPipeline::marking(gpu, stencil)?,
@@ -53,7 +53,8 @@ impl PlanarPass {
         frame.clear("mirror clear", self.reflection.all(), [0.0; 4])
     }
 
-    /// Records pass "mirror mark": marks the pixels of a plane (world space) in the stencil of `marked`.
+    /// Records pass "mirror mark", which marks the pixels of a plane in the stencil of `marked`. The plane is unit
+    /// normal and offset in world space: a point p lies in it if dot(normal, p) + offset = 0.
     pub fn record_mark(
         &self,
         frame: &mut Frame,
@@ -76,8 +77,7 @@ impl PlanarPass {
         )
     }
 
-    /// Records pass "mirror copy", which copies the mirrored scene into the reflection, where the stencil let it be
-    /// drawn.
+    /// Records pass "mirror copy", which copies the mirrored scene into the reflection, wherever it was drawn.
     pub fn record_copy(&self, frame: &mut Frame, mirrored: &GBuffer) -> Result<()> {
         frame.pixels(
             "mirror copy",

@@ -1,5 +1,5 @@
-//! The pyramid of front and back depths that rays walk over (docs/numerics.md, "What a robust method does",
-//! item 2), all levels in one dispatch. CPU twin: `reference::unified`.
+//! Makes the pyramid of front and back depths that rays walk over (docs/numerics.md, "What a robust method does", item
+//! 2), all levels in one dispatch. CPU twin: `reference::unified`.
 
 use super::{GBuffer, Pyramid};
 use crate::error::Result;
@@ -10,10 +10,10 @@ use ash::vk;
 use ssct_ground::math::constants::PYRAMID_TILE_SIDE;
 use ssct_ground::scene::ProjectionKind;
 
-/// Side of the square that a workgroup of the shader makes, in pixels.
+/// Side, in pixels, of the square that one workgroup of the shader makes.
 const TILE: u32 = PYRAMID_TILE_SIDE as u32;
 
-/// The coarsest level that is ever made: cells of 64 pixels. Coarser ones gain nothing (docs/unified.md).
+/// The coarsest level that is ever made: cells of 64 × 64 pixels. Coarser levels gain nothing (docs/unified.md).
 pub const COARSEST: u32 = TILE.ilog2();
 
 /// Pipeline and image of one size.
@@ -23,26 +23,26 @@ pub struct PyramidPass {
     label: &'static str,
 }
 
-/// The coarsest level that rays in an image can use: the first level that is a single cell, but at most [`COARSEST`].
+/// Returns the coarsest level of the pyramid of an image: the first level of a single cell, but at most [`COARSEST`].
 pub fn top_level(extent: [u32; 2]) -> u32 {
     extent[0].max(extent[1]).next_power_of_two().ilog2().min(COARSEST)
 }
 
-/// Width and height of level 0: whole cells of the coarsest level, so that every level halves exactly.
+/// Returns width and height of level 0: whole cells of the coarsest level, so that every level halves exactly.
 pub fn padded(extent: [u32; 2]) -> [u32; 2] {
     extent.map(|side| side.next_multiple_of(1 << top_level(extent)))
 }
 
-/// Log2 of the columns in a strip of the image (`pyramid.glsl`): 2, or less if a side of the image would be longer than
-/// 8192 texels, some devices' limit. If a side is always longer, the longer side is as short as possible.
+/// Returns log2 of the columns in a strip of the image (`pyramid.glsl`): the greatest of 0 to 2 with which no side of
+/// the image is longer than 8192 texels, some devices' limit. If there is none, the one whose longer side is shortest.
 pub fn strip(extent: [u32; 2]) -> u32 {
-    let longer = |strip: &u32| size(extent, *strip).into_iter().max();
-    let fits = (0..=2).rev().find(|strip| longer(strip) <= Some(8192));
-    fits.or_else(|| (0..=2).min_by_key(longer)).unwrap_or(0)
+    let longer_side = |strip: &u32| size(extent, *strip).into_iter().max();
+    let fitting = (0..=2).rev().find(|strip| longer_side(strip) <= Some(8192));
+    fitting.or_else(|| (0..=2).min_by_key(longer_side)).unwrap_or(0)
 }
 
-/// Width and height of the image, whose rows each hold one strip of 2^`strip` columns. Level n begins at row strips −
-/// (strips ≫ n) (`pyramid.glsl`), so that the height is the coarsest level's first row and its strips.
+/// Returns width and height of the image. Each row holds one strip of 2^`strip` columns of a level. Level n begins at
+/// row strips − (strips ≫ n) (`pyramid.glsl`), so that the height is the coarsest level's first row plus its strips.
 pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     let [width, height] = padded(extent);
     let top = top_level(extent);
@@ -50,8 +50,8 @@ pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     [height << strip, strips - (strips >> top) + (width >> top).div_ceil(1 << strip)]
 }
 
-/// Returns the levels of a pyramid that was read back, finest first: front and back of each cell that has a pixel of the picture.
-/// `extent` is the picture's width and height.
+/// Returns the levels of a pyramid that was read back, finest first: front and back of each cell that has a pixel of
+/// the picture, whose width and height are `extent`.
 ///
 /// # Panics
 /// If the image is smaller than [`size`] says for the picture.
@@ -60,10 +60,10 @@ pub fn levels(image: &Pixels, extent: [u32; 2]) -> Vec<Pixels> {
     let strips = (2 * padded(extent)[0]) >> strip;
     let level = |n: u32| {
         let [width, height] = extent.map(|side| side.div_ceil(1 << n));
-        let row = strips - (strips >> n);
+        let first_row = strips - (strips >> n);
         let cells = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let cell = |(x, y): (u32, u32)| image.texel((y << strip) | (x % (1 << strip)), (x >> strip) + row);
-        Pixels { width, height, channels: 2, values: cells.flat_map(cell).copied().collect() }
+        let texel = |(x, y): (u32, u32)| image.texel((y << strip) | (x % (1 << strip)), (x >> strip) + first_row);
+        Pixels { width, height, channels: 2, values: cells.flat_map(texel).copied().collect() }
     };
     (0..=top_level(extent)).map(level).collect()
 }
@@ -96,7 +96,7 @@ impl PyramidPass {
         })
     }
 
-    /// Returns the pass with another label, for another image than the screen.
+    /// Returns the pass with another label, for images other than the screen.
     pub fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }
@@ -115,8 +115,8 @@ impl PyramidPass {
             depth_buffer: Sampled::nearest(gbuffer.depth.all()),
             pyramid: self.image.all(),
         };
-        let threads = <programs::Pyramid as Program>::SHADER.local_size;
-        let threads = [0, 1, 2].map(|i| tiles.get(i).map_or(1, |n| n * threads[i]));
+        let [group_width, group_height, _] = <programs::Pyramid as Program>::SHADER.local_size;
+        let threads = [tiles[0] * group_width, tiles[1] * group_height, 1]; // a workgroup for each tile
         frame.compute(self.label, &self.pipeline, &program, threads)?;
         Ok(self.made())
     }
@@ -175,7 +175,7 @@ mod tests {
                     assert!(first(level) + (width >> level).div_ceil(1 << strip) <= next, "{extent:?}, level {level}");
                 }
                 assert_eq!(image_width, height << strip, "{extent:?}");
-                // With all rows below each other, it would be as wide as the level, and twice as high.
+                // Without strips, the image would be as wide as level 0, and twice as high.
                 assert!(image_width.max(rows) <= width.max(2 * height).max(8192), "{extent:?}");
             }
         }

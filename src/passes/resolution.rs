@@ -1,4 +1,4 @@
-//! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer, and a reflection brought back to full size.
+//! Reflections at a lower resolution (thesis §4.4): makes a smaller G-buffer, and scales a reflection up to full size.
 
 use super::triangle_scene::TRIANGLE;
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};
@@ -9,10 +9,10 @@ use ash::vk;
 use ssct_ground::scene::{Camera, ProjectionKind};
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-/// The format is no depth format, since depth is written as a colour here. Shaders read it like any depth.
+/// Format of the smaller depth: no depth format, since a shader writes it as a colour.
 const DEPTH: vk::Format = vk::Format::R32_SFLOAT;
 
-/// Width and height of the smaller G-buffer: divided, rounded up.
+/// Returns width and height of the smaller G-buffer: those of the full one, divided and rounded up.
 pub fn divided(extent: [u32; 2], divisor: u32) -> [u32; 2] {
     extent.map(|v| v.div_ceil(divisor))
 }
@@ -25,7 +25,7 @@ pub struct DownsamplePass {
     normal: Image,
     material: Image,
     color: Image,
-    /// The image of which triangle each pixel shows, with the pipeline that writes it, too; `None` if nobody asked for it.
+    /// The pipeline that also writes which triangle each pixel shows, and the image for it; `None` if not wanted.
     numbered: Option<(PixelPipeline<programs::DownsampleNumbered<'static>>, Image)>,
     label: &'static str,
 }
@@ -51,9 +51,9 @@ impl DownsamplePass {
         })
     }
 
-    /// Returns the pass for G-buffers that say which triangle each pixel shows ([`GBuffer::triangle`]). A ray among triangles
-    /// begins on the triangle of its pixel, since the depth of a block's corner would place the ray beside the surface at the
-    /// block's middle.
+    /// Returns the pass for G-buffers that say which triangle each pixel shows ([`GBuffer::triangle`]). A small pixel
+    /// then also gets the triangle of its block's first pixel, and rays among triangles begin on it. A small pixel has
+    /// that pixel's depth, so that rays from its own point would begin beside the surface.
     pub fn numbered(self, gpu: &Gpu, stage: ShaderStage) -> Result<Self> {
         let pipeline = PixelPipeline::new(gpu, stage, [DEPTH, NORMAL, MATERIAL, LIT_COLOR, TRIANGLE], &())?;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
@@ -67,7 +67,7 @@ impl DownsamplePass {
         Self { label, ..self }
     }
 
-    /// Records pass "downsample".
+    /// Records pass "downsample", or the pass of its label, and returns the smaller G-buffer.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer) -> Result<GBuffer<'a>> {
         let [depth, normal, material] = [&self.depth, &self.normal, &self.material].map(|image| image.all());
         let targets = [depth, normal, material, self.color.level(0)].map(Target::overwrite);
@@ -117,7 +117,7 @@ pub struct UpsamplePass {
 }
 
 impl UpsamplePass {
-    /// Makes the pass for reflections of a full size in pixels, and a kind of projection.
+    /// Makes the pass for a full size in pixels, a kind of projection, and blocks of `divisor` × `divisor` pixels.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], kind: ProjectionKind, divisor: u32) -> Result<Self> {
         let constants = programs::UpsampleConstants { orthographic: kind.is_orthographic() };
         Ok(Self {
@@ -127,7 +127,7 @@ impl UpsamplePass {
         })
     }
 
-    /// Records pass "upsample".
+    /// Records pass "upsample", which scales `small` up to the size of the G-buffer.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

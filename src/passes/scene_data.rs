@@ -24,7 +24,7 @@ use std::rc::Rc;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
+/// The most lights that a scene can have, which is the length of the array in `LightBlock` (`scene/lit.glsl`).
 pub const MAX_LIGHTS: usize = constants::MAX_LIGHTS as usize;
 
 /// Side of a face of the sky's cube map, in texels.
@@ -47,16 +47,16 @@ pub struct SceneData {
     trees: Option<Box<dyn BuildTrees>>,
     /// The meshes that have moved, whose triangles have a tree of their own.
     moving: Vec<String>,
-    /// Whether these meshes have moved since their tree was built.
+    /// Whether any of these meshes has moved since their tree was built.
     has_moved: Cell<bool>,
-    /// Milliseconds that building the tree of moving meshes took, until the next frame reports them.
+    /// Milliseconds that building the tree of moving meshes took; `None` once a frame has reported them.
     moving_ms: Cell<Option<f64>>,
     /// Built when rays are first followed among triangles, and again when a mesh moves for the first time.
     triangle_geometry: OnceCell<TriangleGeometry>,
     triangle_images: OnceCell<TriangleImages>,
-    /// Built when ray queries are first asked among the triangles, and again after a mesh has moved.
+    /// Built when rays first need it for ray queries, and again after a mesh has moved.
     ray_structure: OnceCell<RayStructure>,
-    triangles_as_blocks: bool, // Whether shaders read triangles as storage blocks, and never as texels.
+    triangles_as_blocks: bool, // whether shaders read triangles as storage blocks, and never as texels
     placed: RefCell<Vec<(WantedCaptures, PlacedCaptures)>>,
     /// The captures that were drawn last; `None` once a mesh or a light has changed.
     drawn_captures: RefCell<Option<DrawnCaptures>>,
@@ -65,7 +65,7 @@ pub struct SceneData {
     planes: Vec<CoplanarGroup>,
 }
 
-/// Finds the captures of a scene that are wanted, given the captures that the scene names itself.
+/// A function that returns the wanted captures of a scene, given the captures that the scene names itself.
 pub type FindCaptures = Box<dyn Fn(&[Capture], WantedCaptures) -> Vec<Capture>>;
 
 /// Captures of a scene at their places.
@@ -89,7 +89,7 @@ pub struct MovableObject {
 /// A mesh in device memory.
 pub(super) struct MeshData {
     pub vertices: Buffer,
-    /// The last triangle first: of triangles in one place the last one drawn shows, which is then the scene's first.
+    /// The triangles, the last one first. Where triangles coincide, the one drawn last shows: the first of the scene.
     pub indices: Buffer,
     pub index_count: u32,
     /// The number of the mesh's first triangle among those of the scene.
@@ -102,7 +102,7 @@ pub(super) struct MeshData {
 }
 
 impl MeshData {
-    /// The number of the mesh's last triangle among those of the scene.
+    /// Returns the number of the mesh's last triangle among those of the scene.
     pub fn last_triangle(&self) -> u32 {
         self.first_triangle + self.index_count / 3 - 1
     }
@@ -143,9 +143,9 @@ impl SceneData {
                 placement: Placement::HERE,
             });
         }
-        // Neighbouring draws of one material save descriptor pushes.
+        // Meshes of one material are drawn one after the other, so that materials are bound less often.
         meshes.sort_by_key(|m| m.material);
-        let textures = scene.textures.iter().map(|t| texture(context, t)).collect::<Result<_>>()?;
+        let textures = scene.textures.iter().map(|image| texture(context, image)).collect::<Result<_>>()?;
         let white =
             Texture { name: "white".into(), width: 1, height: 1, rgba: vec![255; 4], encoding: Encoding::Linear };
         Ok(Self {
@@ -174,11 +174,11 @@ impl SceneData {
         })
     }
 
-    /// A box in the world, in metres, outside of which nothing stands: the box around all meshes where they stand now, grown by
-    /// [`BOUNDS_MARGIN`]. Without meshes the box is all of space.
+    /// Returns a box in the world, in metres, outside of which nothing stands: the box around all meshes where they
+    /// stand now, grown by [`BOUNDS_MARGIN`]. Without meshes the box is all of space.
     pub fn bounds(&self) -> Aabb {
-        let all = self.meshes.iter().map(|m| m.bounds.placed(&m.placement));
-        all.fold(Aabb::default(), Aabb::union).grown(BOUNDS_MARGIN)
+        let boxes = self.meshes.iter().map(|mesh| mesh.bounds.placed(&mesh.placement));
+        boxes.fold(Aabb::default(), Aabb::union).grown(BOUNDS_MARGIN)
     }
 
     /// The sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
@@ -204,7 +204,7 @@ impl SceneData {
         found
     }
 
-    /// Returns the lights in a space into which `world_to_space` turns and moves the world, as many as a block holds.
+    /// Returns the uniform block of the lights, in the space into which `world_to_space` turns and moves the world.
     pub fn light_block(&self, world_to_space: Mat4) -> LightBlock {
         let mut block = LightBlock { count: self.lights.len() as u32, ..LightBlock::default() };
         for (data, light) in block.lights.iter_mut().zip(&self.lights) {
@@ -267,13 +267,13 @@ impl SceneData {
         Ok(())
     }
 
-    /// Returns the meshes, with where they stand.
+    /// Returns each mesh as an object that may move, with its present placement.
     pub fn standing(&self) -> Vec<MovableObject> {
-        let standing = |m: &MeshData| MovableObject {
-            triangles: [m.first_triangle, m.first_triangle + m.index_count / 3],
-            placement: m.placement,
+        let object = |mesh: &MeshData| MovableObject {
+            triangles: [mesh.first_triangle, mesh.first_triangle + mesh.index_count / 3],
+            placement: mesh.placement,
         };
-        self.meshes.iter().map(standing).collect()
+        self.meshes.iter().map(object).collect()
     }
 
     /// Replaces the captures that the scene names itself. If there are none, captures are found.
@@ -282,8 +282,8 @@ impl SceneData {
         self.placed.get_mut().clear();
     }
 
-    /// Sets the function that finds captures which the scene does not name itself. An effect that wants captures calls
-    /// the function, once for each number of captures. Without the function the scene has only its own captures.
+    /// Sets the function that finds captures beyond those that the scene names itself. An effect that wants captures
+    /// calls the function, once for each number of captures. Without the function the scene has only its own captures.
     pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + 'static) {
         self.find_captures = Some(Box::new(find));
         self.placed.get_mut().clear();
@@ -303,9 +303,14 @@ impl SceneData {
     pub fn probes(&self) -> &[Probe] {
         &self.probes
     }
+
+    /// The planes that the scene's triangles share, the largest first.
+    pub fn coplanar_groups(&self) -> &[CoplanarGroup] {
+        &self.planes
+    }
 }
 
-/// Checks that no more lights are given than can be drawn.
+/// Checks that no more lights are given than can be drawn. `subject` begins the error's sentence.
 fn check_lights(subject: &str, lights: &[Light]) -> Result<()> {
     let count = lights.len();
     if count > MAX_LIGHTS {
@@ -314,7 +319,7 @@ fn check_lights(subject: &str, lights: &[Light]) -> Result<()> {
     Ok(())
 }
 
-/// Returns the number of indices of a mesh, if a device that can tell `max_vertices` vertices apart can draw it.
+/// Returns the number of a mesh's indices. The device's indices tell at most `max_vertices` vertices apart.
 fn index_count(mesh: &Mesh, max_vertices: u64) -> Result<u32> {
     let (name, vertices, indices) = (&mesh.name, mesh.vertices.len(), mesh.indices.len());
     match u32::try_from(indices) {
@@ -327,22 +332,15 @@ fn index_count(mesh: &Mesh, max_vertices: u64) -> Result<u32> {
     }
 }
 
-/// The scene's probes, or one probe in the scene's middle.
+/// Returns the scene's probes, or one probe in the scene's middle if the scene names none.
 fn probes(scene: &Scene) -> Vec<Probe> {
     if !scene.probes.is_empty() {
         return scene.probes.clone();
     }
     let bounds = scene.bounds();
-    // Without meshes there are no bounds, and any box will do.
+    // Without meshes there are no bounds, and any box serves.
     let is_bounded = bounds.min.is_finite() && bounds.max.is_finite();
     vec![Probe::in_the_middle_of(if is_bounded { bounds } else { Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE } })]
-}
-
-impl SceneData {
-    /// The planes that the scene's triangles share, the largest first.
-    pub fn coplanar_groups(&self) -> &[CoplanarGroup] {
-        &self.planes
-    }
 }
 
 /// Checks that a scene has no more of something than a method can take.
@@ -356,7 +354,7 @@ pub(super) fn check_at_most(what: &str, count: usize, most: usize, method: &str)
     Ok(())
 }
 
-/// Uploads bytes into a buffer in device memory, from which draws read vertices or indices.
+/// Makes a buffer in device memory that holds `bytes`, from which draws read vertices or indices.
 fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer> {
     let gpu: Gpu = context.gpu().clone();
     let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
@@ -366,7 +364,7 @@ fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk
     Ok(buffer)
 }
 
-/// A material map with its mip chain, ready for fragment shaders.
+/// Makes a material map with its mip chain, ready for fragment shaders.
 fn texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
     let extent = [texture.width, texture.height];
     let made = Image::new(
@@ -395,9 +393,9 @@ fn texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
     Ok(made)
 }
 
-/// The generated sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
+/// Makes the generated sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
 pub fn environment(context: &mut FrameContext) -> Result<Image> {
-    // Every scene has this sky, so that a process makes it once.
+    // Every scene has this sky, so that a process computes its texels once.
     static HALVES: OnceLock<Vec<u16>> = OnceLock::new();
     sky_image(context, SKY_SIZE, HALVES.get_or_init(|| halves(sky::cube_map(SKY_SIZE).iter().flatten())))
 }
@@ -408,10 +406,10 @@ pub fn upload_sky(context: &mut FrameContext, cube: &SkyCube) -> Result<Image> {
     sky_image(context, cube.side, &halves(&texels))
 }
 
-/// Returns the texels as 16-bit floats. Brighter values become the greatest such float.
+/// Returns the components of texels as the bits of 16-bit floats, clamped to the range of such floats.
 fn halves<'t>(texels: impl IntoIterator<Item = &'t [f32; 4]>) -> Vec<u16> {
     let most = half::f16::MAX.to_f32();
-    texels.into_iter().flatten().map(|v| half::f16::from_f32(v.clamp(-most, most)).to_bits()).collect()
+    texels.into_iter().flatten().map(|value| half::f16::from_f32(value.clamp(-most, most)).to_bits()).collect()
 }
 
 /// Uploads six faces of 16-bit RGBA floats as a cube map, ready for fragment shaders.

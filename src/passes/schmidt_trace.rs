@@ -12,7 +12,7 @@ use ssct_ground::scene::Camera;
 /// The listing whose march is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SchmidtMarch {
-    /// Listing 4: a sample a pixel.
+    /// Listing 4: one sample for each pixel on the way.
     PerPixel,
     /// Listing 5: ten steps forward, a tenth of a step back.
     Optimized,
@@ -22,7 +22,7 @@ pub enum SchmidtMarch {
 pub struct SchmidtTracePass(TracedPass<ScreenSpaceReflections<'static>>);
 
 impl SchmidtTracePass {
-    /// Makes the pass with an image of the hits or without, for two layers of depth or one.
+    /// Makes the pass. `hits` asks for an image of the hits, and `layers` for a march through two layers of depth.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -35,8 +35,8 @@ impl SchmidtTracePass {
         Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
-    /// Records pass "ray march". `diffuse` is the lit colour; its level 7 is read for the blur. `behind` is the second layer
-    /// with its lit colour, where there are two.
+    /// Records pass "ray march". `diffuse` is the lit colour, of which the blur reads level 7. `behind` is the second
+    /// layer and its lit colour, where there are two layers.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

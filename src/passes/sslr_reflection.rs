@@ -1,4 +1,4 @@
-//! SSLR's third stage: the reflection from the blurred chain, by roughness and ray length (thesis §4.3.3).
+//! SSLR's third stage: reads the reflection from the blurred chain, by roughness and ray length (thesis §4.3.3).
 
 use super::{GBuffer, RayTraceColor, Reflection};
 use crate::error::Result;
@@ -23,7 +23,7 @@ impl SslrReflectionPass {
         })
     }
 
-    /// Records pass "reflection". `spreading_factor` scales the ray's length.
+    /// Records pass "reflection". `spreading_factor` is a factor on the level of the chain that a pixel reads.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

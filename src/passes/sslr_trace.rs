@@ -1,4 +1,4 @@
-//! SSLR's first stage: a uniform march, and the colour where it ends (thesis §4.3.1).
+//! SSLR's first stage: marches each ray in uniform steps, and looks up the colour where it ends (thesis §4.3.1).
 
 use super::{GBuffer, HITS, HiZ, Hits, RayTraceColor, UNENCODED_COLOR};
 use crate::error::Result;
@@ -7,8 +7,8 @@ use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, PixelPipeline, Sampled, Sampler, ShaderStage, Target, image};
 use ash::vk;
 
-// The colour is linear here, but was a display colour in the author's program. With the encoding, 8 bits are as fine in the dark as
-// they were there.
+// The colour is linear here, but was a display colour in the author's program. The encoding makes 8 bits as fine in the
+// dark as they were there.
 const COLOR: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const MASK: vk::Format = vk::Format::R8_UNORM;
 
@@ -18,12 +18,13 @@ pub struct SslrTracePass {
     color: Image,
     mask: Image,
     hits: Option<Image>,
-    /// The colour before it is encoded, from compute programs, since no program can store to an sRGB format.
+    /// The colour before it is encoded, for compute programs, since these cannot store to an sRGB format.
     unencoded: Option<Image>,
 }
 
 impl SslrTracePass {
-    /// Makes the pass with at most `steps` steps, and with an image of the hits or without.
+    /// Makes the pass with at most `steps` steps, and with an image of the hits or without. Compute shaders cannot
+    /// store to the sRGB format of the colour: they write an image without encoding, which a second pass then encodes.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], steps: u32, hits: bool) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let read = U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
@@ -31,8 +32,8 @@ impl SslrTracePass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage: usage | read })
         };
         let (levels, stored) = (image::full_chain(extent), stage.target_usage());
-        let is_apart = stage == ShaderStage::Compute;
-        let color = if is_apart { UNENCODED_COLOR } else { COLOR };
+        let encodes_later = stage == ShaderStage::Compute;
+        let color = if encodes_later { UNENCODED_COLOR } else { COLOR };
         let formats = [color, MASK, if hits { HITS } else { vk::Format::UNDEFINED }];
         let constants = SslrRayTraceConstants { hits, linear_march_count: steps as i32, ..Default::default() };
         Ok(Self {
@@ -40,11 +41,11 @@ impl SslrTracePass {
             color: image("ray trace color", COLOR, levels, U::COLOR_ATTACHMENT)?,
             mask: image("mask", MASK, levels, stored)?,
             hits: hits.then(|| image("hits", HITS, 1, stored)).transpose()?,
-            unencoded: is_apart.then(|| image("unencoded color", UNENCODED_COLOR, levels, stored)).transpose()?,
+            unencoded: encodes_later.then(|| image("unencoded color", UNENCODED_COLOR, levels, stored)).transpose()?,
         })
     }
 
-    /// Formats of colour and mask.
+    /// Returns the formats of the colour and of the mask.
     pub fn formats(&self) -> [vk::Format; 2] {
         [self.color.format(), self.mask.format()]
     }

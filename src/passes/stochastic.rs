@@ -1,5 +1,5 @@
-//! Trace and resolve of `stochastic` (Stachowiak 2015): a ray for each pixel, drawn from the pixel's lobe, and a reflection from
-//! the rays of the pixels around it.
+//! Trace and resolve of `stochastic` (Stachowiak 2015): each pixel traces a ray drawn from its lobe, and gathers its
+//! reflection from the rays of the pixels around it.
 
 use super::lost::{ENDS, LostRayBindings};
 use super::{GBuffer, HITS, HiZ, Hits, LIT_COLOR, MarchNumbers, Pyramid, Reflection, march_constants, stored_target};
@@ -14,17 +14,18 @@ use crate::gpu::{ComputePipeline, Frame, Gpu, Image, PixelPipeline, Sampled, Sha
 use ash::vk;
 use ssct_ground::math::OracleVersion;
 
-/// Format of the hit's place and the density of its direction. Points need all digits of 32-bit floats.
+/// Format of a ray's end and of the density of its direction. Points need all digits of 32-bit floats.
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// A ray for each pixel: where it ended, and the lit colour there.
+/// Two images with the ray of each pixel: where the ray ended, and the lit colour there.
 #[derive(Clone, Copy)]
 pub struct Rays<'a> {
     place: &'a Image,
     seen: &'a Image,
 }
 
-/// Pass "trace" of one size. [`StochasticExact`] walks over the pyramid of `unified`, [`StochasticThesis`] as `ssct`.
+/// Pass "trace" of one size. Its program `F` is [`StochasticExact`], which walks over the pyramid of `unified`, or
+/// [`StochasticThesis`], which walks as `ssct` does.
 pub struct StochasticTrace<F> {
     pipeline: PixelPipeline<F>,
     place: Image,
@@ -33,6 +34,7 @@ pub struct StochasticTrace<F> {
 }
 
 impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 3]>> StochasticTrace<F> {
+    /// Makes the pass with the constants of its program.
     fn with_constants(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -52,6 +54,7 @@ impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 3]>> Stochas
 }
 
 impl<F: InEitherStage + for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 3]>> StochasticTrace<F> {
+    /// Records pass "trace".
     fn draw(&self, frame: &mut Frame, program: &F) -> Result<()> {
         let hits = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
         let targets = [Target::overwrite(self.place.all()), Target::overwrite(self.seen.all()), hits];
@@ -60,6 +63,7 @@ impl<F: InEitherStage + for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 3]>>
 }
 
 impl<F> StochasticTrace<F> {
+    /// Returns the rays that were traced last.
     fn rays(&self) -> Rays<'_> {
         Rays { place: &self.place, seen: &self.seen }
     }
@@ -71,7 +75,7 @@ impl<F> StochasticTrace<F> {
 }
 
 impl StochasticTrace<StochasticExact<'static>> {
-    /// Makes the pass for a size and pyramids with strips of 2^`strip` columns. `hits` asks for the hits of mirrors.
+    /// Makes the pass for a size and pyramids with strips of 2^`strip` columns. `hits` asks for mirrors' hits.
     ///
     /// # Errors
     /// Errors of the device.
@@ -93,7 +97,7 @@ impl StochasticTrace<StochasticExact<'static>> {
         )
     }
 
-    /// Records pass "trace": a ray for each pixel.
+    /// Records pass "trace", which traces a ray for each pixel and returns the rays.
     ///
     /// # Errors
     /// Errors of the device.
@@ -123,7 +127,8 @@ impl StochasticTrace<StochasticExact<'static>> {
 }
 
 impl StochasticTrace<StochasticThesis<'static>> {
-    /// Makes the pass with the thesis's walk, for images of a size in pixels. `hits` asks for an image of the hits of mirrors.
+    /// Makes the pass for a size in pixels. `hits` asks for an image of mirrors' hits. Rays towards the camera are
+    /// marched by the numbers `march`, as `ssct` does: the constant `fallback` is true.
     ///
     /// # Errors
     /// Errors of the device.
@@ -133,7 +138,7 @@ impl StochasticTrace<StochasticThesis<'static>> {
         Self::with_constants(gpu, stage, extent, &constants, hits)
     }
 
-    /// Records pass "trace": a ray for each pixel.
+    /// Records pass "trace", which traces a ray for each pixel and returns the rays.
     ///
     /// # Errors
     /// Errors of the device.
@@ -188,7 +193,7 @@ impl StochasticResolvePass {
         })
     }
 
-    /// Records pass "resolve", which adds the rays of one turn to the sums of the turns before.
+    /// Records pass "resolve", which adds the rays of one turn to the sums of the turns before it in the frame.
     ///
     /// # Errors
     /// Errors of the device.
@@ -216,7 +221,7 @@ impl StochasticResolvePass {
         frame.compute("resolve", &self.pipeline, &program, [width, height, 1])
     }
 
-    /// Returns the reflection after the last turn, and how far away the reflected points are ([`ENDS`]).
+    /// Returns the reflection after the last turn, and the image ([`ENDS`]) of how far away the reflected points are.
     pub fn resolved(&self) -> (Reflection<'_>, &Image) {
         (Reflection(&self.reflection), &self.ends)
     }

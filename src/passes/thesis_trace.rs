@@ -1,5 +1,5 @@
-//! Ray tracing and cone tracing of `ssct` and `hzct` (thesis §4.2.2, 4.2.7–4.2.10), in one shader
-//! as the thesis combined them, or split in two.
+//! Ray trace and cone trace of `ssct` and `hzct` (thesis §4.2.2, 4.2.7–4.2.10), in one shader as in the thesis, or
+//! split in two.
 
 use super::{ColorChain, GBuffer, HITS, HiZ, Hits, MarchNumbers, Reflection, Visibility, march_constants};
 use crate::error::{Error, Result};
@@ -28,17 +28,18 @@ enum Stages {
 pub struct TraceInput<'a> {
     /// Normals and materials.
     pub gbuffer: GBuffer<'a>,
-    /// Depth chain.
+    /// The Hi-Z chain of standard depth.
     pub hi_z: HiZ<'a>,
-    /// Visibility chain.
+    /// The visibility chain.
     pub visibility: Visibility<'a>,
-    /// Colour chain.
+    /// The colour chain.
     pub color: ColorChain<'a>,
 }
 
 impl ThesisTracePass {
-    /// Makes the pass. Three things are chosen: a linear march for rays towards the camera, ray and cone trace in one pass or in two,
-    /// and an image of the hits, which two passes always have.
+    /// Makes the pass. Rays towards the camera march by the numbers of `march`; with `None` they are not traced.
+    /// `split` makes ray trace and cone trace two passes. `hits` asks for an image of the hits, which two passes always
+    /// have.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -71,8 +72,8 @@ impl ThesisTracePass {
         })
     }
 
-    /// Records pass "trace+cone", or passes "ray trace" and "cone trace". `traced` says that the rays were traced before over the
-    /// same depth and normals; a split pass then records the cone trace alone.
+    /// Records pass "trace+cone", or passes "ray trace" and "cone trace". `traced` says that the rays were already
+    /// traced over the same depth and normals; if the pass is split, only the cone trace is then recorded.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,

@@ -1,6 +1,6 @@
-//! Work over tiles: the lists of tiles that the classification writes, one for each kind of reflector, and programs that run over
-//! the tiles of a list. A program runs over the whole image if the list is known to cover all of it. Each program that walks over
-//! the screen has permutations for fragment shaders and for compute shaders, and makes the same images in both.
+//! Work over tiles: the lists of tiles that the classification writes, one for each kind of reflector, and programs
+//! over the tiles of a list. Such a program runs over the whole image if the list is known to cover it. Each program
+//! that walks over the screen has permutations for fragment and for compute shaders, which make the same images.
 
 use super::LIT_COLOR;
 use super::triangle_scene::TriangleReading;
@@ -17,19 +17,19 @@ use ssct_ground::scene::ProjectionKind;
 /// Pixels along a side of a tile.
 pub const TILE: u32 = TILE_SIDE as u32;
 
-/// Tiles along each side of an image of a size in pixels.
+/// Returns the number of tiles along each side of an image of a size in pixels.
 pub fn count(extent: [u32; 2]) -> [u32; 2] {
     extent.map(|side| side.div_ceil(TILE))
 }
 
-/// The setup that the passes of `unified` are made for.
+/// What the passes of `unified` are made for.
 #[derive(Debug, Clone, Copy)]
 pub struct UnifiedSetup {
     /// Width and height in pixels.
     pub extent: [u32; 2],
     /// The projection of the camera.
     pub projection: ProjectionKind,
-    /// Log2 of the columns to a strip of the pyramid's image (`passes::pyramid::strip`).
+    /// Log2 of the columns in a strip of the pyramid's image (`passes::pyramid::strip`).
     pub strip: u32,
     /// The version of the oracle whose hits the passes find.
     pub oracle: OracleVersion,
@@ -43,26 +43,26 @@ pub struct UnifiedSetup {
     pub screen: bool,
     /// Whether rays that the screen loses go on, in captures or among triangles.
     pub followed: bool,
-    /// How shaders read the triangles, if rays go on among them from the point of their pixel.
+    /// How shaders read the triangles, if rays are traced among them.
     pub triangles: Option<TriangleReading>,
-    /// Number of own rays of a pixel with a lobe whose neighbours disagree; 0 if rays go on in captures.
+    /// Number of own rays of a glossy pixel in doubt; 0 if rays go on in captures.
     pub own_rays: i32,
     /// Whether a history asks where rays ended.
     pub stores_ends: bool,
-    /// The stage that traces rays.
+    /// The shader stage of the passes that trace rays.
     pub trace: ShaderStage,
-    /// The stage that gathers what the rays saw.
+    /// The shader stage of the passes that gather what the rays saw.
     pub resolve: ShaderStage,
 }
 
 impl UnifiedSetup {
-    /// Formats of the images that are drawn into, as [`Canvas`](super::Canvas) has them.
+    /// Returns the formats of the images of a [`Canvas`](super::Canvas), in the order of the shaders' outputs.
     pub fn formats(&self) -> [vk::Format; 2] {
         [LIT_COLOR, if self.beside() { LIT_COLOR } else { vk::Format::UNDEFINED }]
     }
 
-    /// The permutation of the programs that trace, by where rays end: on the screen, there if triangles confirm it, or
-    /// among the triangles. If no ray walks over the screen, only compute shaders trace.
+    /// Returns the permutation of the programs that trace, by where rays end: on the screen, there if triangles confirm
+    /// it, or among the triangles. If no ray walks over the screen, only compute shaders trace.
     pub fn trace_permutation(&self) -> PermutationChoice {
         match self.triangles {
             None => PermutationChoice { stage: self.trace, rays: Some(RaySource::Screen) },
@@ -71,17 +71,17 @@ impl UnifiedSetup {
         }
     }
 
-    /// The constants of programs among the triangles.
+    /// Returns the specialization constants of programs that trace rays among the triangles.
     pub fn triangle_constants(&self) -> TriangleConstants {
         self.triangles.map_or_else(TriangleConstants::default, |reading| reading.constants())
     }
 
-    /// Whether the reflection is wanted beside the composite.
+    /// Whether both the composite and the reflection are wanted.
     pub fn beside(&self) -> bool {
         self.composite && self.reflection
     }
 
-    /// Makes an image that the passes write. Compute programs can store to it if any of the passes is a compute program.
+    /// Makes an image that the passes write, and that compute programs can store to if any of the passes is one.
     pub(crate) fn target(&self, gpu: &Gpu, name: &str, format: vk::Format) -> Result<Image> {
         let stores = self.followed || self.own_rays > 0 || [self.trace, self.resolve].contains(&ShaderStage::Compute);
         let stage = if stores { ShaderStage::Compute } else { ShaderStage::Fragment };
@@ -89,8 +89,7 @@ impl UnifiedSetup {
     }
 }
 
-/// Bytes of the arguments for the lists (`parameters.glsl`): an indirect draw and two indirect dispatches for each
-/// list.
+/// Bytes of the arguments for the lists (`parameters.glsl`): one indirect draw and two indirect dispatches a list.
 pub const ARGUMENT_BYTES: u64 = LISTS as u64 * (DRAW_BYTES + 2 * DISPATCH_BYTES);
 
 const DRAW_BYTES: u64 = size_of::<vk::DrawIndirectCommand>() as u64;
@@ -99,9 +98,9 @@ const DISPATCH_BYTES: u64 = size_of::<vk::DispatchIndirectCommand>() as u64;
 /// Lists of tiles by the kinds of reflector in them, with the arguments of indirect draws and dispatches over each list.
 #[derive(Clone, Copy)]
 pub struct Tiles<'a> {
-    /// Whether nothing was classified, since all reflectors are of one kind, and passes draw over the whole image.
+    /// Whether passes run over the whole image, and nothing was classified, since all reflectors are of one kind.
     pub whole: bool,
-    /// The lists. Each has room for a word of every tile.
+    /// The lists, one after the other. Each has room for every tile, with one word for a tile's place.
     pub lists: &'a Buffer,
     /// A texel for each tile, with a bit for each list that the tile is on.
     pub listed: &'a Image,
@@ -116,13 +115,13 @@ impl Tiles<'_> {
         if self.whole { Target::overwrite(image.all()) } else { Target::kept(image.all()) }
     }
 
-    /// Returns a target that fragment shaders clear to a value where no tile is drawn. Compute shaders clear none.
+    /// Returns a target that fragment shaders clear to the value `elsewhere` first. Compute shaders clear none.
     pub fn target_in<'i>(&self, image: &'i Image, elsewhere: [f32; 4]) -> Target<'i> {
         if self.whole { Target::overwrite(image.all()) } else { Target::cleared(image.all(), elsewhere) }
     }
 }
 
-/// The list that a program runs over, and the size of the images that it writes.
+/// The list that a program runs over, and the resolution of the images that it writes.
 #[derive(Debug, Clone, Copy)]
 pub struct TileRange {
     /// `MIRROR_LIST`, `NARROW_LIST` or `WIDE_LIST`.
@@ -137,7 +136,7 @@ pub struct TiledPipeline<P> {
     pipelines: TilePipelines<P>,
 }
 
-/// The pipelines of the chosen stage.
+/// The pipelines of the chosen shader stage: one over the tiles of a list, and one over the whole image.
 enum TilePipelines<P> {
     Fragment { tiles: GraphicsPipeline<P, Tile<'static>>, whole: GraphicsPipeline<P> },
     Compute { tiles: StoringPipeline<P>, whole: StoringPipeline<P> },
@@ -147,8 +146,8 @@ impl<P: InEitherStage> TiledPipeline<P>
 where
     P::Outputs<vk::Format>: Copy,
 {
-    /// Compiles a permutation of the program twice. `formats` are the formats of its targets. `constants` returns its constants for the
-    /// tiles (`false`) and for the whole image (`true`).
+    /// Compiles a permutation of the program twice: for tiles and for the whole image. `formats` are the formats of its
+    /// targets, and `constants` returns its constants for tiles (`false`) and for the whole image (`true`).
     ///
     /// # Errors
     /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on a device whose shaders
@@ -176,7 +175,7 @@ where
         Ok(Self { range, pipelines })
     }
 
-    /// Records one pass over the list's tiles, or over all texels if the list is known to cover the whole image.
+    /// Records the pass `name` over the list's tiles, or over all texels if the list is known to cover the whole image.
     pub fn run(
         &self,
         frame: &mut Frame,

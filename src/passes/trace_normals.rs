@@ -1,4 +1,4 @@
-//! The normals that rays are reflected at, if these differ from the normals of shading (thesis §4.4, after the game Thief).
+//! Makes normals for rays to be reflected at instead of the shading normals (thesis §4.4, after the game Thief).
 
 use super::{GBuffer, NORMAL, camera_block, stored_target};
 use crate::error::Result;
@@ -27,7 +27,7 @@ pub struct TraceNormalsPass {
 }
 
 impl TraceNormalsPass {
-    /// Makes the pass for a size in pixels and a kind of projection.
+    /// Makes the pass for a size in pixels, a kind of projection, and a kind of normals.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -42,7 +42,7 @@ impl TraceNormalsPass {
         })
     }
 
-    /// Records pass "trace normals", and returns the G-buffer with other normals.
+    /// Records pass "trace normals", and returns the G-buffer with the new normals in place of its own.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: GBuffer<'a>, camera: &Camera) -> Result<GBuffer<'a>> {
         let camera = camera_block(camera, gbuffer.depth.extent());
         let program = Program { camera: &camera, depth_buffer: Sampled::nearest(gbuffer.depth.all()) };

@@ -14,7 +14,7 @@ pub struct TracedPass<F> {
 }
 
 impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 2]>> TracedPass<F> {
-    /// Makes the pass and its images of a size in pixels. The constants tell the program, too, whether hits are wanted.
+    /// Makes the pass and its images of a size in pixels. `constants` must say as well whether hits are wanted.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], constants: &F::Constants, hits: bool) -> Result<Self> {
         let formats = [LIT_COLOR, if hits { HITS } else { vk::Format::UNDEFINED }];
         Ok(Self {
@@ -26,7 +26,7 @@ impl<F: InEitherStage + Fragment<Outputs<vk::Format> = [vk::Format; 2]>> TracedP
 }
 
 impl<F: InEitherStage + for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 2]>> TracedPass<F> {
-    /// Draws over the whole image, as the pass `name`.
+    /// Records the pass `name`, which runs the program over the whole image.
     pub fn draw(&self, frame: &mut Frame, name: &str, program: &F) -> Result<()> {
         let hits = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
         frame.pixels(name, &self.pipeline, [Target::overwrite(self.reflection.all()), hits], program)
@@ -34,7 +34,7 @@ impl<F: InEitherStage + for<'t> Fragment<Outputs<Target<'t>> = [Target<'t>; 2]>>
 }
 
 impl<F> TracedPass<F> {
-    /// Returns the images that were drawn.
+    /// Returns the reflection that was drawn last, and the hits if there is an image for them.
     pub fn traced(&self) -> (Reflection<'_>, Option<Hits<'_>>) {
         (Reflection(&self.reflection), self.hits.as_ref().map(Hits))
     }

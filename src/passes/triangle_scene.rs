@@ -1,5 +1,5 @@
 //! A scene's triangles in device memory, as the programs under `shaders-glsl/triangles/` read them: the tree with the
-//! records of its triangles, and in `images` the texels of all images with their levels, and a table of materials.
+//! records of its triangles. The module `images` has the texels of all images, and a table of materials.
 
 mod images;
 
@@ -25,31 +25,32 @@ pub const TRIANGLE: vk::Format = vk::Format::R32_UINT;
 /// Bytes of a texel of the images.
 const TEXEL_BYTES: u64 = 4;
 
-/// Format and bytes of a vector of four words, in which shaders read geometry and materials.
+/// Format and size in bytes of a vector of four words, the unit in which shaders read geometry and materials.
 pub(super) const VECTORS: (vk::Format, u64) = (vk::Format::R32G32B32A32_UINT, size_of::<Words>() as u64);
 
-/// Format and bytes of a word, in which shaders read texels of images.
+/// Format and size in bytes of a word, which holds one texel of an image.
 pub(super) const TEXELS: (vk::Format, u64) = (vk::Format::R32_UINT, TEXEL_BYTES);
 
 /// The tree and the records of a scene's triangles, where its meshes stand.
 pub struct TriangleGeometry {
     origin: DVec3,
-    /// Where corners and attributes begin among the vectors of `buffer`, then the numbers of triangles and nodes.
+    /// The indices of the first corner and the first attribute among the vectors of `buffer`, then the numbers of
+    /// triangles and of nodes.
     counts: [i32; 4],
     /// The greatest coordinate of a corner of a standing mesh, in metres.
     extent_m: f32,
-    /// Whether some material has an alpha mask or is single-sided, so that a hit on it may not count.
+    /// Whether a material has an alpha mask or is single-sided, and so decides at each hit whether the hit counts.
     asks: bool,
     buffer: TexelBuffer,
     /// The triangles of moving meshes.
     moving: MovingPart,
-    /// Where the parts of the vectors begin; `None` if nothing can move.
+    /// Where the parts of `buffer` begin; `None` if nothing can move.
     places: Option<Places>,
 }
 
-/// The moving part of a scene's triangles, among the vectors of all. The moving corners come after those of standing
-/// meshes, and the moving nodes after everything else. A walk begins with a second root for the moving part, and the
-/// numbers of nodes and slots go on from the standing part.
+/// The moving part of a scene's triangles, in the same buffer. Moving corners come after those of standing meshes, and
+/// moving nodes after everything else. A walk visits a second root, that of the moving part, whose nodes and slots
+/// continue the numbers of the standing part.
 #[derive(Default)]
 struct MovingPart {
     /// The number of the root node; 0 without one.
@@ -59,43 +60,43 @@ struct MovingPart {
     update: RefCell<Option<Update>>,
 }
 
-/// Vectors that are copied to their places in a frame.
+/// Vectors that a frame copies to their places in the buffer.
 struct Update {
     staging: Buffer,
-    /// Source, target and length of each run of bytes; empty once the runs have been copied.
+    /// Source offset, target offset and length of each run of bytes; empty once the runs have been copied.
     runs: Vec<[u64; 3]>,
 }
 
-/// Where the parts of the vectors begin.
+/// The indices of the vectors at which the parts of the buffer begin. Nodes of standing meshes begin at 0.
 struct Places {
-    /// Corners of standing meshes, then of moving ones, by slots.
+    /// Corners of standing meshes, three for each slot.
     corners: usize,
     moving_corners: usize,
     attributes: usize,
-    /// Nodes of moving meshes, at a multiple of the size of a node.
+    /// Nodes of moving meshes, at a multiple of the vectors of a node.
     root: usize,
-    end: usize,
+    end: usize, // of the buffer
 }
 
 impl Places {
-    /// Places the parts one after the other, with room for each moving triangle.
+    /// Places the parts one after the other, with room for all moving triangles.
     fn new(tree: &Tree, records: &TriangleRecords, moving: &MovingTriangles) -> Self {
-        let room = moving.numbers.len();
+        let moving_count = moving.numbers.len();
         let corners = tree.nodes.len();
         let moving_corners = corners + records.corners.len();
-        let attributes = moving_corners + 3 * room;
-        let behind = attributes + records.attributes.len();
-        let root = behind.next_multiple_of(NODE_WORDS);
-        // A hierarchy over some triangles has no more nodes than triangles.
-        let end = if room == 0 { behind } else { root + NODE_WORDS * room };
+        let attributes = moving_corners + 3 * moving_count;
+        let attributes_end = attributes + records.attributes.len();
+        let root = attributes_end.next_multiple_of(NODE_WORDS);
+        // A tree over some triangles has no more nodes than triangles.
+        let end = if moving_count == 0 { attributes_end } else { root + NODE_WORDS * moving_count };
         Self { corners, moving_corners, attributes, root, end }
     }
 
-    /// Returns the moving part, as runs of vectors and their places.
+    /// Returns the moving part as runs of vectors, each with the index of its first vector in the buffer.
     fn of_moving(&self, moving: &MovingTriangles) -> Vec<(usize, Vec<Words>)> {
         let slots = ((self.moving_corners - self.corners) / 3) as u32;
         let mut corners = moving.records.corners.clone();
-        // Triangles that have no area at the moment have room, too.
+        // There is also room for triangles that have no area at the moment.
         corners.resize(3 * moving.numbers.len(), [0; 4]);
         let nodes = moving.tree.nodes_behind((self.root / NODE_WORDS) as u32, slots);
         assert!(self.root + nodes.len() <= self.end.max(self.root), "more nodes than triangles");
@@ -106,8 +107,8 @@ impl Places {
     }
 }
 
-/// The properties of a scene's triangles that programs are compiled for: which buffers the device reads as texels and which as
-/// storage blocks, how rays find triangles, and where hits take their colour from.
+/// The properties of a scene's triangles that programs are compiled for: whether shaders read each buffer as texels or
+/// as a storage block, how rays find triangles, and where hits take their colour from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TriangleReading {
     /// Number of triangles of the scene.
@@ -116,15 +117,15 @@ pub struct TriangleReading {
     pub geometry_texels: bool,
     /// Whether images are read as texels.
     pub image_texels: bool,
-    /// Whether some material has an alpha mask or is single-sided, so that a hit on it may not count.
+    /// Whether a material has an alpha mask or is single-sided, and so decides at each hit whether the hit counts.
     pub asks: bool,
     /// Number of lights of the scene.
     pub lights: u32,
-    /// Groups of nodes that a walk through the trees has room for: at least as many as a tree has levels.
+    /// Groups of nodes that the stack of a walk has room for: at least as many as a tree has levels.
     pub walk_room: i32,
-    /// Whether ray queries find the nearest triangle, and not a walk through the tree.
+    /// Whether ray queries of the device find the nearest triangle, instead of a walk through the tree.
     pub queries: bool,
-    /// Whether a caller gives the colours of the triangles, and no light of the scene shines on them.
+    /// Whether the colours of the triangles are the light that they send out, and no light of a scene shines on them.
     pub unlit: bool,
     /// Whether a hit has the colour of the screen where the screen shows its place.
     pub screen_colors: bool,
@@ -149,7 +150,7 @@ pub struct TriangleBuffers<'a> {
     moving: i32,
 }
 
-/// The bindings of a frame: a scene's triangles, and the camera and the lights among them.
+/// The bindings of a frame: a scene's triangles, and the camera and the lights in their coordinates.
 #[derive(Clone, Copy)]
 pub struct TriangleBindings<'a> {
     /// The triangles.
@@ -165,20 +166,20 @@ pub struct TriangleBindings<'a> {
 }
 
 impl TriangleReading {
-    /// The specialization constants that are common to all programs that trace rays against the triangles.
+    /// Returns the specialization constants that are common to all programs that trace rays against the triangles.
     pub fn constants(&self) -> TriangleConstants {
         let Self { geometry_texels, image_texels, asks, lights, screen_colors, walk_room, .. } = *self;
         TriangleConstants { geometry_texels, image_texels, asks, lights, screen_colors, walk_room }
     }
 
-    /// How rays among the triangles find where they end.
+    /// Returns by what the programs find the triangle that a ray meets.
     pub fn ray_source(&self) -> RaySource {
         if self.queries { RaySource::Query } else { RaySource::Tree }
     }
 }
 
 impl<'a> TriangleBindings<'a> {
-    /// The bindings that are common to all programs that trace rays against the triangles.
+    /// Returns the bindings that are common to all programs that trace rays against the triangles.
     pub fn resources(&self) -> TriangleResources<'a> {
         let Self { triangles, block, lights, screen_color, screen_depth } = *self;
         TriangleResources {
@@ -196,7 +197,7 @@ impl<'a> TriangleBindings<'a> {
     }
 }
 
-/// Walks have room for a multiple of this number of levels, so that few programs are compiled.
+/// The room of walks is rounded up to a multiple of this number, so that few different programs are compiled.
 const ROOM_STEP: u32 = 4;
 
 /// Returns the room for walks through trees of `levels` levels: one group of nodes for each level.
@@ -219,8 +220,8 @@ impl TriangleGeometry {
         vectors.resize(places.attributes, [0; 4]);
         vectors.extend_from_slice(&records.attributes);
         vectors.resize(places.end, [0; 4]);
-        for (offset, part) in places.of_moving(moving) {
-            vectors[offset..offset + part.len()].copy_from_slice(&part);
+        for (first_vector, part) in places.of_moving(moving) {
+            vectors[first_vector..first_vector + part.len()].copy_from_slice(&part);
         }
         let made = Self::from_buffer(tree, records, uploaded(context, "triangles", &vectors)?);
         let [_, _, count, nodes] = made.counts;
@@ -229,27 +230,27 @@ impl TriangleGeometry {
         Ok(Self { counts, asks: made.asks || moving.records.asks(), places: Some(places), ..made })
     }
 
-    /// Keeps the root of the tree of moving meshes, and their greatest coordinate.
+    /// Sets the root of the tree of moving meshes and their greatest coordinate in `self.moving`.
     fn moves(&self, places: &Places, moving: &MovingTriangles) {
         let root = if moving.tree.nodes.is_empty() { 0 } else { places.root / NODE_WORDS };
         self.moving.root.set(root as i32);
         self.moving.extent_m.set(moving.records.extent_m());
     }
 
-    /// Replaces the moving triangles by the same triangles where they stand now. The next [`Self::bring`] copies them.
+    /// Writes the moving triangles, where they stand now, to a staging buffer, which the next [`Self::bring`] copies.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
     pub fn update(&self, gpu: &Gpu, moving: &MovingTriangles) -> Result<()> {
         let Some(places) = &self.places else { return Ok(()) };
         assert!(moving.tree.is_walkable(), "a tree of {} levels: a walk has no room for them", moving.tree.levels);
-        let mut held = self.moving.update.borrow_mut();
-        let update = match &mut *held {
+        let mut kept = self.moving.update.borrow_mut();
+        let update = match &mut *kept {
             Some(update) => update,
-            none => {
-                let (_, vector) = VECTORS;
-                // Each triangle has room for its corners, its attributes and a node.
-                let bytes = vector * ((3 + 4 + NODE_WORDS) * moving.numbers.len()) as u64;
+            empty => {
+                let (_, vector_bytes) = VECTORS;
+                // Each triangle has room for three corners, four vectors of attributes and a node.
+                let bytes = vector_bytes * ((3 + 4 + NODE_WORDS) * moving.numbers.len()) as u64;
                 let staging = Buffer::new(
                     gpu,
                     "moving triangles",
@@ -257,29 +258,29 @@ impl TriangleGeometry {
                     vk::BufferUsageFlags::TRANSFER_SRC,
                     MemoryPlace::Upload,
                 )?;
-                none.insert(Update { staging, runs: Vec::new() })
+                empty.insert(Update { staging, runs: Vec::new() })
             }
         };
         update.runs.clear();
         let mut from = 0;
-        let written = update.staging.bytes_mut()?;
-        for (offset, part) in places.of_moving(moving) {
-            let bytes: &[u8] = bytemuck::cast_slice(&part);
-            written[from..from + bytes.len()].copy_from_slice(bytes);
-            update.runs.push([from, offset * size_of::<Words>(), bytes.len()].map(|n| n as u64));
+        let staging = update.staging.bytes_mut()?;
+        for (first_vector, vectors) in places.of_moving(moving) {
+            let bytes: &[u8] = bytemuck::cast_slice(&vectors);
+            staging[from..from + bytes.len()].copy_from_slice(bytes);
+            update.runs.push([from, first_vector * size_of::<Words>(), bytes.len()].map(|n| n as u64));
             from += bytes.len();
         }
         self.moves(places, moving);
         Ok(())
     }
 
-    /// Records pass "moving", which copies the triangles that [`Self::update`] replaced; records nothing otherwise.
+    /// Records pass "moving", which copies the triangles of the last [`Self::update`], if they were not copied yet.
     ///
     /// # Errors
     /// Errors of the device.
     pub fn bring(&self, frame: &mut Frame) -> Result<()> {
-        let mut held = self.moving.update.borrow_mut();
-        let Some(Update { staging, runs }) = held.as_mut().filter(|update| !update.runs.is_empty()) else {
+        let mut kept = self.moving.update.borrow_mut();
+        let Some(Update { staging, runs }) = kept.as_mut().filter(|update| !update.runs.is_empty()) else {
             return Ok(());
         };
         frame.copy_parts("moving", (staging, self.buffer.buffer()), runs, Access::ComputeStorageRead)?;
@@ -287,12 +288,12 @@ impl TriangleGeometry {
         Ok(())
     }
 
-    /// Returns the vectors of the buffer of a geometry.
+    /// Returns all vectors of the buffer of a geometry in which nothing moves.
     pub(super) fn vectors(tree: &Tree, records: &TriangleRecords) -> Vec<Words> {
         [&tree.nodes[..], &records.corners, &records.attributes].concat()
     }
 
-    /// Makes the geometry of a buffer that holds its vectors.
+    /// Makes a geometry in which nothing moves, of a buffer that holds its vectors.
     pub(super) fn from_buffer(tree: &Tree, records: &TriangleRecords, buffer: TexelBuffer) -> Self {
         assert!(tree.is_walkable(), "a tree of {} levels: a walk has no room for them", tree.levels);
         let attributes = tree.nodes.len() + records.corners.len();
@@ -329,7 +330,7 @@ impl TriangleGeometry {
     /// # Errors
     /// [`crate::error::Error::Usage`] without ray queries, and [`crate::error::Error::Memory`] without memory.
     pub fn structure(&self, context: &mut FrameContext) -> Result<RayStructure> {
-        let [corners, attributes, ..] = self.counts;
+        let [corners, attributes, ..] = self.counts; // attributes begin where the corners end
         let (_, stride) = VECTORS;
         let corners = Corners {
             buffer: self.buffer.buffer(),
@@ -355,9 +356,9 @@ impl<'a> TriangleBuffers<'a> {
         Self { structure, ..self }
     }
 
-    /// Fills the uniform block through which shaders read the triangles, for one camera. `beside` says how far a
-    /// pixel's point may lie beside the surface: in metres for each metre from the eye, or in view units for an
-    /// orthographic camera.
+    /// Returns the uniform block by which shaders read the triangles, for one camera. `beside` is the greatest distance
+    /// of a pixel's point from its surface: in metres for each metre from the eye, or in view units for an orthographic
+    /// camera.
     pub fn block(&self, camera: &Camera, beside: f32) -> TriangleBlock {
         let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
         let [corners, attributes, count, nodes] = self.counts;
@@ -366,37 +367,37 @@ impl<'a> TriangleBuffers<'a> {
         TriangleBlock { eye, extent, corners, attributes, count, nodes, beside, moving, ..Default::default() }
     }
 
-    /// The matrix from the world to the coordinates of the triangles.
+    /// Returns the matrix from the world to the coordinates of the triangles.
     pub fn world_to_tree(&self) -> Mat4 {
         Mat4::from_translation(-self.origin.as_vec3())
     }
 }
 
-/// Uploads a buffer of vectors of four words.
+/// Makes a buffer that holds `vectors`, and uploads them.
 fn uploaded(context: &mut FrameContext, name: &str, vectors: &[Words]) -> Result<TexelBuffer> {
     let (staging, buffer) = staged(context.gpu(), name, bytemuck::cast_slice(vectors), VECTORS)?;
     context.once(|frame| frame.copy_buffer("upload", &staging, buffer.buffer(), Access::ComputeStorageRead))?;
     Ok(buffer)
 }
 
-/// Makes a buffer that is not written yet, and a staging buffer to copy to it.
+/// Makes a buffer of texels without content, and a staging buffer that holds `bytes`, to be copied to it.
 pub(super) fn staged(
     gpu: &Gpu,
     name: &str,
     bytes: &[u8],
-    (format, texel): (vk::Format, u64),
+    (format, texel_bytes): (vk::Format, u64),
 ) -> Result<(Buffer, TexelBuffer)> {
-    // An empty buffer cannot be bound.
-    let nothing = vec![0; texel as usize];
-    let bytes = if bytes.is_empty() { &nothing } else { bytes };
+    // A buffer without bytes cannot be bound.
+    let one_texel = vec![0; texel_bytes as usize];
+    let bytes = if bytes.is_empty() { &one_texel } else { bytes };
     let staging = Buffer::upload(gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
     let buffer = texel_buffer(gpu, name, bytes.len() as u64)?;
-    Ok((staging, TexelBuffer::new(buffer, format, texel)?))
+    Ok((staging, TexelBuffer::new(buffer, format, texel_bytes)?))
 }
 
-/// Makes an empty buffer of texels, to be filled by a copy. With ray queries, a ray structure can be built from it.
+/// Makes a buffer of texels without content. Copies can fill it, and with ray queries a ray structure can read it.
 fn texel_buffer(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer> {
-    let built = if gpu.has_ray_queries() { RayStructure::INPUT } else { vk::BufferUsageFlags::empty() };
-    let usage = TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST | built;
+    let build_input = if gpu.has_ray_queries() { RayStructure::INPUT } else { vk::BufferUsageFlags::empty() };
+    let usage = TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST | build_input;
     Buffer::new(gpu, name, bytes, usage, MemoryPlace::Device)
 }

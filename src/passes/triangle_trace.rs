@@ -1,5 +1,6 @@
-//! Passes that follow the rays of the list ([`lost`](super::lost)) through the triangles of a scene, each ray from the point of its
-//! pixel (docs/definitions.md, "Triangles"). The number of rays on the list sizes their dispatches.
+//! Passes that follow the rays of the list ([`lost`](super::lost)) among the triangles of a scene, each from the point
+//! of its pixel (docs/definitions.md, "Triangles"). The number of rays on the list sizes the dispatches of these
+//! passes.
 
 use super::lost::LostRayBindings;
 use super::triangle_scene::{TriangleBindings, TriangleReading};
@@ -21,16 +22,16 @@ pub struct TriangleTracePass {
     unwanted_hits: Option<Image>,
 }
 
-/// The outputs that are wanted, and the screen's projection.
+/// The variant of the passes: which outputs are wanted, and the screen's projection.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct TriangleWants {
-    /// The finished image.
+    /// Whether the finished image is wanted.
     pub composite: bool,
-    /// The reflection as an image of its own.
+    /// Whether the reflection is wanted as an image of its own.
     pub reflection: bool,
-    /// Where each ray ended.
+    /// Whether the image of hits is wanted, which says where each mirror ray ended.
     pub hits: bool,
-    /// True if the pass stores, for the history, where each ray of a glossy pixel ended.
+    /// Whether the passes store, for a history, where each ray of a glossy pixel ended.
     pub stores_ends: bool,
     /// The screen's projection.
     pub projection: ProjectionKind,
@@ -43,7 +44,7 @@ pub struct TriangleInput<'a> {
     pub parameters: &'a UnifiedBlock,
     /// The scene's triangles.
     pub triangle_bindings: TriangleBindings<'a>,
-    /// The rays, the camera's axes, and the sky.
+    /// The list of rays, the camera's axes, and the sky.
     pub beyond: LostRayBindings<'a>,
 }
 
@@ -67,7 +68,7 @@ impl TriangleTracePass {
         })
     }
 
-    /// Records pass "triangles/mirrors": finishes the pixels whose mirror rays are on the list.
+    /// Records pass "triangles/mirrors", which follows the mirror rays on the list and finishes their pixels.
     pub fn record_mirrors(
         &self,
         frame: &mut Frame,
@@ -77,8 +78,8 @@ impl TriangleTracePass {
         hits: Option<Hits>,
     ) -> Result<()> {
         // An image that is not wanted is not written, but its binding needs some image.
-        let stored = canvas.images().next().zip(hits.map(|h| h.0).or(self.unwanted_hits.as_ref()));
-        let Some((any, hits)) = stored else { return Ok(()) };
+        let Some(any) = canvas.images().next() else { return Ok(()) };
+        let Some(hits) = hits.map(|hits| hits.0).or(self.unwanted_hits.as_ref()) else { return Ok(()) };
         let TriangleInput { parameters, triangle_bindings, beyond } = input;
         let program = TriangleMirrors {
             unified: parameters,
@@ -94,7 +95,8 @@ impl TriangleTracePass {
         frame.compute_indirect("triangles/mirrors", &self.mirrors, &program, (beyond.counts, 0))
     }
 
-    /// Records pass "triangles/narrow": writes into the records what the rays of narrow lobes see.
+    /// Records pass "triangles/narrow", which follows the rays of narrow lobes. It writes to `records` what they see,
+    /// and for a history to `ends` where they end.
     pub fn record_narrow(&self, frame: &mut Frame, input: TriangleInput, [records, ends]: [&Image; 2]) -> Result<()> {
         let TriangleInput { parameters, triangle_bindings, beyond } = input;
         let program = TriangleNarrow {
@@ -108,7 +110,8 @@ impl TriangleTracePass {
         frame.compute_indirect("triangles/narrow", &self.narrow, &program, (beyond.counts, 0))
     }
 
-    /// Records pass "triangles/wide", which does the same for the rays of cells with wide lobes.
+    /// Records pass "triangles/wide", which follows the rays of cells with wide lobes. It writes to `seen` what they
+    /// see, and to `place`, and for a history to `ends`, where they end.
     pub fn record_wide(&self, frame: &mut Frame, input: TriangleInput, [place, seen, ends]: [&Image; 3]) -> Result<()> {
         let TriangleInput { parameters, triangle_bindings, beyond } = input;
         let program = TriangleWide {

@@ -1,6 +1,6 @@
-//! The glossy path of `unified`: rays interleaved over blocks of pixels, and every pixel's reflection gathered from its
-//! neighbours' hits (docs/numerics.md, "Gloss"). A pixel's roughness alone decides whether its lobe is narrow, with a
-//! ray of its own, or wide, with a ray for 2 × 2 pixels.
+//! The glossy passes of `unified`: the directions of a pattern are dealt out to neighbouring pixels, and every pixel
+//! gathers its reflection from its neighbours' rays (docs/numerics.md, "Gloss"). A pixel's roughness alone decides
+//! whether its lobe is narrow, with one ray a pixel, or wide, with one ray for 2 × 2 pixels.
 
 use super::lost::{ENDS, LostRayBindings};
 use super::tiles::{TileRange, TiledPipeline, Tiles, UnifiedSetup};
@@ -29,19 +29,19 @@ pub struct UnifiedGlossPass {
     between: BetweenPasses,
 }
 
-/// The images that the passes hand each other. The images' content is undefined where no tile is drawn.
+/// The images that one pass writes and another reads. Their content is undefined where no tile is drawn.
 pub struct BetweenPasses {
     /// The ray of each pixel with a narrow lobe: `RayRecord` of `gloss.glsl`, packed.
     pub records: Image,
-    /// Where the ray of each cell of 2 × 2 pixels ended: a point or a direction, and the density of the ray.
+    /// Where the ray of each cell of 2 × 2 pixels ended (a point, or a direction for a miss), and the ray's density.
     pub place: Image,
-    /// The light that the ray of each cell saw.
+    /// The lit colour that the ray of each cell saw, with its fade.
     pub seen: Image,
-    /// Each cell's reflection.
+    /// The reflection of each cell, with its fade.
     pub cell_reflection: Image,
     /// The normal and depth of the surface that a cell's reflection belongs to.
     pub cell_surface: Image,
-    /// Where each ray ended ([`ENDS`]); a single texel if nobody asks.
+    /// Where each ray ended ([`ENDS`]), for a history; a single texel without a history.
     pub ends: Image,
 }
 
@@ -52,18 +52,18 @@ pub struct UnifiedGlossInput<'a> {
     pub gbuffer: GBuffer<'a>,
     /// The pyramid that rays walk over.
     pub pyramid: Pyramid<'a>,
-    /// The tiles to trace, over a canvas that has begun; or the whole of a canvas that is still empty.
+    /// The tiles to draw, over what [`Canvas::begin`] drew; or the whole image, over a canvas without content.
     pub tiles: Tiles<'a>,
     /// The images to draw into.
     pub canvas: Canvas<'a>,
     /// The sky, and the list of rays that the screen lost.
     pub beyond: LostRayBindings<'a>,
-    /// The triangles, where rays go among them.
+    /// The triangles, if rays are traced among them.
     pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
 
 impl UnifiedGlossPass {
-    /// Makes pipelines and images; returns the errors of [`TiledPipeline::new`].
+    /// Makes pipelines and images. The errors are those of [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let image = |name, format, extent| {
@@ -135,12 +135,12 @@ impl UnifiedGlossPass {
         })
     }
 
-    /// The images that the passes hand each other, for other passes and for tests that read them.
+    /// The images between the passes, for the passes that follow lost rays and for tests.
     pub fn between(&self) -> &BetweenPasses {
         &self.between
     }
 
-    /// Records pass "trace/narrow": a ray for each pixel with a narrow lobe.
+    /// Records pass "trace/narrow", which traces one ray for each pixel with a narrow lobe.
     pub fn trace_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, triangle_bindings, .. } = input;
         let program = TraceNarrow {
@@ -158,7 +158,7 @@ impl UnifiedGlossPass {
         self.trace_narrow.run(frame, "trace/narrow", (parameters, *tiles), targets, &program)
     }
 
-    /// Records pass "resolve/narrow": each pixel's reflection from the rays of the 3 × 3 pixels around it.
+    /// Records pass "resolve/narrow", which makes each pixel's reflection from the rays of the 3 × 3 pixels around it.
     pub fn resolve_narrow(
         &self,
         frame: &mut Frame,
@@ -180,7 +180,7 @@ impl UnifiedGlossPass {
         self.resolve_narrow.run(frame, "resolve/narrow", (parameters, *tiles), targets, &program)
     }
 
-    /// Records pass "trace/wide": a ray for each cell with a wide lobe.
+    /// Records pass "trace/wide", which traces one ray for each cell with a wide lobe.
     pub fn trace_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, triangle_bindings, .. } = input;
         let BetweenPasses { place, seen, .. } = &self.between;
@@ -199,8 +199,8 @@ impl UnifiedGlossPass {
         self.trace_wide.run(frame, "trace/wide", (parameters, *tiles), targets, &program)
     }
 
-    /// Records passes "cells" and "resolve/wide". The first makes each cell's reflection from the rays of the 5 × 5
-    /// cells around it. The second interpolates each pixel's reflection between the four cells around it.
+    /// Records passes "cells" and "resolve/wide", the second of which interpolates each pixel's reflection between the
+    /// reflections of the four cells around it.
     pub fn resolve_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         self.cells(frame, input, parameters)?;
         let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, .. } = input;
@@ -224,7 +224,7 @@ impl UnifiedGlossPass {
         self.resolve_wide.run(frame, "resolve/wide", (parameters, *tiles), targets, &program)
     }
 
-    /// Records pass "cells": each cell's reflection from the rays of the 5 × 5 cells around it.
+    /// Records pass "cells", which makes each cell's reflection from the rays of the 5 × 5 cells around it.
     fn cells(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, .. } = input;
         let BetweenPasses { place, seen, cell_reflection, cell_surface, .. } = &self.between;

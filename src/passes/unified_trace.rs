@@ -1,6 +1,6 @@
-//! The trace of `unified`: one ray for each mirror pixel, what it sees, and the composite in the same pass, over the tiles of a
-//! list or over the whole image. Rays walk over the pyramid, and the triangles that pixels show may confirm their hits; or all rays
-//! go among the triangles.
+//! The mirrors of `unified`: one pass traces a ray for each mirror pixel, shades what it sees, and composites, over the
+//! tiles of a list or over the whole image. Rays walk over the pyramid, and the triangles that pixels show may confirm
+//! their hits; or all rays are traced among the triangles.
 
 use super::lost::LostRayBindings;
 use super::tiles::{TileRange, TiledPipeline, Tiles, UnifiedSetup};
@@ -27,24 +27,24 @@ pub struct UnifiedTraceInput<'a> {
     pub gbuffer: GBuffer<'a>,
     /// The pyramid that rays walk over.
     pub pyramid: Pyramid<'a>,
-    /// The tiles to trace, over a canvas that has begun; or the whole of a canvas that is still empty.
+    /// The tiles to draw, over what [`Canvas::begin`] drew; or the whole image, over a canvas without content.
     pub tiles: Tiles<'a>,
     /// The images to draw into.
     pub canvas: Canvas<'a>,
     /// The sky, and the list of rays that the screen lost.
     pub beyond: LostRayBindings<'a>,
-    /// The triangles, where rays go among them.
+    /// The triangles, if rays are traced among them.
     pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
 
 impl UnifiedTracePass {
-    /// Makes the pass with an image of the hits or without.
+    /// Makes the pass. `hits` asks for an image of the hits.
     ///
     /// # Errors
-    /// Returns the errors of [`TiledPipeline::new`].
+    /// Errors of [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup, hits: bool) -> Result<Self> {
-        let [shown, second] = setup.formats();
-        let formats = [shown, second, if hits { HITS } else { vk::Format::UNDEFINED }];
+        let [first, second] = setup.formats();
+        let formats = [first, second, if hits { HITS } else { vk::Format::UNDEFINED }];
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
         let UnifiedSetup { followed, composite, .. } = *setup;
         let (orthographic, beside) = (setup.projection.is_orthographic(), setup.beside());
@@ -69,7 +69,7 @@ impl UnifiedTracePass {
     }
 
     /// Records pass "trace/mirrors", and returns where each ray ended, if hits are wanted. Compute shaders over tiles
-    /// write only the pixels of these tiles, so the pass "hits" clears the image of hits first.
+    /// write the pixels of these tiles alone, so that pass "hits" clears the image of hits first.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -96,7 +96,7 @@ impl UnifiedTracePass {
         Ok(wanted.map(Hits))
     }
 
-    /// Records pass "hits", which says that no ray begins anywhere, if hits are wanted.
+    /// Records pass "hits" if hits are wanted: fills their image with [`NO_HIT`], for a frame without mirrors.
     pub fn no_hits<'a>(&'a self, frame: &mut Frame) -> Result<Option<Hits<'a>>> {
         let Some(hits) = &self.hits else { return Ok(None) };
         frame.clear("hits", hits.all(), NO_HIT)?;

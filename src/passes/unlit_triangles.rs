@@ -1,5 +1,5 @@
-//! Triangles of a renderer that hands over meshes with colours and textures, but no scene with lights. A hit has the light that its
-//! mesh sends out there.
+//! Triangles of a renderer that passes meshes with colours and textures, but no scene with lights. The colour of a hit
+//! is the light that the mesh emits at that place.
 
 use super::triangle_scene::{
     TEXELS, TriangleBuffers, TriangleGeometry, TriangleImages, TriangleReading, TriangleTable, VECTORS, staged,
@@ -12,18 +12,18 @@ use ssct_ground::math::{linear_to_srgb, srgb_to_linear};
 use ssct_ground::scene::tree::{Tree, TriangleRecords};
 use ssct_ground::scene::{Encoding, Material, Texture};
 
-/// The triangles in device memory, and the buffers that a frame of the caller's copies there.
+/// The triangles in device memory, and staging buffers, from which a frame of the caller copies them.
 pub struct UnlitTriangles {
     geometry: TriangleGeometry,
     images: TriangleImages,
     table: TriangleTable,
-    /// Kept as long as the triangles, since it is not known here when the device has read them.
+    /// Kept as long as the triangles, since it is not known here when the device has read these buffers.
     staging: [Buffer; 3],
 }
 
 impl UnlitTriangles {
-    /// Makes the buffers, and staging buffers with their content, which [`Self::record`] copies. The albedo maps of the
-    /// materials are among `textures`.
+    /// Makes the buffers, and staging buffers with their content, which [`Self::record`] copies. The materials' albedo
+    /// maps are indices into `textures`.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
@@ -35,20 +35,20 @@ impl UnlitTriangles {
         textures: &[Texture],
     ) -> Result<Self> {
         let vectors = TriangleGeometry::vectors(tree, records);
-        let (of_geometry, geometry) = staged(gpu, "triangles", bytemuck::cast_slice(&vectors), VECTORS)?;
+        let (geometry_staging, geometry) = staged(gpu, "triangles", bytemuck::cast_slice(&vectors), VECTORS)?;
         let (words, maps) = TriangleImages::words(textures.iter().map(|texture| (texture, levels(texture))));
-        let (of_images, images) = staged(gpu, "textures", bytemuck::cast_slice(&words), TEXELS)?;
+        let (image_staging, images) = staged(gpu, "textures", bytemuck::cast_slice(&words), TEXELS)?;
         let images = TriangleImages::from_buffer(maps, images);
-        let (of_table, table) = staged(gpu, "colours", bytemuck::cast_slice(&images.rows(materials)), VECTORS)?;
+        let (table_staging, table) = staged(gpu, "colours", bytemuck::cast_slice(&images.rows(materials)), VECTORS)?;
         Ok(Self {
             geometry: TriangleGeometry::from_buffer(tree, records, geometry),
             images,
             table: TriangleTable(table),
-            staging: [of_geometry, of_images, of_table],
+            staging: [geometry_staging, image_staging, table_staging],
         })
     }
 
-    /// Records pass "triangles/upload": copies everything to the device.
+    /// Records the passes "triangles/upload", which copy the three buffers to the device.
     pub fn record(&self, frame: &mut Frame) -> Result<()> {
         let TriangleBuffers { geometry, images, table, .. } = self.bound();
         for (from, to) in self.staging.iter().zip([geometry, images, table]) {
@@ -57,24 +57,24 @@ impl UnlitTriangles {
         Ok(())
     }
 
-    /// Returns how shaders read the triangles. The stack of a walk is deep enough for any tree, since later triangles may be more.
+    /// Returns how shaders read the triangles. Walks have room for any tree, since more triangles may replace these.
     pub fn reading(&self) -> TriangleReading {
         TriangleReading { unlit: true, walk_room: TREE_DEPTH, ..self.geometry.reading(&self.images, 0) }
     }
 
-    /// The buffers that passes bind.
+    /// Returns the buffers that passes bind.
     pub fn bound(&self) -> TriangleBuffers<'_> {
         self.geometry.bound(&self.images, &self.table)
     }
 }
 
-/// Returns the levels of a texture, from the finest to a single texel, as words of red to alpha. Each texel is the mean of the
-/// light of two by two texels of the level before; the last texels of an odd side are left out.
+/// Returns the texels of each level of a texture, from the finest to a single texel, packed by [`words`]. A texel is
+/// the mean, in linear light, of 2 × 2 texels of the level before; the last texels of an odd side are left out.
 fn levels(texture: &Texture) -> Vec<Vec<u32>> {
     let is_srgb = texture.encoding == Encoding::Srgb;
-    let decoded = |v: f32| if is_srgb { srgb_to_linear(v) } else { v };
-    let encoded = |v: f32| if is_srgb { linear_to_srgb(v) } else { v };
-    let light: [f32; 256] = std::array::from_fn(|byte| decoded(byte as f32 / 255.0));
+    let decoded = |value: f32| if is_srgb { srgb_to_linear(value) } else { value };
+    let encoded = |light: f32| if is_srgb { linear_to_srgb(light) } else { light };
+    let light_of_byte: [f32; 256] = std::array::from_fn(|byte| decoded(byte as f32 / 255.0));
     let mut size = [texture.width as usize, texture.height as usize];
     let mut finest: Vec<[u8; 4]> = texture.rgba.as_chunks::<4>().0.to_vec();
     let mut levels = vec![words(&finest)];
@@ -86,7 +86,7 @@ fn levels(texture: &Texture) -> Vec<Vec<u32>> {
                 let (x, y) = (2 * (index % coarse[0]), 2 * (index / coarse[0]));
                 let four = [texel(x, y), texel(x + 1, y), texel(x, y + 1), texel(x + 1, y + 1)];
                 std::array::from_fn(|channel| {
-                    let sum: f32 = four.iter().map(|texel| light[usize::from(texel[channel])]).sum();
+                    let sum: f32 = four.iter().map(|bytes| light_of_byte[usize::from(bytes[channel])]).sum();
                     (255.0 * encoded(0.25 * sum)).round() as u8
                 })
             })
@@ -97,6 +97,7 @@ fn levels(texture: &Texture) -> Vec<Vec<u32>> {
     levels
 }
 
+/// Packs texels into words, with red in the lowest byte and alpha in the highest.
 fn words(texels: &[[u8; 4]]) -> Vec<u32> {
     texels.iter().map(|texel| u32::from_le_bytes(*texel)).collect()
 }

@@ -1,4 +1,4 @@
-//! Pre-integration: the visibility buffer (thesis §4.2.5, Eq. 4.2 and its listing). CPU twin: `reference::visibility`.
+//! Pre-integration: makes the visibility buffer (thesis §4.2.5, Eq. 4.2, listing). CPU twin: `reference::visibility`.
 
 use super::{HiZ, Visibility};
 use crate::error::Result;
@@ -35,7 +35,7 @@ impl VisibilityPass {
         })
     }
 
-    /// Records passes "visibility/0", which clears level 0 to 1, to the coarsest level.
+    /// Records pass "visibility/0", which clears level 0 to 1, and a pass for each further level, up to the coarsest.
     pub fn record<'a>(&'a self, frame: &mut Frame, hi_z: HiZ, lens: &Lens) -> Result<Visibility<'a>> {
         frame.clear("visibility/0", self.chain.level(0), [1.0; 4])?;
         let range = VisibilityBlock { near_plane: lens.near_m, far_plane: lens.far_m };

@@ -11,15 +11,19 @@ use std::process::Command;
 /// Width and height in `examples/c/hall.h`.
 const SIZE: [u32; 2] = [800, 450];
 
-/// Runs a command in a folder, which must succeed; returns all that it prints.
+/// Runs a command in a folder. Returns its standard output followed by its standard error; panics unless the command
+/// succeeds.
 #[track_caller]
 fn succeed(command: &mut Command, folder: &Path) -> String {
     let output = command.current_dir(folder).output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command:?}: {said}");
-    said
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {text}");
+    text
 }
 
+/// The example in C, built by pkg-config and by CMake against the installed library, draws what the command makes of
+/// its G-buffer. The header, the linker flags and the document's blocks of C reach no Rust compiler, so that only a
+/// build as a user does it sees a fault in them.
 #[test]
 fn the_example_in_c_shows_what_the_command_makes_of_its_images() {
     if !is_alone() {
@@ -29,7 +33,7 @@ fn the_example_in_c_shows_what_the_command_makes_of_its_images() {
     let folder = folder.path();
     let prefix = folder.join("prefix");
     let mut install = Command::new(repository().join("scripts/install-c.sh"));
-    // With all packages selected, crates have the features here that they have in this program, and are not compiled again.
+    // With all packages selected, crates have the features that they have in this program, and are not compiled again.
     let all = ["--workspace", "--lib"];
     succeed(install.env("CARGO_NET_OFFLINE", "true").arg(&prefix).args(all), folder);
 
@@ -44,12 +48,12 @@ fn the_example_in_c_shows_what_the_command_makes_of_its_images() {
     let hall = hall.args(["out.ppm", "images"]).env("LD_LIBRARY_PATH", prefix.join("lib"));
     let hall = hall.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation");
     let enables = "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT";
-    let said = succeed(hall.env("VK_LAYER_ENABLES", enables), folder);
-    // The layer names the message in the line that begins it.
+    let hall_output = succeed(hall.env("VK_LAYER_ENABLES", enables), folder);
+    // The first line of a validation message has the message's id.
     let is_allowed = |line: &str| ALLOWED.iter().any(|allowed| line.contains(allowed.id));
-    let unexpected = said.lines().any(|line| line.contains("Validation") && !is_allowed(line));
-    assert!(!said.contains("VUID") && !said.contains("SYNC-") && !unexpected, "{said}");
-    assert!(said.contains("import"), "passes are timed: {said}");
+    let unexpected = hall_output.lines().any(|line| line.contains("Validation") && !is_allowed(line));
+    assert!(!hall_output.contains("VUID") && !hall_output.contains("SYNC-") && !unexpected, "{hall_output}");
+    assert!(hall_output.contains("import"), "passes are timed: {hall_output}");
     check_composite(folder, SIZE, &["--fade", "off"]);
 
     // The examples of the documentation must compile, and C++ must accept the header.

@@ -2,9 +2,9 @@
 //! makes a device without hardware, and compiles for it. `make test-drivers` runs these tests with the variables of
 //! `scripts/drivers.sh --radv`.
 //!
-//! No program spills registers or has scratch memory, and each has the vector registers and instructions that
-//! `tests/registers.csv` keeps of it, so that a change that costs occupancy is seen. With SSCT_WRITE_REGISTERS=FILE a table is
-//! written there instead; SSCT_COMMAND names another program that it is of.
+//! No program may spill registers or use scratch memory. The numbers of its vector registers and instructions must be
+//! those in `tests/registers.csv`, so that a change that costs occupancy is seen. With SSCT_WRITE_REGISTERS=FILE the
+//! test writes the table to this file instead; SSCT_COMMAND names another build of `ssct` to take the numbers from.
 
 use crate::common::folder::Folder;
 use crate::common::repository;
@@ -13,11 +13,12 @@ use ssct::gpu::programs;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-/// The families that programs are compiled for, by RADV's names, and whether they have ray queries.
+/// The families of GPUs that programs are compiled for: RADV's name of the family, and whether it has ray queries.
 const FAMILIES: [(&str, bool); 5] =
     [("vega20", false), ("navi10", false), ("navi21", true), ("navi31", true), ("gfx1201", true)];
 
-/// Methods with their options, by scene, which together run every program.
+/// Built-in scenes, and for each the variants (a method with its options) that are run in it. Together they run every
+/// program.
 const RUNS: [(&str, &[&str]); 3] = [
     (
         "rooms",
@@ -67,7 +68,7 @@ const RUNS: [(&str, &[&str]); 3] = [
     ("museum", &["unified --first screen", "traced"]),
 ];
 
-/// Runs that find what rays meet by ray queries.
+/// Variants, run in the rooms, that find what rays meet by ray queries.
 const QUERIED: [&str; 3] =
     ["traced --tracer query", "unified --tracer query --own-rays 8", "unified --first screen --tracer query"];
 
@@ -86,8 +87,8 @@ struct Numbers {
     scratch: u32,
 }
 
-/// The records that `ssct shaders` prints for a family, a scene and some variants, whose passes run in a stage of
-/// shaders.
+/// Returns the records that `ssct shaders --json` prints for a family of GPUs, a scene and some variants. `stage` is
+/// the stage of shaders in which passes run: "published" or "compute".
 fn records(family: &str, scene: &str, variants: &[&str], stage: &str) -> Vec<Value> {
     let radv = Command::new(repository().join("scripts/drivers.sh")).arg("--radv").output().unwrap();
     assert!(radv.status.success(), "{}", String::from_utf8_lossy(&radv.stderr));
@@ -110,14 +111,16 @@ fn records(family: &str, scene: &str, variants: &[&str], stage: &str) -> Vec<Val
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The statistics of each program on a family, by the program's name, and the name of the driver.
+/// Returns the statistics of each program on a family of GPUs, by the program's name, and the name of the driver.
+/// `has_queries` adds the variants that use ray queries. Of a program that several runs compile, the greatest numbers
+/// are kept, and the fewest subgroups.
 fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, String) {
     let mut all: BTreeMap<String, Numbers> = BTreeMap::new();
     let mut driver = String::new();
     let queried = has_queries.then_some(("rooms", &QUERIED[..]));
     let runs = || RUNS.into_iter().chain(queried);
-    for ((scene, variants), stage) in ["published", "compute"].into_iter().flat_map(|s| runs().map(move |run| (run, s)))
-    {
+    let in_stage = |stage| runs().map(move |(scene, variants)| (scene, variants, stage));
+    for (scene, variants, stage) in ["published", "compute"].into_iter().flat_map(in_stage) {
         for record in records(family, scene, variants, stage) {
             driver = record["device"]["driver"].as_str().unwrap().to_owned();
             let statistic = |name: &str| {
@@ -140,7 +143,7 @@ fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, Strin
     (all, driver)
 }
 
-/// The table: a line for the driver, a header, and a row for each program and family.
+/// Returns the table as CSV: a line for the driver, a header, and a row for each program and family.
 fn table(found: &BTreeMap<(String, &str), Numbers>, driver: &str) -> String {
     let mut text = format!("# {driver}\nprogram,family,registers,needed,subgroups,instructions,cycles\n");
     for ((program, family), Numbers { registers, needed, instructions, cycles, subgroups, .. }) in found {
@@ -150,14 +153,16 @@ fn table(found: &BTreeMap<(String, &str), Numbers>, driver: &str) -> String {
     text
 }
 
+/// Compiled for each family, no program spills, and each has the numbers that `tests/registers.csv` keeps. A change of
+/// a shader may cost occupancy on GPUs that the machine lacks, where no time would show it.
 #[test]
 #[ignore = "make test-drivers runs it: it needs Mesa's driver for AMD's GPUs"]
 fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them() {
     let mut found = BTreeMap::new();
     let mut driver = String::new();
     for (family, has_queries) in FAMILIES {
-        let (programs, of_driver) = numbers(family, has_queries);
-        driver = of_driver;
+        let (programs, driver_name) = numbers(family, has_queries);
+        driver = driver_name;
         for (program, numbers) in programs {
             found.insert((program, family), numbers);
         }
@@ -199,8 +204,8 @@ fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them(
     );
 }
 
-/// Whether no frame of a method runs a program: it is a vertex stage, whose fragment stage is listed, or it imports,
-/// converts or tests.
+/// Returns whether no frame of a method runs a program. Such a program is a vertex stage, whose fragment stage is
+/// listed, or it imports, converts or tests.
 fn is_elsewhere(name: &str) -> bool {
     let parts = [".vert", "embed/", "custom/", "scene/", "view/", "common/nothing", "planar/lookup"];
     parts.iter().any(|part| name.contains(part))

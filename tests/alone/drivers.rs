@@ -24,23 +24,26 @@ fn open(device: &str, isotropic: bool) -> Gpu {
     Gpu::open(&DeviceQuery { device, validation: true, isotropic, ..DeviceQuery::default() }).unwrap()
 }
 
+/// Returns what two devices draw to be compared: a view of a scene by every method, at the size `EXTENT`, with all rays
+/// on the screen.
 fn spec<'a>(scene: &'a Scene, view: &str, globals: Globals) -> AgreementSpec<'a> {
     let view = scene.view(view).unwrap();
     AgreementSpec { scene, view, globals, methods: METHODS.iter().collect(), setup: Setup::on_screen(EXTENT) }
 }
 
+/// Returns overrides that give every surface one roughness.
 fn of_roughness(roughness: f32) -> Globals {
     Globals { roughness: Some(roughness), ..Globals::default() }
 }
 
-/// The greatest mean FLIP that is allowed between the drivers' images of a method on one G-buffer: of a mirror, and of
-/// roughness 0.1.
+/// Returns the two greatest mean FLIP values that are allowed between the drivers' images of a method on one G-buffer:
+/// of a mirror, and of roughness 0.1.
 fn greatest_flip(method: &str) -> [f64; 2] {
     match method {
         // Levels of chains per pixel: SwiftShader samples the four pixels of a block at one level, that of the first
         // (`lodOrBias` in src/Pipeline/SamplerCore.cpp is one number for all).
         "ssct" | "hzct" | "sslr" | "poster" => [0.01, 0.04],
-        // These methods draw the scene again, into cube maps or a mirror's image, and there the devices' filters differ.
+        // These methods draw the scene again, into cube maps or a mirror's image, where the devices' filters differ.
         "local-map" | "pccm" | "captures" | "planar" => [0.04, 0.04],
         // `traced` reads levels of material maps that the device makes by its own filter. With the finest level alone,
         // its images are as near as those of the methods below.
@@ -49,6 +52,9 @@ fn greatest_flip(method: &str) -> [f64; 2] {
     }
 }
 
+/// Given one G-buffer, both drivers make nearly the same image by each method: FLIP stays below the method's bound.
+/// Hits of mirror rays agree, and those of `unified` differ by ties alone, since a mirror's hits leave no choice to a
+/// driver.
 #[test]
 #[ignore = "needs the driver that make test-drivers fetches"]
 fn methods_make_the_same_of_one_gbuffer() {
@@ -81,6 +87,8 @@ fn methods_make_the_same_of_one_gbuffer() {
     [base, other].iter().for_each(|gpu| check_validation(gpu).unwrap());
 }
 
+/// The G-buffers that the two drivers draw differ mostly by their anisotropic filters of normal maps. Without
+/// anisotropy few normals differ, and without normal maps only pixels at edges of triangles do.
 #[test]
 #[ignore = "needs the driver that make test-drivers fetches"]
 fn gbuffers_differ_by_the_filter_of_material_maps() {
@@ -104,25 +112,29 @@ fn gbuffers_differ_by_the_filter_of_material_maps() {
     assert!(usual.other_normal > 10.0 * isotropic.other_normal, "{usual:?}");
 }
 
+/// The stress suite passes on SwiftShader, under the validation layers. Its hard input may rely on what lavapipe does
+/// and the specification does not promise.
 #[test]
 #[ignore = "needs the driver that make test-drivers fetches"]
 fn the_stress_suite_is_passed_on_the_second_driver() {
     let folder = Folder::new();
     let output = folder.run(&["stress", "--quick", "--validation", "--json", "--device", SWIFTSHADER]);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let log = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{log}");
     let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
     let judged = records.iter().filter(|r| r["judged"] == true);
     assert!(judged.clone().count() > 100 && judged.clone().all(|r| r["pass"] == true));
     assert!(records[0]["device"]["driver"].as_str().unwrap().contains(SWIFTSHADER));
 }
 
+/// On both drivers `ssct time` records and skips the same passes of each method and finds a time above 0. A feature
+/// that one driver lacks must not change which passes run, except the pass that clears triangle numbers.
 #[test]
 #[ignore = "needs the driver that make test-drivers fetches"]
 fn both_drivers_record_and_time_the_same_passes() {
     let folder = Folder::new();
     let timed = |device: &str| -> Vec<Value> {
-        let said = folder.succeed(&[
+        let json = folder.succeed(&[
             "time",
             "--scene",
             "rooms",
@@ -139,10 +151,11 @@ fn both_drivers_record_and_time_the_same_passes() {
             "--device",
             device,
         ]);
-        serde_json::from_str(&said).unwrap()
+        serde_json::from_str(&json).unwrap()
     };
     let [ours, theirs] = [LAVAPIPE, SWIFTSHADER].map(timed);
-    // SwiftShader has no geometry shaders, so that its G-buffer does not number triangles. One pass says so to shaders.
+    // SwiftShader has no geometry shaders, so that its G-buffer does not number triangles. One more pass, called
+    // "no triangle", tells this to shaders.
     let recorded = |r: &Value| -> Vec<Value> {
         r["recorded"].as_array().unwrap().iter().filter(|pass| *pass != "no triangle").cloned().collect()
     };
@@ -159,25 +172,28 @@ fn both_drivers_record_and_time_the_same_passes() {
     }
 }
 
+/// `ssct gpu-study` measures a device in seven parts and compares its images with those of the second driver. Resumed
+/// beside its own results, as if these were another machine's, the study measures nothing again and finds no
+/// difference.
 #[test]
 #[ignore = "minutes, and needs the driver that make test-drivers fetches"]
 fn a_device_is_measured_and_held_against_its_own_images() {
     let folder = Folder::new();
     let study = |more: &[&str]| {
-        let told = ["gpu-study", "--quick", "--device", LAVAPIPE, "-o", "study"];
-        let output = folder.run(&[&told, more].concat());
-        let [pages, said] = [&output.stdout, &output.stderr].map(|s| String::from_utf8_lossy(s).into_owned());
-        // The README's numbers come first, and what begins is said where there is no terminal for a bar.
-        assert_eq!(pages.lines().collect::<Vec<_>>(), ["study/readme.html", "study/index.html"], "{said}");
-        assert!(said.starts_with("ssct: gpu-study, part 1 of 7: the README's numbers\n"), "{said}");
-        assert!(said.lines().count() == 7 && said.contains("part 7 of 7"), "{said}");
+        let arguments = ["gpu-study", "--quick", "--device", LAVAPIPE, "-o", "study"];
+        let output = folder.run(&[&arguments, more].concat());
+        let [pages, log] = [&output.stdout, &output.stderr].map(|s| String::from_utf8_lossy(s).into_owned());
+        // The README's numbers come first. Without a terminal for a progress bar, a line names each part as it begins.
+        assert_eq!(pages.lines().collect::<Vec<_>>(), ["study/readme.html", "study/index.html"], "{log}");
+        assert!(log.starts_with("ssct: gpu-study, part 1 of 7: the README's numbers\n"), "{log}");
+        assert!(log.lines().count() == 7 && log.contains("part 7 of 7"), "{log}");
         let all: Vec<Value> = serde_json::from_str(&folder.text("study/gpu-study.json")).unwrap();
         all
     };
     let records = study(&[]);
     let records_of = |kind: &str| records.iter().filter(|r| r["kind"] == kind).collect::<Vec<_>>();
     let times: Vec<Value> = serde_json::from_str(&folder.text("study/time.json")).unwrap();
-    // `unified` in each stage at three roughness values stands behind all else.
+    // The last six records are `unified` in each stage at three roughness values.
     for pair in times[times.len() - 6..].chunks_exact(2) {
         assert_eq!([0, 1].map(|n| &pair[n]["setup"]["trace_stage"]), ["fragment", "compute"]);
         assert_eq!((&pair[0]["recorded"], &pair[0]["roughness"]), (&pair[1]["recorded"], &pair[1]["roughness"]));
@@ -207,9 +223,9 @@ fn a_device_is_measured_and_held_against_its_own_images() {
     let shares: Vec<_> = readme.iter().filter(|r| ["ends", "hits"].iter().any(|f| r["figure"] == *f)).collect();
     assert!(!shares.is_empty() && shares.iter().all(|r| r["verdict"] == "same" || r["views"] == 0), "{shares:?}");
     let page = folder.text("study/readme.html").replace('\u{a0}', " ");
-    let is_told = |row: &str| row.contains("not comparable") && row.contains("make league");
-    assert!(page.split("<tr").any(is_told), "a row names the command that measures it");
-    // The study beside itself, as if of another machine: nothing is measured again, and nothing differs.
+    let names_command = |row: &str| row.contains("not comparable") && row.contains("make league");
+    assert!(page.split("<tr").any(names_command), "a row names the command that measures it");
+    // The study is compared with itself, as if with another machine's: nothing is measured again, and nothing differs.
     let again = study(&["--resume", "--beside", "study"]);
     let own: Vec<_> =
         again.iter().filter(|r| r["kind"] == "agreement" && r["base"]["name"] == r["device"]["name"]).collect();

@@ -1,33 +1,36 @@
-//! A renderer that is as small as one can be and takes reflections from `ssct`: it computes a G-buffer on the CPU, copies
-//! it to the device, records `unified`, and returns the texels that came out. `packaged.rs` runs it here, and builds the
-//! same file against the packaged crate.
+//! A minimal renderer that takes reflections from `ssct`: it computes a G-buffer on the CPU, copies it to the device,
+//! records `unified`, and returns the texels of its images. `packaged.rs` runs it here, and builds the same file
+//! against the packaged crate.
 
 use ash::vk;
 use std::error::Error;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Width and height; odd, so that no pyramid divides evenly.
+/// Width and height in pixels; odd, so that no pyramid divides evenly.
 pub const SIZE: [u32; 2] = [97, 61];
 
-/// Bytes of a texel of the composite, and of the reflection.
+/// Bytes of a texel of the composite, and of the reflection: four 16-bit floats.
 pub const TEXEL: usize = 8;
 
-/// A texel of depth has one float, that of any other input four.
+/// Formats of the input images, in the order depth, normal, material, colour: one 32-bit float for depth, four for the
+/// others.
 const INPUTS: [vk::Format; 4] = {
     use vk::Format as F;
     [F::R32_SFLOAT, F::R32G32B32A32_SFLOAT, F::R32G32B32A32_SFLOAT, F::R32G32B32A32_SFLOAT]
 };
 
-/// Distance of the near plane.
+/// Distance of the near plane, in metres.
 const NEAR: f32 = 0.1;
 
-/// Scale of x and y by the projection.
+/// Factors of x and y in the projection: clip-space x and y are these times view-space x and y.
 const SCALE: [f32; 2] = [1.2, 1.2 * SIZE[0] as f32 / SIZE[1] as f32];
 
-/// The G-buffer of a pixel: depth; then normal, material (reflectivity, roughness) and colour. The scene is a floor,
-/// which is rougher to the right, before a pillar and a chequered wall. The function uses only operations that IEEE 754
-/// rounds, so that every build computes the same.
+/// Computes the G-buffer of pixel (`x`, `y`), counted from the top left: its reversed depth; then its normal, its
+/// material (reflectivity, roughness) and its colour.
+///
+/// The scene is a floor, which is rougher to the right, before a pillar and a chequered wall. Only operations that IEEE
+/// 754 rounds exactly are used, so that every build computes the same.
 fn pixel(x: u32, y: u32) -> ([f32; 1], [[f32; 4]; 3]) {
     let along = |coordinate: u32, axis: usize| (coordinate as f32 + 0.5) / SIZE[axis] as f32 * 2.0 - 1.0;
     let (right, up) = (along(x, 0) / SCALE[0], -along(y, 1) / SCALE[1]);
@@ -45,7 +48,8 @@ fn pixel(x: u32, y: u32) -> ([f32; 1], [[f32; 4]; 3]) {
     (depth, [[0.0, 0.0, -1.0, 0.0], [0.0; 4], color])
 }
 
-/// Renders a frame, and returns the texels of the composite and then those of the reflection.
+/// Opens a device, renders one frame, and returns the bytes of the composite's texels, followed by those of the
+/// reflection's.
 pub fn picture() -> Result<Vec<u8>> {
     // SAFETY: handles are of this instance and device, which are destroyed last, after the queue was waited for; every
     // structure lives through its call.
@@ -87,6 +91,7 @@ pub fn picture() -> Result<Vec<u8>> {
     }
 }
 
+/// The handles that the renderer's functions need. `family` is the index of the queue family.
 struct Renderer<'a> {
     instance: &'a ash::Instance,
     physical: vk::PhysicalDevice,
@@ -95,7 +100,7 @@ struct Renderer<'a> {
 }
 
 impl Renderer<'_> {
-    /// Renders a frame and reads its images back.
+    /// Renders one frame and reads its images back, as [`picture`] returns them.
     ///
     /// # Safety
     /// The handles are those of the renderer.
@@ -105,9 +110,9 @@ impl Renderer<'_> {
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let mut texels: [Vec<u8>; 4] = Default::default();
         for (x, y) in places {
-            let (depth, rest) = pixel(x, y);
+            let (depth, vectors) = pixel(x, y);
             texels[0].extend(depth[0].to_ne_bytes());
-            for (texels, values) in texels[1..].iter_mut().zip(rest) {
+            for (texels, values) in texels[1..].iter_mut().zip(vectors) {
                 texels.extend(values.into_iter().flat_map(f32::to_ne_bytes));
             }
         }
@@ -215,10 +220,10 @@ impl Renderer<'_> {
             device.queue_submit(queue, &[submit], vk::Fence::null())?;
             device.queue_wait_idle(queue)?;
 
-            let mut made = Vec::new();
+            let mut texels_read = Vec::new();
             for (_, memory) in &buffers[buffers.len() - outputs.len()..] {
                 let mapped = device.map_memory(*memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty())?;
-                made.extend(std::slice::from_raw_parts(mapped.cast::<u8>(), size));
+                texels_read.extend(std::slice::from_raw_parts(mapped.cast::<u8>(), size));
                 device.unmap_memory(*memory);
             }
 
@@ -233,11 +238,11 @@ impl Renderer<'_> {
                 device.destroy_buffer(buffer, None);
                 device.free_memory(memory, None);
             }
-            Ok(made)
+            Ok(texels_read)
         }
     }
 
-    /// Makes an image that is copied to and sampled: the image, its view and its memory.
+    /// Makes an image of `SIZE` that is copied to and sampled. Returns the image, its view and its memory.
     fn image(&self, format: vk::Format) -> Result<(vk::Image, vk::ImageView, vk::DeviceMemory)> {
         let [width, height] = SIZE;
         let info = vk::ImageCreateInfo::default()
@@ -263,7 +268,7 @@ impl Renderer<'_> {
         }
     }
 
-    /// Makes a buffer that the host sees, and its memory.
+    /// Makes a buffer of `size` bytes that the host can map. Returns the buffer and its memory.
     fn buffer(&self, size: usize, usage: vk::BufferUsageFlags) -> Result<(vk::Buffer, vk::DeviceMemory)> {
         use vk::MemoryPropertyFlags as P;
         // SAFETY: as in `picture`.
@@ -277,7 +282,8 @@ impl Renderer<'_> {
         }
     }
 
-    /// Allocates memory for one image or buffer. Each has memory of its own, since there are few.
+    /// Allocates memory that meets the requirements `needs` and has the properties `like`. Each image and buffer has
+    /// memory of its own, since there are few.
     fn memory(&self, needs: vk::MemoryRequirements, like: vk::MemoryPropertyFlags) -> Result<vk::DeviceMemory> {
         // SAFETY: as in `picture`.
         unsafe {
@@ -292,6 +298,7 @@ impl Renderer<'_> {
     }
 }
 
+/// The whole of an image: its one level and layer.
 const WHOLE: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     aspect_mask: vk::ImageAspectFlags::COLOR,
     base_mip_level: 0,
@@ -300,7 +307,7 @@ const WHOLE: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: 1,
 };
 
-/// A copy between a whole image and a buffer.
+/// Returns the region that copies between a whole image and a buffer.
 fn copy() -> vk::BufferImageCopy {
     let [width, height] = SIZE;
     let layers = vk::ImageSubresourceLayers::default()

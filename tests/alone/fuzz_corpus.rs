@@ -14,14 +14,14 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Mutations of a target's inputs, all together.
+/// The number of mutations that each target gets, over all of its inputs.
 const MUTATIONS: u64 = 2000;
 
-/// SplitMix64 (Steele et al. 2014).
+/// A random number generator: SplitMix64 (Steele et al. 2014), with its state.
 struct Random(u64);
 
 impl Random {
-    /// A random number below `n`; 0 if `n` is 0.
+    /// Returns a random number below `n`, or 0 if `n` is 0.
     fn below(&mut self, n: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -31,8 +31,8 @@ impl Random {
     }
 }
 
-/// Changes a few places: bits, bytes, numbers at their limits, runs left out, repeated or taken from another
-/// input.
+/// Returns an input changed in one to four places: bits, bytes or runs of extreme values are set, and runs are removed,
+/// repeated or replaced by some of the input `other`.
 fn mutate(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = input.to_vec();
     for _ in 0..=random.below(4) {
@@ -55,7 +55,7 @@ fn mutate(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
-/// The inputs that an archive of `fuzz/corpus` keeps, in the order of their names.
+/// Returns the inputs that the archive of a fuzz target in `fuzz/corpus` keeps, in the archive's order.
 fn kept_inputs(target: &str) -> Vec<Vec<u8>> {
     let file = File::open(repository().join("fuzz/corpus").join(format!("{target}.tar.gz"))).unwrap();
     let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(file));
@@ -67,6 +67,8 @@ fn kept_inputs(target: &str) -> Vec<Vec<u8>> {
     archive.entries().unwrap().map(read).collect()
 }
 
+/// No entry of the fuzz targets panics or exceeds its bound of memory, whether it gets a kept input or a mutation of
+/// one. Fuzzing runs rarely, so that a change could bring back what it once found.
 #[test]
 fn kept_inputs_and_their_mutations_are_loaded_or_refused() {
     if !is_alone() {
@@ -84,18 +86,18 @@ fn kept_inputs_and_their_mutations_are_loaded_or_refused() {
     }
 }
 
-/// The sentence by which an input is refused, with no more memory than an input of its length may take. Panics if it is
-/// loaded.
+/// Loads an input within the memory that an input of its length may take, and returns the error's text. Panics if the
+/// input is loaded.
 fn refused(bytes: &[u8], load: impl FnOnce(&[u8]) -> Option<String>) -> String {
     bounded(load, bytes).expect("an error")
 }
 
-/// The error of loading an image by its name's extension, if there is one.
+/// Decodes an image, whose format the extension of `name` says. Returns the error's text, if there is an error.
 fn texture(name: &'static str, bytes: &[u8]) -> Option<String> {
     texture::from_bytes(bytes, Path::new(name), Encoding::Srgb).err().map(|e| e.to_string())
 }
 
-/// The CRC-32 of a PNG chunk.
+/// Returns the CRC-32 of a PNG chunk.
 fn crc(bytes: &[u8]) -> u32 {
     let step = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |c, _| if c & 1 == 1 { c >> 1 ^ 0xedb8_8320 } else { c >> 1 })
@@ -103,7 +105,7 @@ fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, step)
 }
 
-/// A PNG file whose header claims a size, with an empty stream of pixels.
+/// Returns a PNG file whose header claims a width and a height in pixels, with an empty stream of pixels.
 fn png(width: u32, height: u32) -> Vec<u8> {
     let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
     let header = [&b"IHDR"[..], &width.to_be_bytes(), &height.to_be_bytes(), &[8, 6, 0, 0, 0]].concat();
@@ -115,13 +117,15 @@ fn png(width: u32, height: u32) -> Vec<u8> {
     bytes
 }
 
-/// A TGA file whose header claims a size and a kind of image, with five bytes of pixels.
+/// Returns a TGA file whose header claims a width, a height and a kind of image, with five bytes of pixels. Kind 2 is
+/// uncompressed, kind 10 run-length encoded.
 fn tga(width: u16, height: u16, kind: u8) -> Vec<u8> {
     let [w, h] = [width, height].map(u16::to_le_bytes);
     [&[0, 0, kind, 0, 0, 0, 0, 0, 0, 0, 0, 0][..], &w, &h, &[32, 0x20], &[0x81, 1, 2, 3, 4]].concat()
 }
 
-/// An OpenEXR header of float channels and scan lines, with nothing behind it.
+/// Returns an OpenEXR header that claims a number of float channels and a size in pixels, in ZIP-compressed scan lines,
+/// with no pixels.
 fn exr(width: u32, height: u32, channels: usize) -> Vec<u8> {
     let mut bytes = [&[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0][..]].concat();
     let mut attribute = |name: &str, kind: &str, value: &[u8]| {
@@ -145,18 +149,21 @@ fn exr(width: u32, height: u32, channels: usize) -> Vec<u8> {
     bytes
 }
 
+/// A PNG of 65 bytes that claims huge sides is refused before memory for its texels is allocated.
 #[test]
 fn a_png_that_claims_a_billion_squared_is_refused() {
     if !is_alone() {
         return;
     }
     let load = |bytes: &[u8]| texture("a.png", bytes);
-    let said = refused(&png(1_000_000_000, 1_000_000_000), load);
-    assert!(said.starts_with("a.png: "), "{said}");
-    let said = refused(&png(16_384, 16_384), load);
-    assert_eq!(said, "a.png: an image of 16384 x 16384 texels cannot come from only 65 bytes");
+    let message = refused(&png(1_000_000_000, 1_000_000_000), load);
+    assert!(message.starts_with("a.png: "), "{message}");
+    let message = refused(&png(16_384, 16_384), load);
+    assert_eq!(message, "a.png: an image of 16384 x 16384 texels cannot come from only 65 bytes");
 }
 
+/// A TGA of 23 bytes that claims the greatest sides is refused, compressed or not, before memory for its texels is
+/// allocated.
 #[test]
 fn a_tga_that_claims_all_that_it_can_is_refused() {
     if !is_alone() {
@@ -164,27 +171,34 @@ fn a_tga_that_claims_all_that_it_can_is_refused() {
     }
     for (kind, length) in [(2, 23), (10, 23)] {
         let load = |bytes: &[u8]| texture("a.tga", bytes);
-        let said = refused(&tga(65_535, 65_535, kind), load);
-        assert!(said.starts_with("a.tga: "), "{said}");
-        let said = refused(&tga(16_384, 16_384, kind), load);
-        assert_eq!(said, format!("a.tga: an image of 16384 x 16384 texels cannot come from only {length} bytes"));
+        let message = refused(&tga(65_535, 65_535, kind), load);
+        assert!(message.starts_with("a.tga: "), "{message}");
+        let message = refused(&tga(16_384, 16_384, kind), load);
+        assert_eq!(message, format!("a.tga: an image of 16384 x 16384 texels cannot come from only {length} bytes"));
     }
 }
 
+/// An OpenEXR header that claims huge sides, or thousands of channels, is refused before memory for its pixels is
+/// allocated.
 #[test]
 fn an_exr_that_claims_a_billion_squared_is_refused() {
     if !is_alone() {
         return;
     }
     let load = |bytes: &[u8]| gbuffer_file::decode(bytes, Path::new("a.exr")).err().map(|e| e.to_string());
-    let said = refused(&exr(1_000_000_000, 1_000_000_000, 10), load);
-    assert_eq!(said, "a.exr: the G-buffer has 1000000000x1000000000 pixels; at most 16384 on each side are supported");
+    let message = refused(&exr(1_000_000_000, 1_000_000_000, 10), load);
+    assert_eq!(
+        message,
+        "a.exr: the G-buffer has 1000000000x1000000000 pixels; at most 16384 on each side are supported"
+    );
     for (side, channels) in [(16_384, 10), (1024, 3000)] {
-        let said = refused(&exr(side, side, channels), load);
-        assert!(said.contains("too many for a file of"), "{said}");
+        let message = refused(&exr(side, side, channels), load);
+        assert!(message.contains("too many for a file of"), "{message}");
     }
 }
 
+/// A TOML text nested 100 000 deep is refused with a short message, where a recursive parser would overflow its stack.
+/// An OBJ face is refused whose indices exceed what the loader counts in.
 #[test]
 fn deep_nesting_and_huge_indices_are_refused() {
     if !is_alone() {
@@ -196,8 +210,8 @@ fn deep_nesting_and_huge_indices_are_refused() {
             let text = std::str::from_utf8(bytes).unwrap();
             path::parse(text, Path::new("a.toml")).err().map(|e| e.to_string())
         };
-        let said = refused(text.as_bytes(), load);
-        assert!(said.starts_with("a.toml") && said.len() < 500, "{said}");
+        let message = refused(text.as_bytes(), load);
+        assert!(message.starts_with("a.toml") && message.len() < 500, "{message}");
     }
     for index in ["4294967296", "9223372036854775807", "-9223372036854775808"] {
         assert!(!bounded(entry::obj, format!("v 0 0 0\nf 1 1 {index}\n").as_bytes()));

@@ -1,5 +1,6 @@
-//! The integration tests that need a process of their own: they measure its memory, make devices fail, or build what others build.
-//! Processes may run beside each other. Tests of other drivers are here, too; `make test-drivers` runs them.
+//! The integration tests that need a process of their own: they measure its memory, make devices fail, or build the
+//! library as its users do. Processes may run beside each other. Tests of other drivers are here, too; `make
+//! test-drivers` runs them.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -24,13 +25,14 @@ use std::process::{Command, Stdio};
 #[global_allocator]
 static MEMORY: memory::Counting = memory::Counting;
 
-/// The variable with the name of the test that a process is for.
+/// The environment variable that tells a process which test it runs alone.
 const ALONE: &str = "SSCT_TEST_ALONE";
 
-/// Whether the calling test has the process for itself. If not, the test runs in a process of its own before this returns.
+/// Returns true in the process that runs the calling test alone. In any other process, it runs the test in such a
+/// process, waits for it, and returns false.
 ///
 /// # Panics
-/// If it does not pass there.
+/// If the test does not pass in that process.
 fn is_alone() -> bool {
     let thread = std::thread::current();
     let name = thread.name().expect("a test's thread has its name");
@@ -38,11 +40,11 @@ fn is_alone() -> bool {
         return true;
     }
     let mut command = Command::new(std::env::current_exe().expect("this program has a path"));
-    // What a test says on standard error is shown as it is said.
+    // The test's standard error is passed through at once.
     command.args([name, "--exact", "--include-ignored", "--nocapture"]).env(ALONE, name).stderr(Stdio::inherit());
     let output = command.output().unwrap_or_else(|e| panic!("{name}: {e}"));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    println!("{said}");
-    assert!(output.status.success() && said.contains("1 passed"), "{name} failed in a process of its own");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    println!("{text}");
+    assert!(output.status.success() && text.contains("1 passed"), "{name} failed in a process of its own");
     false
 }

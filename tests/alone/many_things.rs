@@ -1,5 +1,6 @@
-//! A glTF file of many things is loaded in work that grows with their number, and not with its square. The work is counted
-//! in bytes that are ever allocated, since a clock says as much about the machine as about the loader.
+//! The work of loading a glTF file grows with the number of its cameras, primitives and materials, and not with the
+//! square. The work is counted in bytes that are ever allocated, since a time depends on the machine as much as on the
+//! loader.
 
 use crate::common::folder::Folder;
 use crate::is_alone;
@@ -9,7 +10,7 @@ use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 use ssct_scenes::{LoadOptions, Scene, gltf};
 
-/// A document that draws a quad. The positions of its four corners stand in the accessor `repeats` times.
+/// Returns a document that draws a quad. The positions of its four corners stand in the accessor `repeats` times.
 fn quad(repeats: usize) -> Value {
     let corners = [[0.0_f32, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]].concat().repeat(repeats);
     let mut bytes: Vec<u8> = [0_u16, 1, 2, 0, 2, 3].into_iter().flat_map(u16::to_le_bytes).collect();
@@ -34,8 +35,8 @@ fn quad(repeats: usize) -> Value {
     })
 }
 
-/// A document with `count` cameras. One is named "cam 2", and all others are named "cam", so that the loader must
-/// number them.
+/// Returns a document with `count` cameras. One is named "cam 2", and all others are named "cam", so that the loader
+/// must number them.
 fn cameras(count: usize) -> Value {
     let mut document = quad(1);
     document["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
@@ -47,8 +48,8 @@ fn cameras(count: usize) -> Value {
     document
 }
 
-/// A document with `count` primitives, each of which draws the same two triangles. They share one accessor, which has
-/// ten corners for each primitive.
+/// Returns a document with `count` primitives, each of which draws the same two triangles. They share one accessor,
+/// which has ten corners for each primitive.
 fn primitives(count: usize) -> Value {
     let mut document = quad(10 * count / 4);
     let primitive = document["meshes"][0]["primitives"][0].clone();
@@ -56,22 +57,22 @@ fn primitives(count: usize) -> Value {
     document
 }
 
-/// A document with `count` materials, each used by one primitive.
+/// Returns a document with `count` materials, each used by one primitive.
 fn materials(count: usize) -> Value {
     let mut document = quad(1);
     let material = document["materials"][0].clone();
     document["materials"] = vec![material; count].into();
     let primitive = document["meshes"][0]["primitives"][0].clone();
-    let with = |k: usize| {
+    let primitive_of = |index: usize| {
         let mut primitive = primitive.clone();
-        primitive["material"] = k.into();
+        primitive["material"] = index.into();
         primitive
     };
-    document["meshes"][0]["primitives"] = (0..count).map(with).collect();
+    document["meshes"][0]["primitives"] = (0..count).map(primitive_of).collect();
     document
 }
 
-/// The scene of a document, and the bytes that were allocated while it was loaded.
+/// Loads a document. Returns its scene, and the number of bytes that were allocated meanwhile.
 fn loaded(document: &Value) -> (Scene, usize) {
     let folder = Folder::new();
     folder.write("a.gltf", document.to_string());
@@ -80,6 +81,8 @@ fn loaded(document: &Value) -> (Scene, usize) {
     (scene, allocated() - before)
 }
 
+/// Four times as many things cost less than five times the allocated bytes. A loader that searches or copies all
+/// earlier things for each new one would take the square.
 #[test]
 fn the_work_of_loading_grows_with_the_number_of_things() {
     if !is_alone() {
@@ -87,7 +90,7 @@ fn the_work_of_loading_grows_with_the_number_of_things() {
     }
     type Made = fn(usize) -> Value;
     for (what, document) in [("cameras", cameras as Made), ("primitives", primitives), ("materials", materials)] {
-        // The first load makes what is made once in a process.
+        // The first load allocates what a process allocates once.
         loaded(&document(8));
         let [few, many] = [1000, 4000].map(|count| loaded(&document(count)).1);
         println!("{what}: {few} bytes for 1000, {many} for 4000");
@@ -95,6 +98,8 @@ fn the_work_of_loading_grows_with_the_number_of_things() {
     }
 }
 
+/// All of 4000 cameras, primitives and materials are loaded, and the cameras get different names. The shortcuts that
+/// keep the work linear must not merge two things into one.
 #[test]
 fn many_things_of_one_name_or_one_accessor_are_all_there() {
     if !is_alone() {

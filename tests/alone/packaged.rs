@@ -8,12 +8,12 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 /// The most that a build from clean may compile: crates, with the embedder's own; lines of the package's Rust; and
-/// bytes of its SPIR-V. On any machine, these numbers decide how long a build takes.
+/// bytes of its SPIR-V. These three numbers decide how long a build takes on any machine.
 const MOST_CRATES: usize = 60;
 const MOST_LINES: usize = 26_240;
 const MOST_SPIRV_BYTES: usize = 17 << 18;
 
-/// The manifest of a program that depends on the packaged crate alone, and is built as quickly as possible.
+/// The manifest of a program that depends on the packaged crate and on `ash`, with settings for a quick build.
 const MANIFEST: &str = r#"
 [package]
 name = "embedder"
@@ -34,7 +34,7 @@ incremental = false
 [workspace]
 "#;
 
-/// The program, which writes the embedder's images to a file.
+/// The program's source. It writes the embedder's images to the file that its argument names.
 const PROGRAM: &str = r#"
 mod embedder;
 
@@ -44,15 +44,15 @@ fn main() {
 }
 "#;
 
-/// A command that runs a program in a folder, without a network. It gets none of the variables by which Cargo and the
-/// set-up say where built files and a shader compiler are.
+/// Returns a command that runs a program in a folder, without a network. It gets none of the environment variables by
+/// which Cargo and `scripts/setup.sh` say where built files and a shader compiler are.
 fn command(program: &str, folder: &Path) -> Command {
     let mut command = Command::new(program);
     command.current_dir(folder);
     for (name, _) in std::env::vars_os() {
-        let told = name.to_string_lossy();
-        let of_cargo = told.starts_with("CARGO_") && told != "CARGO_HOME";
-        if of_cargo || told.starts_with("SHADERC_") || ["RUSTFLAGS", "VULKAN_SDK"].contains(&&*told) {
+        let variable = name.to_string_lossy();
+        let is_for_cargo = variable.starts_with("CARGO_") && variable != "CARGO_HOME";
+        if is_for_cargo || variable.starts_with("SHADERC_") || ["RUSTFLAGS", "VULKAN_SDK"].contains(&&*variable) {
             command.env_remove(name);
         }
     }
@@ -60,7 +60,7 @@ fn command(program: &str, folder: &Path) -> Command {
     command
 }
 
-/// Runs a command, which must succeed; returns its standard error.
+/// Runs a command and returns its standard error. Panics unless the command succeeds.
 fn succeed(command: &mut Command) -> String {
     let Output { status, stderr, .. } = command.output().unwrap();
     let text = String::from_utf8_lossy(&stderr).into_owned();
@@ -68,7 +68,7 @@ fn succeed(command: &mut Command) -> String {
     text
 }
 
-/// Lines of Rust in a folder and all below it.
+/// Counts the lines of Rust files in a folder and in all folders below it.
 fn lines_of_rust(folder: &Path) -> usize {
     let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
     let lines = |path: std::path::PathBuf| match path.extension() {
@@ -79,15 +79,17 @@ fn lines_of_rust(folder: &Path) -> usize {
     entries.map(lines).sum()
 }
 
-/// The contents of all files with an extension in a folder, sorted.
+/// Returns the contents of all files in a folder that have an extension, sorted by their bytes.
 fn contents(folder: &Path, extension: &str) -> Vec<Vec<u8>> {
     let paths = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
-    let wanted = paths.filter(|p| p.extension().is_some_and(|e| e == extension));
-    let mut found: Vec<_> = wanted.map(|p| std::fs::read(p).unwrap()).collect();
+    let matching = paths.filter(|p| p.extension().is_some_and(|e| e == extension));
+    let mut found: Vec<_> = matching.map(|p| std::fs::read(p).unwrap()).collect();
     found.sort();
     found
 }
 
+/// The packaged crate builds without a shader compiler and without a network, within the limits above, and draws the
+/// same bits. Only this test sees a file that the package lacks, since the repository has them all.
 #[test]
 fn the_packaged_crate_needs_no_shader_compiler_and_shows_the_same() {
     if !is_alone() {
@@ -97,7 +99,7 @@ fn the_packaged_crate_needs_no_shader_compiler_and_shows_the_same() {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let target = folder.path().join("target");
 
-    // The one command here that has the shader compiler; its target folder is the workspace's.
+    // This is the one command here that may use the shader compiler, with the variables of the workspace.
     let mut package = Command::new(repository().join("scripts/package.sh"));
     succeed(package.env("CARGO_NET_OFFLINE", "true").arg("--target-dir").arg(&target));
     let unpacked = |name: &str| {
@@ -113,8 +115,9 @@ fn the_packaged_crate_needs_no_shader_compiler_and_shows_the_same() {
         contents(&root.join("shaders-spirv"), "spv") == modules,
         "the packaged modules are those that were built in"
     );
-    for there in ["LICENSE-APACHE", "LICENSE-MIT", "README.md", "docs/embedding.md", "examples/embed", "shaders-glsl"] {
-        assert!(root.join(there).exists(), "{there} is packaged");
+    for present in ["LICENSE-APACHE", "LICENSE-MIT", "README.md", "docs/embedding.md", "examples/embed", "shaders-glsl"]
+    {
+        assert!(root.join(present).exists(), "{present} is packaged");
     }
     for absent in ["benches", "lab", "tests"] {
         assert!(!root.join(absent).exists(), "{absent} is not packaged");
@@ -132,18 +135,18 @@ fn the_packaged_crate_needs_no_shader_compiler_and_shows_the_same() {
         build.args(["build", "--target-dir"]).arg(folder.path().join("built"));
         build
     };
-    let said = succeed(&mut build());
-    let crates = said.lines().filter(|line| line.trim_start().starts_with("Compiling ")).count();
+    let build_log = succeed(&mut build());
+    let crates = build_log.lines().filter(|line| line.trim_start().starts_with("Compiling ")).count();
     let lines = lines_of_rust(&ground.join("src")) + lines_of_rust(&root.join("src"));
     let bytes = modules.iter().map(Vec::len).sum::<usize>();
     println!("the packaged crate was built of {crates} crates, {lines} lines of its own and {bytes} bytes of SPIR-V");
-    assert!(crates > 10 && crates <= MOST_CRATES, "{crates} crates: {said}");
+    assert!(crates > 10 && crates <= MOST_CRATES, "{crates} crates: {build_log}");
     assert!(
         lines > 10_000 && lines <= MOST_LINES,
         "{lines} lines of Rust in src and ground/src; MOST_LINES here allows {MOST_LINES}"
     );
     assert!(bytes <= MOST_SPIRV_BYTES, "{bytes} bytes of SPIR-V; MOST_SPIRV_BYTES here allows {MOST_SPIRV_BYTES}");
-    assert!(said.contains("the shaders are the packaged SPIR-V"), "{said}");
+    assert!(build_log.contains("the shaders are the packaged SPIR-V"), "{build_log}");
     let lock = std::fs::read_to_string(program.join("Cargo.lock")).unwrap();
     assert!(
         lock.contains("name = \"rspirv\"") && !lock.contains("shaderc"),
@@ -160,7 +163,7 @@ fn the_packaged_crate_needs_no_shader_compiler_and_shows_the_same() {
     let reflects = reflection.chunks(embedder::TEXEL).filter(|texel| texel.iter().any(|byte| *byte != 0)).count();
     assert!(reflects > pixels / 8, "only {reflects} pixels reflect");
 
-    // Changed GLSL is not passed over in silence, nor is a checkout, which has no SPIR-V.
+    // A build is refused if the GLSL was changed, or if there is no SPIR-V, as in a checkout.
     let refused = |why: &str| {
         let output = build().output().unwrap();
         let text = String::from_utf8_lossy(&output.stderr).into_owned();

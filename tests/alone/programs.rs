@@ -1,6 +1,7 @@
-//! No frame makes programs but the first ones, even if the camera moves. Some drivers make a program again with values of its
-//! uniform blocks in it, at each dispatch or for each value, which takes hundreds of times as long as the dispatch itself
-//! (docs/devices.md). Drivers that are CPUs keep their programs in the memory of the process, where this is seen.
+//! Only the first frames make programs, even if the camera moves. Some drivers compile a program anew for each
+//! dispatch, or for each value in its uniform blocks, which takes hundreds of times as long as the dispatch
+//! (docs/devices.md). Drivers that run on the CPU keep compiled programs in the memory of the process, where this test
+//! counts their bytes.
 
 use crate::common::{built_in, own_gpu};
 use crate::is_alone;
@@ -14,28 +15,31 @@ use ssct_scenes::Capture;
 
 const EXTENT: [u32; 2] = [33, 18];
 
-/// The bytes of executable memory in this process that come from no file. Compilers of drivers made them while the
-/// process ran.
+/// Returns the number of bytes of executable memory in this process that come from no file. Compilers of drivers made
+/// them while the process ran.
 fn made_bytes() -> u64 {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
     let length = |range: &str| {
         let (from, to) = range.split_once('-')?;
         Some(u64::from_str_radix(to, 16).ok()? - u64::from_str_radix(from, 16).ok()?)
     };
-    let of_line = |line: &str| {
+    let executable_bytes = |line: &str| {
         let mut words = line.split_ascii_whitespace();
         let (range, rights) = (words.next()?, words.next()?);
-        // Then come the offset, the device, the number of the file, and its name where there is one.
+        // The next words are the offset, the device, the number of the file, and its name if the memory is a file's.
         (rights.contains('x') && words.nth(3).is_none()).then(|| length(range)).flatten()
     };
-    maps.lines().filter_map(of_line).sum()
+    maps.lines().filter_map(executable_bytes).sum()
 }
 
-/// Frames before those that are watched. A driver makes programs in them, and with a history the first of them differ.
+/// Frames before the measured ones. A driver makes programs in them, and the first frames of a history record other
+/// passes.
 const WARM: usize = 6;
-/// Frames that are watched.
+/// Frames during which the bytes of programs must not grow.
 const MEASURED: usize = 4;
 
+/// No method, stage or option compiles a program after its first frames, at three values of roughness and with a moving
+/// camera. A value that changes from frame to frame must therefore reach shaders in a way that compiles nothing.
 #[test]
 fn frames_make_no_programs() {
     if !is_alone() {

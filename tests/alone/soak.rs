@@ -18,18 +18,19 @@ use std::sync::Arc;
 /// The objects and the memory in use at the end of a round.
 #[derive(Debug, Clone, PartialEq)]
 struct Held {
-    /// Kinds of objects on the device and their counts, hashed: to keep them would be growth itself.
+    /// Kinds of objects on the device and their counts, as one hash: the list itself would take memory that the test
+    /// then counts.
     live: u64,
-    /// Bytes of device memory in use, and in blocks.
+    /// Bytes of device memory that objects use, and bytes of the blocks that are reserved for them.
     device: [u64; 2],
-    /// Bytes that Rust code holds on the host.
+    /// Bytes that Rust code has allocated on the host.
     heap: usize,
-    /// Bytes of the whole process in memory, the driver's and its compiler's included; 0 where the system doesn't say.
+    /// Bytes of the whole process in memory, with the driver and its compiler; 0 where the system does not say.
     resident: u64,
 }
 
 impl Held {
-    /// Finds what is in use after a number of frames, and prints it.
+    /// Measures what is in use after a number of frames, and prints it.
     fn now(gpu: &Gpu, watch: &Watch, frames: usize) -> Self {
         let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
         let pages: u64 = statm.split(' ').nth(1).and_then(|p| p.parse().ok()).unwrap_or(0);
@@ -39,8 +40,8 @@ impl Held {
             heap: memory::live(),
             resident: pages * 4096,
         };
-        // Not `println`, which a test keeps in memory until it ends.
-        let told = writeln!(
+        // A test keeps the text of `println` in memory until it ends, so that this text goes to standard error.
+        let printed = writeln!(
             std::io::stderr(),
             "{frames} frames: device {} B in use, {} B in blocks, {} objects; host {} B of Rust's, {:.1} MB resident",
             now.device[0],
@@ -49,29 +50,30 @@ impl Held {
             now.heap,
             now.resident as f64 / 1e6
         );
-        told.unwrap();
+        printed.unwrap();
         assert!(now.resident < 10_000_000_000, "the driver fills the machine");
         now
     }
 }
 
+/// Returns a hash of the counts of live objects.
 fn digest(live: &impl Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
     live.hash(&mut hasher);
     hasher.finish()
 }
 
-/// Small, so that ten thousand frames take a minute or two on a CPU.
+/// Widths and heights in pixels; small, so that ten thousand frames take a minute or two on a CPU.
 const SIZES: [[u32; 2]; 5] = [[1, 1], [5, 3], [37, 20], [20, 37], [64, 64]];
 
-/// Draws rounds of all methods at all sizes, with frames of every mode for each. Returns what is in use after each
-/// round. The scene is uploaded anew in every round.
+/// Draws rounds of all methods at all sizes, `frames_each` frames of each pair in every mode. Returns what is in use
+/// after each round. The scene is uploaded anew in every round.
 fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize, rounds: usize) -> Vec<Held> {
     let watch = Arc::<Watch>::default();
     let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
     println!("{} ({}), {} methods, sizes {sizes:?}", gpu.info().name, gpu.info().driver, methods.len());
     let scene = two_quads();
-    let (mut held, mut frames) = (Vec::with_capacity(rounds), 0);
+    let (mut usages, mut frames) = (Vec::with_capacity(rounds), 0);
     for round in 0..rounds {
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         for n in 0..methods.len() * sizes.len() {
@@ -89,37 +91,40 @@ fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize,
             frames += frames_each;
         }
         drop(stage);
-        held.push(Held::now(&gpu, &watch, frames));
+        usages.push(Held::now(&gpu, &watch, frames));
     }
-    held
+    usages
 }
 
-/// Whether a number has grown by no more than a hundredth.
+/// Returns whether a number has grown by no more than a hundredth.
 fn is_flat(before: u64, after: u64) -> bool {
     after as f64 <= 1.01 * before as f64
 }
 
-/// Checks that every round after the round `warm` has the same objects and device memory in use as that round, and at
+/// Checks every round after the round `warm`: it has the same objects and device memory in use as that round, and at
 /// most a hundredth more memory on the host.
-fn check(held: &[Held], warm: usize) {
-    let first = &held[warm];
-    for (n, now) in held.iter().enumerate().skip(warm + 1) {
+fn check(usages: &[Held], warm: usize) {
+    let first = &usages[warm];
+    for (n, now) in usages.iter().enumerate().skip(warm + 1) {
         assert_eq!(now.live, first.live, "round {n}");
         assert_eq!(now.device, first.device, "round {n}");
         assert!(is_flat(first.heap as u64, now.heap as u64), "round {n}: {} of {}", now.heap, first.heap);
     }
 }
 
+/// Four methods at three sizes leave nothing behind from round to round, once the first two rounds have filled what is
+/// kept for reuse.
 #[test]
 fn nothing_grows_while_sizes_and_methods_change() {
     if !is_alone() {
         return;
     }
     let methods = ["unified", "ssct", "sslr", "planar"].map(|name| methods::find(name).unwrap());
-    let held = soak(&methods, &SIZES[1..4], 8, 4);
-    check(&held, 1);
+    let usages = soak(&methods, &SIZES[1..4], 8, 4);
+    check(&usages, 1);
 }
 
+/// Ten thousand frames of all methods leave nothing behind. A leak of a few bytes a frame would hide in a short test.
 #[test]
 #[ignore = "minutes: ten thousand frames (make soak)"]
 fn nothing_grows_in_ten_thousand_frames() {
@@ -129,15 +134,15 @@ fn nothing_grows_in_ten_thousand_frames() {
     let methods: Vec<_> = METHODS.iter().collect();
     let (rounds, frames_each) = (5, 32);
     assert!(rounds * frames_each * methods.len() * SIZES.len() >= 10_000);
-    let held = soak(&methods, &SIZES, frames_each, rounds);
-    check(&held, 1);
-    check_resident(&held);
+    let usages = soak(&methods, &SIZES, frames_each, rounds);
+    check(&usages, 1);
+    check_resident(&usages);
 }
 
-/// Checks that the memory of the whole process, with the driver's, does not grow after the third round. Before that,
-/// the driver's heap still grows.
-fn check_resident(held: &[Held]) {
-    let (warm, last) = (held[2].resident, held[held.len() - 1].resident);
+/// Checks that the memory of the whole process, with the driver's, does not grow after the third round. The driver's
+/// heap still grows before that.
+fn check_resident(usages: &[Held]) {
+    let (warm, last) = (usages[2].resident, usages[usages.len() - 1].resident);
     assert!(is_flat(warm, last), "resident memory: {warm} to {last} B");
 }
 
@@ -150,7 +155,7 @@ fn soak_embedded(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_eac
     let data: Vec<_> = sizes.iter().map(|size| view_of_rooms(&gpu, *size)).collect();
     let theirs: Vec<_> = data.iter().map(|data| ForeignGBuffer::new(&mut engine, data, NATIVE)).collect();
     let context = engine.context();
-    let (mut held, mut frames) = (Vec::with_capacity(rounds), 0);
+    let (mut usages, mut frames) = (Vec::with_capacity(rounds), 0);
     for _ in 0..rounds {
         for (n, method) in methods.iter().enumerate() {
             let other = methods[(n + 1) % methods.len()];
@@ -168,11 +173,13 @@ fn soak_embedded(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_eac
             }
         }
         engine.reset();
-        held.push(Held::now(&gpu, &watch, frames));
+        usages.push(Held::now(&gpu, &watch, frames));
     }
-    held
+    usages
 }
 
+/// Frames that another renderer records through the door leave nothing behind from round to round, though reflections
+/// are made, resized and dropped.
 #[test]
 fn nothing_grows_while_others_record_into_their_frames() {
     if !is_alone() {
@@ -182,6 +189,7 @@ fn nothing_grows_while_others_record_into_their_frames() {
     check(&soak_embedded(&methods, &SIZES[1..4], 6, 4), 1);
 }
 
+/// Ten thousand frames through the door leave nothing behind, in all methods that see the screen alone.
 #[test]
 #[ignore = "minutes: ten thousand frames (make soak)"]
 fn nothing_grows_in_ten_thousand_frames_of_others() {
@@ -191,7 +199,7 @@ fn nothing_grows_in_ten_thousand_frames_of_others() {
     let methods: Vec<_> = METHODS.iter().filter(|m| m.is_screen_space()).collect();
     let (rounds, frames_each) = (5, 60);
     assert!(rounds * frames_each * methods.len() * SIZES.len() >= 10_000, "{}", methods.len());
-    let held = soak_embedded(&methods, &SIZES, frames_each, rounds);
-    check(&held, 1);
-    check_resident(&held);
+    let usages = soak_embedded(&methods, &SIZES, frames_each, rounds);
+    check(&usages, 1);
+    check_resident(&usages);
 }

@@ -1,5 +1,5 @@
-//! A stand-in for a renderer of another program, which keeps its images in its own conventions, to try the door for
-//! other renderers.
+//! A stand-in for another program's renderer, which keeps its images in its own conventions. Tests use it to try the
+//! door for other renderers.
 
 #![allow(dead_code)]
 
@@ -17,9 +17,11 @@ use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
 use ssct_scenes::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, library};
 use ssct_truth::reference::unified::encode_octahedral;
 
-/// Formats of images: four 16-bit floats, four bytes, and one 32-bit float.
+/// A format of four 16-bit floats.
 pub const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+/// A format of four bytes, each of which stands for 0 to 1.
 pub const BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
+/// A format of one 32-bit float.
 pub const FLOAT: vk::Format = vk::Format::R32_SFLOAT;
 
 /// The other renderer with its device. The raw handles of our device stand for those of its own.
@@ -30,6 +32,7 @@ pub struct Engine {
 }
 
 impl Engine {
+    /// Makes the renderer, with a command pool of its own, on a device.
     pub fn new(gpu: &Gpu) -> Self {
         let info = vk::CommandPoolCreateInfo::default().queue_family_index(gpu.shared().queue_family);
         // SAFETY: destroyed in `drop`.
@@ -37,7 +40,7 @@ impl Engine {
         Self { gpu: gpu.clone(), frames: FrameContext::new(gpu).unwrap(), pool }
     }
 
-    /// The handles of the device, as the door takes them.
+    /// Returns the handles of the device, as the door takes them.
     pub fn handles(&self) -> DeviceHandles {
         let shared = self.gpu.shared();
         let mut enabled = EnabledFeatures::default();
@@ -54,25 +57,26 @@ impl Engine {
         }
     }
 
-    /// A context of the door on the device.
+    /// Makes a context of the door on the device.
     pub fn context(&self) -> Context {
         // SAFETY: the handles are of one device, which outlives the test's contexts; its features are those of
         // `Gpu::open`, which has them on.
         unsafe { Context::new(self.handles()) }.unwrap()
     }
 
-    /// Makes an image of a format with the given bytes, ready to be sampled by fragment shaders.
+    /// Makes an image of one layer, with a format, a width and height in texels, and the given bytes. Fragment shaders
+    /// may sample it.
     pub fn upload(&mut self, format: vk::Format, extent: [u32; 2], bytes: &[u8]) -> Image {
         self.upload_layers(1, format, extent, bytes)
     }
 
-    /// Makes a cube map of one colour, in 16-bit floats.
+    /// Makes a cube map of one linear colour, in 16-bit floats, whose faces are `side` texels wide.
     pub fn cube(&mut self, side: u32, color: Vec3) -> Image {
         let texels = (0..6 * side * side).flat_map(|_| color.extend(1.0).to_array());
         self.upload_layers(6, HALVES, [side; 2], &halves(texels))
     }
 
-    /// Makes an image of several layers, as `upload` does.
+    /// Makes an image as `upload` does, but of several layers, whose bytes follow each other.
     fn upload_layers(&mut self, layers: u32, format: vk::Format, extent: [u32; 2], bytes: &[u8]) -> Image {
         use vk::ImageUsageFlags as U;
         let usage = U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC;
@@ -101,7 +105,7 @@ impl Engine {
         }
     }
 
-    /// Ends a command buffer, submits it, and waits for the device.
+    /// Ends a command buffer, submits it, and waits until the device is idle.
     pub fn submit(&self, commands: vk::CommandBuffer) -> ash::prelude::VkResult<()> {
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&commands)];
@@ -114,7 +118,7 @@ impl Engine {
         }
     }
 
-    /// Frees every command buffer, none of which may be under way.
+    /// Frees every command buffer, none of which the device may still be running.
     pub fn reset(&mut self) {
         let info = vk::CommandPoolCreateInfo::default().queue_family_index(self.gpu.shared().queue_family);
         // SAFETY: nothing is under way; the new pool is destroyed in `drop`.
@@ -139,7 +143,8 @@ impl Engine {
         self.frames.read(image.all()).unwrap()
     }
 
-    /// Records one frame of reflections, submits it, and waits for it.
+    /// Records one frame of reflections, submits it, and waits for it. Returns what the door recorded, with the frame's
+    /// images.
     pub fn frame(&mut self, reflections: &mut Reflections, input: &FrameInput) -> ssct::Result<Recorded> {
         let commands = self.begin();
         // SAFETY: the command buffer is recording; what is recorded is submitted and waited for at once.
@@ -148,7 +153,7 @@ impl Engine {
         Ok(recorded)
     }
 
-    /// The composite that the door makes of a G-buffer which this renderer hands over in a convention.
+    /// Hands a G-buffer over in a convention, and returns the composite that the door makes of it.
     pub fn shown(&mut self, reflections: &mut Reflections, data: &GBufferData, convention: Convention) -> Pixels {
         let theirs = ForeignGBuffer::new(self, data, convention);
         let recorded = self.frame(reflections, &theirs.input()).unwrap();
@@ -163,14 +168,16 @@ impl Drop for Engine {
     }
 }
 
-/// How a renderer keeps its G-buffer.
+/// How a renderer encodes its G-buffer and its camera.
 #[derive(Debug, Clone, Copy)]
 pub struct Convention {
+    /// The space that normals are in, and how their components are stored.
     pub normal: (NormalSpace, NormalEncoding),
     /// Whether its view space is right-handed.
     pub right_handed: bool,
     /// Whether depth is 0 at the near plane; else it is reversed.
     pub standard_depth: bool,
+    /// The direction of the y axis in clip space.
     pub clip_y: ClipY,
 }
 
@@ -182,7 +189,7 @@ pub const NATIVE: Convention = Convention {
     clip_y: ClipY::Up,
 };
 
-/// The images of a G-buffer in the convention of another renderer.
+/// The images of a G-buffer in the convention of another renderer, with its camera.
 pub struct ForeignGBuffer {
     pub depth: Image,
     pub normal: Image,
@@ -192,7 +199,7 @@ pub struct ForeignGBuffer {
     pub convention: Convention,
 }
 
-/// The bytes of values as 16-bit floats.
+/// Converts values to 16-bit floats, and returns their bytes.
 pub fn halves(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(|v| f16::from_f32(v).to_ne_bytes()).collect()
 }
@@ -201,36 +208,37 @@ impl ForeignGBuffer {
     /// Converts a G-buffer to a convention, and uploads it.
     pub fn new(engine: &mut Engine, data: &GBufferData, convention: Convention) -> Self {
         let extent = [data.width, data.height];
-        let turn = Mat3::from_diagonal(Vec3::new(1.0, 1.0, if convention.right_handed { -1.0 } else { 1.0 }));
+        let to_their_view = Mat3::from_diagonal(Vec3::new(1.0, 1.0, if convention.right_handed { -1.0 } else { 1.0 }));
         let ours = data.camera.view_to_clip_reversed().to_cols_array();
         let mut clip = ours;
-        let side = if convention.right_handed { -1.0 } else { 1.0 };
+        let z_sign = if convention.right_handed { -1.0 } else { 1.0 };
         let is_parallel = data.camera.kind().is_orthographic();
         if convention.standard_depth {
-            // Depth is multiplied by w, which is z or 1.
-            let (of_z, of_one) = if is_parallel { (0.0, 1.0) } else { (1.0, 0.0) };
-            clip[10] = of_z - ours[10];
-            clip[14] = of_one - ours[14];
+            // Standard depth is 1 minus reversed depth. Both are multiplied by w in clip space, which is z in a
+            // perspective and 1 otherwise.
+            let (w_per_z, constant_w) = if is_parallel { (0.0, 1.0) } else { (1.0, 0.0) };
+            clip[10] = w_per_z - ours[10];
+            clip[14] = constant_w - ours[14];
         }
-        (8..12).for_each(|i| clip[i] *= side);
+        (8..12).for_each(|i| clip[i] *= z_sign);
         if convention.clip_y == ClipY::Down {
             [1, 5, 9, 13].into_iter().for_each(|i| clip[i] = -clip[i]);
         }
-        let world_to_view = Mat4::from_mat3(turn) * data.camera.world_to_view;
+        let world_to_view = Mat4::from_mat3(to_their_view) * data.camera.world_to_view;
         let to_world = Mat3::from_mat4(data.camera.world_to_view).transpose();
-        let stored = |n: &Vec3| -> [f32; 4] {
+        let normal_texel = |n: &Vec3| -> [f32; 4] {
             let n = match convention.normal.0 {
-                NormalSpace::View => turn * *n,
+                NormalSpace::View => to_their_view * *n,
                 NormalSpace::World => to_world * *n,
             };
-            // Where nothing stands there is no normal to map.
-            let o = if n == Vec3::ZERO { n.truncate() } else { encode_octahedral(n) };
+            // Pixels of the sky have the normal 0, which has no octahedral form.
+            let octahedral = if n == Vec3::ZERO { n.truncate() } else { encode_octahedral(n) };
             let unorm = |v: f32| 0.5 * v + 0.5;
             match convention.normal.1 {
                 NormalEncoding::Float => [n.x, n.y, n.z, 0.0],
                 NormalEncoding::Unorm => [unorm(n.x), unorm(n.y), unorm(n.z), 0.0],
-                NormalEncoding::Octahedral => [o.x, o.y, 0.0, 0.0],
-                NormalEncoding::OctahedralUnorm => [unorm(o.x), unorm(o.y), 0.0, 0.0],
+                NormalEncoding::Octahedral => [octahedral.x, octahedral.y, 0.0, 0.0],
+                NormalEncoding::OctahedralUnorm => [unorm(octahedral.x), unorm(octahedral.y), 0.0, 0.0],
             }
         };
         let depth: Vec<f32> = data.depth.iter().map(|d| if convention.standard_depth { 1.0 - d } else { *d }).collect();
@@ -240,7 +248,7 @@ impl ForeignGBuffer {
             CameraInput { world_to_view: world_to_view.to_cols_array(), view_to_clip: clip, clip_y: convention.clip_y };
         Self {
             depth: engine.upload(FLOAT, extent, bytemuck::cast_slice(&depth)),
-            normal: engine.upload(HALVES, extent, &halves(data.normal.iter().flat_map(stored))),
+            normal: engine.upload(HALVES, extent, &halves(data.normal.iter().flat_map(normal_texel))),
             material: engine.upload(HALVES, extent, &halves(material)),
             color: engine.upload(HALVES, extent, &halves(color)),
             camera,
@@ -248,7 +256,7 @@ impl ForeignGBuffer {
         }
     }
 
-    /// The input of a frame that hands over these images and nothing optional.
+    /// Returns the input of a frame that hands over these images and nothing optional.
     pub fn input(&self) -> FrameInput<'static> {
         let image_input =
             |image: &Image| ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
@@ -273,12 +281,13 @@ impl ForeignGBuffer {
     }
 }
 
-/// The G-buffer of a view of the rooms, which shows all kinds of surfaces.
+/// Draws the G-buffer of a view of the rooms, which shows all kinds of surfaces.
 pub fn view_of_rooms(gpu: &Gpu, extent: [u32; 2]) -> GBufferData {
     drawn(gpu, "rooms", "corridor", extent)
 }
 
-/// Draws the G-buffer of a view. Its camera has a projection matrix and no lens, as another engine gives it.
+/// Draws the G-buffer of a view of a built-in scene at a size in pixels. Its camera has a projection matrix and no
+/// lens, as another engine gives it.
 pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferData {
     let scene = library::scene(scene).expect("a built-in scene");
     let view = scene.view(view).unwrap();
@@ -289,30 +298,31 @@ pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferDat
     image::render(&mut stage, &shot, false).unwrap();
     let mut data = gbuffer::read(&mut stage.context, &shot).unwrap();
     data.camera = Camera::of_projection(data.camera.world_to_view, camera.projection_numbers());
-    // The example's images know no surface that shows the sky.
+    // The images that another renderer hands over do not tell which surfaces show the sky.
     data.surface.fill(Surface::Lit);
     data
 }
 
-/// The info for reflections by a method of a G-buffer's size and projection.
+/// Returns the info for reflections by a method, with the size and the kind of projection of a G-buffer.
 pub fn info<'a>(data: &GBufferData, method: &'a str) -> ReflectionsInfo<'a> {
     let (extent, projection) = ([data.width, data.height], data.camera.kind());
     ReflectionsInfo { extent, projection, method, ..ReflectionsInfo::default() }
 }
 
-/// The bits of all values, by which two images are compared exactly.
+/// Returns the bits of all values, so that two images can be compared exactly.
 pub fn bits(pixels: &Pixels) -> Vec<u32> {
     pixels.values.iter().map(|v| v.to_bits()).collect()
 }
 
-/// The root mean square difference of two images over all channels.
+/// Returns the root mean square difference of two images over all channels of all texels.
 pub fn rmse(a: &Pixels, b: &Pixels) -> f64 {
     assert_eq!(a.values.len(), b.values.len());
     let sum: f64 = a.values.iter().zip(&b.values).map(|(a, b)| f64::from(a - b).powi(2)).sum();
     (sum / a.values.len() as f64).sqrt()
 }
 
-/// The rooms without lights, whose surfaces have one colour each, as meshes of another renderer have.
+/// Returns the rooms without lights, whose surfaces have one colour each and no maps, as meshes of another renderer may
+/// have.
 pub fn plain_rooms() -> Scene {
     let mut scene = library::scene("rooms").expect("a built-in scene");
     scene.lights.clear();
@@ -324,14 +334,14 @@ pub fn plain_rooms() -> Scene {
     scene
 }
 
-/// Vertices of a mesh as the door takes them.
+/// The vertices of a mesh, in the form in which the door takes them.
 pub struct Vertices {
     pub positions: Vec<[f32; 3]>,
     /// Coordinates on the mesh's texture, one pair for each position.
     pub places: Vec<[f32; 2]>,
 }
 
-/// The vertices of a scene's meshes.
+/// Returns the vertices of each mesh of a scene, in the order of the meshes.
 pub fn vertices_of(scene: &Scene) -> Vec<Vertices> {
     let vertices = |mesh: &Mesh| Vertices {
         positions: mesh.vertices.iter().map(|v| v.position).collect(),
@@ -340,8 +350,8 @@ pub fn vertices_of(scene: &Scene) -> Vec<Vertices> {
     scene.meshes.iter().map(vertices).collect()
 }
 
-/// The meshes of a scene, each in the colour of its material's albedo. If they are textured, each has its albedo map as
-/// well.
+/// Returns the meshes of a scene for the door, each in its material's albedo. If they are textured, each has its albedo
+/// map as well.
 pub fn meshes_of<'a>(scene: &'a Scene, vertices: &'a [Vertices], are_textured: bool) -> Vec<TriangleMesh<'a>> {
     let all = scene.meshes.iter().zip(vertices);
     all.map(|(mesh, Vertices { positions, places })| {
@@ -358,7 +368,7 @@ pub fn meshes_of<'a>(scene: &'a Scene, vertices: &'a [Vertices], are_textured: b
     .collect()
 }
 
-/// The textures of a scene.
+/// Returns the textures of a scene, in the form in which the door takes them.
 pub fn textures_of(scene: &Scene) -> Vec<HitTexture<'_>> {
     let all = scene.textures.iter();
     all.map(|t| HitTexture { extent: [t.width, t.height], is_srgb: t.encoding == Encoding::Srgb, texels: &t.rgba })
@@ -373,14 +383,14 @@ pub fn upload(engine: &Engine, triangles: &mut Triangles) {
     engine.submit(commands).unwrap();
 }
 
-/// The triangles of a scene, each mesh in its material's albedo, uploaded.
+/// Makes the door's triangles of a scene, each mesh in its material's albedo, and copies them to the device.
 pub fn triangles_of(engine: &Engine, scene: &Scene) -> Triangles {
     let mut triangles = Triangles::new(&engine.context(), &meshes_of(scene, &vertices_of(scene), false)).unwrap();
     upload(engine, &mut triangles);
     triangles
 }
 
-/// The summed milliseconds of the passes that count towards a method's time.
+/// Returns the sum, in milliseconds, of the times of the passes that count towards a method's time.
 pub fn counted(passes: &[PassTime]) -> f64 {
     passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
 }

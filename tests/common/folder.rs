@@ -1,11 +1,11 @@
-//! The command as a user runs it: in a folder of its own, which goes when the test ends.
+//! Runs the command as a user does, in a temporary folder, which is deleted when the test ends.
 
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
-/// A folder, and `ssct` run in it.
+/// A temporary folder, in which tests run `ssct`.
 pub struct Folder(TempDir);
 
 impl Folder {
@@ -14,30 +14,32 @@ impl Folder {
         Self(tempfile::tempdir().unwrap())
     }
 
-    /// The folder itself.
+    /// Returns the path of the folder itself.
     pub fn root(&self) -> &Path {
         self.0.path()
     }
 
-    /// The path of a file in the folder.
+    /// Returns the path of a file in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.root().join(name)
     }
 
+    /// Writes a file in the folder.
     pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) {
         std::fs::write(self.path(name), contents).unwrap();
     }
 
-    /// The text of a file in the folder.
+    /// Reads a file in the folder as text.
     pub fn text(&self, name: &str) -> String {
         std::fs::read_to_string(self.path(name)).unwrap()
     }
 
+    /// Reads an image in the folder as eight-bit RGB.
     pub fn image(&self, name: &str) -> RgbImage {
         image::open(self.path(name)).unwrap().into_rgb8()
     }
 
-    /// The names of all that is in a folder below this one, sorted.
+    /// Returns the sorted names of all files and folders in a subfolder.
     pub fn list(&self, name: &str) -> Vec<String> {
         let entries = std::fs::read_dir(self.path(name)).unwrap();
         let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
@@ -45,7 +47,7 @@ impl Folder {
         names
     }
 
-    /// Runs the command, which may fail but must not panic.
+    /// Runs `ssct` in the folder and returns its output. It may fail but must not panic.
     pub fn run(&self, args: &[&str]) -> Output {
         let output = Command::new(env!("CARGO_BIN_EXE_ssct")).args(args).current_dir(self.root()).output().unwrap();
         let text = String::from_utf8_lossy(&output.stderr);
@@ -53,8 +55,8 @@ impl Folder {
         output
     }
 
-    /// Runs the command, which must succeed, and returns its standard output. On standard error it may say nothing but
-    /// the notices of `is_notice`.
+    /// Runs `ssct`, which must succeed, and returns its standard output. Standard error may have no lines but notices
+    /// ([`is_notice`]).
     pub fn succeed(&self, args: &[&str]) -> String {
         let output = self.run(args);
         let errors = String::from_utf8_lossy(&output.stderr);
@@ -65,7 +67,8 @@ impl Folder {
     }
 }
 
-/// Whether a line of standard error says which methods are left out of a scene, or that `SSCT_SHADERS` names shaders.
+/// Returns whether a line of standard error only tells which methods are left out of a scene, or that `SSCT_SHADERS`
+/// names a folder of shaders.
 pub fn is_notice(line: &str) -> bool {
     if line.starts_with("ssct: shaders are compiled from ") {
         return std::env::var_os("SSCT_SHADERS").is_some();

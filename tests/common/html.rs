@@ -1,16 +1,17 @@
-//! What tests of pages share: reading attributes off the text, and a browser that shows it.
+//! Helpers for tests of HTML pages: they read attributes from the text, or show a page in Chromium.
 
 use super::folder::Folder;
 use std::path::Path;
 use std::process::Command;
 
-/// The values of an attribute in an HTML text, in order.
+/// Returns the values of an attribute in an HTML text, in order of their places.
 pub fn attributes<'a>(html: &'a str, name: &str) -> Vec<&'a str> {
     let prefix = format!(" {name}=\"");
     html.split(prefix.as_str()).skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
 }
 
-/// Chromium with what keeps it off the network, or a line that says why the test does nothing.
+/// Returns a command that runs Chromium with a profile folder and without network access. If Chromium is not installed,
+/// it prints that the test is skipped and returns `None`.
 pub fn chromium(profile: &Path) -> Option<Command> {
     let on_path = std::env::var_os("PATH")
         .is_some_and(|paths| std::env::split_paths(&paths).any(|folder| folder.join("chromium").is_file()));
@@ -25,7 +26,7 @@ pub fn chromium(profile: &Path) -> Option<Command> {
     Some(command)
 }
 
-/// A page of a folder as Chromium has it once its scripts have run; `None` where there is no Chromium.
+/// Returns the HTML of a page in a folder after Chromium has run its scripts, or `None` if there is no Chromium.
 pub fn dom(folder: &Folder, page: &str) -> Option<String> {
     let profile = tempfile::tempdir().unwrap();
     let url = format!("file://{}", folder.path(page).display());
@@ -35,9 +36,11 @@ pub fn dom(folder: &Folder, page: &str) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Runs a script in a page of a folder, and returns the lines that the script pushed to its array `lines`; `None` where
-/// there is no Chromium. The script is the body of an async function. Its `show(page, width, sandbox)` shows another
-/// page of the folder in a frame, without that page's scripts if `sandbox` is set.
+/// Runs a script in a page of a folder, and returns the lines that the script pushed to its array `lines`, or `None` if
+/// there is no Chromium.
+///
+/// The script is the body of an async function. It can call `show(page, width, sandbox)` to show another page of the
+/// folder in a frame, without that page's own scripts if `sandbox` is set.
 pub fn probe(folder: &Folder, script: &str) -> Option<String> {
     let page = format!(
         r#"<!DOCTYPE html><body><pre id="found"></pre><script>

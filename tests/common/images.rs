@@ -7,12 +7,13 @@ use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 use std::path::Path;
 use std::process::Command;
 
-/// The 32-bit floats of a file.
+/// Returns the 32-bit floats of a file.
 fn numbers(path: &Path) -> Vec<f32> {
     std::fs::read(path).unwrap().as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect()
 }
 
-/// The G-buffer that an example drew, converted from its right-handed view space and its projection with y down.
+/// Reads the G-buffer that an example wrote to the folder `images`, of a width and height in pixels. It is converted
+/// from the example's right-handed view space and its projection with y down.
 fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
     let values = |name: &str| numbers(&images.join(format!("{name}.f32")));
     let camera = values("camera");
@@ -20,7 +21,7 @@ fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
     let vectors =
         |name: &str, z: f32| values(name).as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], z * t[2])).collect();
     let material: Vec<Vec3> = vectors("material", 1.0);
-    let turn = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
+    let flip_z = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
     let kind = ProjectionKind::Perspective;
     let projection = Projection { kind, scale: [clip[0], -clip[5]], shift: [0.0; 2], depth: [-clip[10], clip[14]] };
     let [near, far] = [clip[14] / (1.0 + clip[10]), clip[14] / clip[10]];
@@ -29,7 +30,7 @@ fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
         width,
         height,
         camera: Camera {
-            world_to_view: turn * Mat4::from_cols_slice(view),
+            world_to_view: flip_z * Mat4::from_cols_slice(view),
             lens,
             aspect: projection.scale[1] / projection.scale[0],
             near_plane: None,
@@ -44,8 +45,10 @@ fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
     }
 }
 
-/// Checks that the composite in a folder's `images` equals, to the bit, what the command makes of the G-buffer there.
-/// The command gets `options` beside its usual ones.
+/// Checks that the composite that an example wrote equals, to the bit, the command's own of the same G-buffer.
+///
+/// `folder` has the example's files in its subfolder `images`, `size` is the image's width and height in pixels, and
+/// the command gets `options` beside its usual ones. More than 1000 pixels must reflect.
 #[track_caller]
 pub fn check_composite(folder: &Path, size: [u32; 2], options: &[&str]) {
     let images = folder.join("images");
@@ -59,12 +62,13 @@ pub fn check_composite(folder: &Path, size: [u32; 2], options: &[&str]) {
         .output()
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let command = ssct_lab::report::images::read_image(&folder.join("r.exr")).unwrap();
+    let expected = ssct_lab::report::images::read_image(&folder.join("r.exr")).unwrap();
     let embedded = numbers(&images.join("composite.f32"));
-    let shown: Vec<[f32; 3]> = embedded.as_chunks::<4>().0.iter().map(|t| [t[0], t[1], t[2]]).collect();
-    assert_eq!(shown.len(), command.rgb.len());
-    let differ = shown.iter().zip(&command.rgb).filter(|(a, b)| a.map(f32::to_bits) != b.map(f32::to_bits)).count();
-    assert_eq!(differ, 0, "of {} pixels", shown.len());
-    let reflects = shown.iter().zip(&data.color).filter(|(a, b)| (a[0] - b.x).abs() > 0.1).count();
+    let composite: Vec<[f32; 3]> = embedded.as_chunks::<4>().0.iter().map(|t| [t[0], t[1], t[2]]).collect();
+    assert_eq!(composite.len(), expected.rgb.len());
+    let differ =
+        composite.iter().zip(&expected.rgb).filter(|(a, b)| a.map(f32::to_bits) != b.map(f32::to_bits)).count();
+    assert_eq!(differ, 0, "of {} pixels", composite.len());
+    let reflects = composite.iter().zip(&data.color).filter(|(a, b)| (a[0] - b.x).abs() > 0.1).count();
     assert!(reflects > 1000, "{reflects} pixels reflect");
 }

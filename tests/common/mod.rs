@@ -29,7 +29,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// A device under the validation layers, for one test at a time; GPU-assisted too where the variable SSCT_GPU_AV is 1.
+/// Returns a device under the validation layers for one test at a time. Validation is GPU-assisted too if the variable
+/// SSCT_GPU_AV is 1.
 ///
 /// All devices are made before the first is used, and none is destroyed. The layers keep devices in a table that they
 /// read in every call without a lock. They crash where another thread makes or destroys a device meanwhile
@@ -39,22 +40,21 @@ pub fn gpu() -> PooledGpu {
     PooledGpu(Some(free.pop().unwrap_or_else(own_gpu)))
 }
 
-/// Opens a device like those of [`gpu`], but a new one, which is destroyed after use: for tests of a device's whole
-/// life.
+/// Opens a new device like those of [`gpu`], which is destroyed after use. Tests of a device's whole life use it.
 pub fn own_gpu() -> Gpu {
     Gpu::open(&DeviceQuery { validation: true, gpu_assisted: is_gpu_assisted(), ..DeviceQuery::default() }).unwrap()
 }
 
-/// Devices that no test uses now.
+/// The devices that no test uses now.
 static POOL: OnceLock<Mutex<Vec<Gpu>>> = OnceLock::new();
 
-/// Opens a device for each test that runs at a time, if the number of threads is not set.
+/// Opens as many devices as tests run at a time by default: one for each thread of the machine.
 fn new_pool() -> Vec<Gpu> {
     let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
     (0..threads).map(|_| own_gpu()).collect()
 }
 
-/// A device of [`gpu`], which the next test gets when this one is done.
+/// A device of [`gpu`], which goes back to the pool when its test ends.
 pub struct PooledGpu(Option<Gpu>);
 
 impl Deref for PooledGpu {
@@ -78,7 +78,7 @@ impl Drop for PooledGpu {
     }
 }
 
-/// A failure that is expected on a driver, through no fault of ours (`tests/expected_failures.toml`).
+/// A failure that is expected on a driver and is no fault of this program (`tests/expected_failures.toml`).
 #[derive(serde::Deserialize)]
 struct Expected {
     mode: String,
@@ -87,7 +87,7 @@ struct Expected {
     reason: String,
 }
 
-/// The ids of the failures that are expected on a device's driver in a mode.
+/// Returns the ids of the failures that are expected in a mode of testing on the driver of a device.
 pub fn expected_failures(mode: &str, gpu: &Gpu) -> Vec<String> {
     #[derive(serde::Deserialize)]
     struct File {
@@ -100,33 +100,35 @@ pub fn expected_failures(mode: &str, gpu: &Gpu) -> Vec<String> {
     all.into_iter().filter(|e| e.mode == mode && driver.contains(&e.driver)).map(|e| e.id).collect()
 }
 
-/// The share of pixels that may differ where images should be equal to the bit: none on the drivers that the program is developed on,
-/// and 0.5 % on others, whose compilers may fuse a product and a sum in one program and not in another.
+/// Returns the share of pixels that may differ where images should be equal to the bit. It is 0 on the drivers that the
+/// program is developed on. On others it is 0.5 %, since their compilers may fuse a product and a sum in one program
+/// alone.
 pub fn tolerated_share(gpu: &Gpu) -> f64 {
     let driver = gpu.info().driver.to_lowercase();
     let is_known = ["mesa 22", "mesa 25", "swiftshader"].iter().any(|known| driver.contains(known));
     if is_known { 0.0 } else { 0.005 }
 }
 
-/// Whether [`gpu`] opens devices under GPU-assisted validation.
+/// Returns whether [`gpu`] opens devices under GPU-assisted validation.
 pub fn is_gpu_assisted() -> bool {
     std::env::var_os("SSCT_GPU_AV").is_some_and(|v| v == "1")
 }
 
-/// An error if the layers said anything that is neither on the allow-list nor expected of the driver.
+/// Returns an error if the validation layers reported anything that is neither on the allow-list nor expected of the
+/// driver.
 pub fn check_validation(gpu: &Gpu) -> Result<(), String> {
     let expected = if is_gpu_assisted() { expected_failures("gpu-assisted", gpu) } else { Vec::new() };
-    let wrong: Vec<_> = gpu.violations().into_iter().filter(|m| !expected.contains(&m.id)).collect();
-    ssct::gpu::validation::check(&wrong).map_err(|e| e.to_string())
+    let unexpected: Vec<_> = gpu.violations().into_iter().filter(|m| !expected.contains(&m.id)).collect();
+    ssct::gpu::validation::check(&unexpected).map_err(|e| e.to_string())
 }
 
-/// The root of the repository. The tests are of the package in a folder of it.
+/// Returns the root of the repository, which is the parent of the package's folder.
 pub fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
-/// The folder of the scenes that are too large for the repository, or a line that says why the
-/// test does nothing.
+/// Returns the folder of the scenes that are too large for the repository. If it is absent, a line tells that the test
+/// is skipped.
 pub fn shared_scenes() -> Option<PathBuf> {
     let folder = repository().join("../shared/scenes");
     if !folder.is_dir() {
@@ -136,8 +138,9 @@ pub fn shared_scenes() -> Option<PathBuf> {
     Some(folder)
 }
 
-/// Crytek Sponza, if the large scenes are present. Its scene file has left-handed places and does not say so. The scene
-/// is therefore loaded from a copy by `scripts/left_handed.sh`, as for measurements.
+/// Loads Crytek Sponza, or returns `None` if the large scenes are absent. Its scene file has left-handed places without
+/// a mark that says so. `scripts/left_handed.sh` makes a copy with this mark, and the copy is loaded, as for
+/// measurements.
 pub fn sponza() -> Option<Scene> {
     let file = shared_scenes()?.join("sponza/sponza.scene.toml");
     let folder = tempfile::tempdir().expect("a folder");
@@ -147,7 +150,7 @@ pub fn sponza() -> Option<Scene> {
     Some(scene_file::load(&copy, &LoadOptions::default()).expect("sponza"))
 }
 
-/// A built-in scene. Its images are made once for all tests.
+/// Returns a built-in scene. Each is made once for all tests of the program, since drawing its textures takes time.
 pub fn built_in(name: &str) -> Scene {
     static MADE: Mutex<Vec<(String, Scene)>> = Mutex::new(Vec::new());
     let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -159,11 +162,11 @@ pub fn built_in(name: &str) -> Scene {
     scene
 }
 
-/// A scene to which a test adds materials and quads.
+/// Builds a scene in code: materials, quads and lights are added to the scene that it holds.
 pub struct Builder(pub Scene);
 
 impl Builder {
-    /// An empty scene with the default lens.
+    /// Returns an empty scene with the default lens.
     pub fn new(name: &str) -> Self {
         Self(Scene { name: name.into(), views: vec![View::default()], ..Scene::default() })
     }
@@ -193,11 +196,11 @@ impl Builder {
         self.material(Material { albedo_map, reflectivity: 0.0, ..Material::default() })
     }
 
-    /// Adds a rectangle from the lower left corner of its picture, along the picture's `right` and `up`, whose front
-    /// faces `normal`.
+    /// Adds a rectangle of a material. `corner` is its lower left corner, `right` and `up` are its sides, along the
+    /// axes of its texture, and its front faces along `normal`.
     pub fn quad(&mut self, material: usize, corner: Vec3, right: Vec3, up: Vec3, normal: Vec3) {
         let tangent = right.normalize();
-        let w = normal.cross(tangent).dot(up).signum();
+        let handedness = normal.cross(tangent).dot(up).signum();
         let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         let vertices: Vec<_> = corners
             .into_iter()
@@ -205,22 +208,22 @@ impl Builder {
                 position: (corner + right * u + up * v).to_array(),
                 normal: normal.normalize().to_array(),
                 uv: [u, 1.0 - v],
-                tangent: tangent.extend(w).to_array(),
+                tangent: tangent.extend(handedness).to_array(),
             })
             .collect();
-        // The winding agrees with the normal.
+        // The triangles' winding must agree with the normal, so that the front is drawn.
         let indices = if right.cross(up).dot(normal) > 0.0 { vec![0, 1, 2, 0, 2, 3] } else { vec![0, 2, 1, 0, 3, 2] };
         let bounds = Aabb::around(&vertices);
         self.0.meshes.push(Mesh { name: "quad".into(), vertices, indices, material, bounds });
     }
 
-    /// Adds parallel light along `direction`, which makes surfaces that face it as bright as their albedo.
+    /// Adds parallel light along `direction`. A surface that faces the light is as bright as its albedo.
     pub fn light(&mut self, direction: Vec3) {
         self.0.lights.push(Light::Directional { direction: direction.normalize(), energy: 1.0 });
     }
 }
 
-/// A mirror floor before a wall with a picture: one mesh each, one texture.
+/// Returns a mirror floor before a wall with a texture: two meshes and one texture.
 pub fn two_quads() -> Scene {
     let mut b = Builder::new("two quads");
     b.light(Vec3::new(0.3, -0.6, 1.0));
@@ -230,8 +233,8 @@ pub fn two_quads() -> Scene {
     b.0
 }
 
-/// Many quads at many depths and angles, mirrors among them, over a reflecting floor, with sky between. Every call
-/// returns the same scene.
+/// Returns many quads at many depths and angles, mirrors among them, over a reflecting floor, with sky between. Every
+/// call returns the same scene.
 pub fn clutter() -> Scene {
     let mut b = Builder::new("clutter");
     b.light(Vec3::new(0.3, -0.6, 1.0));
@@ -253,7 +256,7 @@ pub fn clutter() -> Scene {
         let up = Vec3::new(0.0, 1.0, 0.4 * (random() - 0.5)) * (0.2 + 1.5 * random());
         b.quad(material, centre, right, up, up.cross(right));
     }
-    // Only some methods reflect impostors and area lights.
+    // A few methods reflect nothing but impostors or area lights.
     let impostor = |centre, half_u| Impostor { name: "sign".into(), centre, half_u, half_v: Vec3::NEG_Y, texture: 0 };
     b.0.impostors = vec![
         impostor(Vec3::new(1.0, 2.0, 12.0), Vec3::X * 3.0),
@@ -268,39 +271,40 @@ pub fn clutter() -> Scene {
     b.0
 }
 
-/// A setup whose captures, if it has any, have as few texels as one may ask for: drawing them at their usual size takes a second.
+/// Returns a setup whose captures, if it has any, have as few texels as one may ask for. Drawing them at their usual
+/// size takes a second.
 pub fn with_small_captures(setup: &Setup) -> Setup {
     setup.with(|p: &mut EffectParams| p.capture_side = CaptureSide::Side128)
 }
 
-/// The camera that sees [`clutter`].
+/// Returns the camera that sees [`clutter`], for an image size in pixels.
 pub fn clutter_camera(extent: [u32; 2]) -> Camera {
     camera(Vec3::new(0.0, 1.4, 0.0), Vec3::new(0.0, 1.0, 6.0), extent)
 }
 
-/// A camera with the default lens.
+/// Returns a camera with the default lens at `eye`, which looks at the point `look_at`, for an image size in pixels.
 pub fn camera(eye: Vec3, look_at: Vec3, extent: [u32; 2]) -> Camera {
     Camera::new(eye, look_at, Lens::default(), extent[0] as f32 / extent[1] as f32)
 }
 
-/// A rendered image with every intermediate, and its camera.
+/// A rendered image with all images of its passes, and its camera.
 pub struct Shown {
     pub image: RenderedImage,
     pub camera: Camera,
 }
 
 impl Shown {
-    /// Level 0 of an intermediate, or the image that has no levels.
+    /// Returns level 0 of the intermediate image of a name, or the image itself if it has no levels.
     pub fn get(&self, name: &str) -> &Pixels {
         self.levels(name)[0]
     }
 
-    /// True if the method made an intermediate of this name.
+    /// Returns whether the method made an intermediate image of this name.
     pub fn has(&self, name: &str) -> bool {
         self.image.intermediates.as_ref().unwrap().iter().any(|(stem, ..)| stem == name)
     }
 
-    /// All levels of an intermediate.
+    /// Returns all levels of the intermediate image of a name, whose own names are NAME, or NAME-0, NAME-1 and so on.
     pub fn levels(&self, name: &str) -> Vec<&Pixels> {
         let all = self.image.intermediates.as_ref().unwrap();
         let is_level = |stem: &str| {
@@ -313,12 +317,14 @@ impl Shown {
     }
 }
 
-/// Renders a scene with every intermediate and the hits, and fails on any message of the layers.
+/// Renders a scene by a method, and reads back the image, every intermediate image and the hits. Panics on any message
+/// of the validation layers.
 pub fn show(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setup: &Setup, globals: &Globals) -> Shown {
     show_with(gpu, scene, (camera, globals), method, setup, Wants::HITS)
 }
 
-/// Shows a scene as [`show`] does, with a choice of what is wanted beside the image.
+/// Renders a scene as [`show`] does. The tuple has the camera and the overrides of materials, and `wants` says what is
+/// read back beside the image.
 pub fn show_with(
     gpu: &Gpu,
     scene: &Scene,
@@ -335,15 +341,16 @@ pub fn show_with(
     Shown { image, camera }
 }
 
-/// The reflection that a method makes of a scene, and the one that rays among the triangles find, one ray for each
-/// pixel.
+/// The reflection that a method makes of a scene, and the reflection that rays among the triangles find: one ray for
+/// each pixel.
 pub struct Truth {
     pub reflection: Pixels,
     pub world: Vec<Vec3>,
     pub first_hits: FirstHits,
 }
 
-/// Renders a scene, traces it from the same first hits, and fails on any message of the layers.
+/// Renders a scene by a method, and traces one ray among the triangles from each first hit of the same G-buffer. Panics
+/// on any message of the validation layers.
 pub fn beside_truth(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setup: &Setup, globals: &Globals) -> Truth {
     let mut stage = Stage::new(gpu, scene).unwrap();
     let materials = globals.materials(scene, &View::default());
@@ -360,17 +367,18 @@ pub fn beside_truth(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setu
     Truth { reflection, world, first_hits }
 }
 
-/// A setup at a size in which nothing fades, and all rays end on the screen.
+/// Returns a setup, for a size in pixels, in which reflections do not fade and rays end on the screen alone.
 pub fn unfaded(extent: [u32; 2]) -> Setup {
     Setup::on_screen(extent).with(|p: &mut EffectParams| p.fade = false)
 }
 
-/// A material that shows the sky.
+/// Returns a material that shows the sky.
 pub fn window() -> Material {
     Material { surface: Surface::Sky, ..Material::default() }
 }
 
-/// A bilinear sample at texture coordinates, clamped to the edge; three channels.
+/// Samples an image at texture coordinates, bilinearly and clamped to the edge. Returns three channels; an image of one
+/// channel gives it three times.
 pub fn bilinear(image: &Pixels, u: f32, v: f32) -> [f32; 3] {
     let (x, y) = (u * image.width as f32 - 0.5, v * image.height as f32 - 0.5);
     let (fx, fy) = (x - x.floor(), y - y.floor());
@@ -378,18 +386,17 @@ pub fn bilinear(image: &Pixels, u: f32, v: f32) -> [f32; 3] {
         let clamp = |v: f32, d: i32, side: u32| (v.floor() as i32).saturating_add(d).clamp(0, side as i32 - 1) as u32;
         image.texel(clamp(x, dx, image.width), clamp(y, dy, image.height))
     };
-    // A share has one channel; it is the same in all three.
     [0, 1, 2].map(|c| c.min(image.channels - 1)).map(|c| {
         let row = |dy| texel(0, dy)[c] * (1.0 - fx) + texel(1, dy)[c] * fx;
         row(0) * (1.0 - fy) + row(1) * fy
     })
 }
 
-/// Thesis §4.3.2's seven weights.
+/// The seven weights of the thesis's blur (§4.3.2).
 pub const BLUR_WEIGHTS: [f32; 7] = [0.002, 0.028, 0.233, 0.474, 0.233, 0.028, 0.002];
 
-/// Blurs an image by [`BLUR_WEIGHTS`] in one direction, to an image of a size. `step` leads from one tap to the next,
-/// in texture coordinates.
+/// Blurs an image by [`BLUR_WEIGHTS`] in one direction, and returns the result at a width and height in texels. `step`
+/// leads from one tap to the next, in texture coordinates.
 pub fn blur(image: &Pixels, width: u32, height: u32, step: [f32; 2]) -> Pixels {
     let mut values = Vec::new();
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {

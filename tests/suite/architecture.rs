@@ -1,6 +1,6 @@
-//! The import rules and the other invariants of the architecture, read off the sources: imports point down only, and
-//! the packages that others embed depend on little. A pass knows no other pass, one file writes barriers, and `unsafe`
-//! stays in a few folders. No shader is a wrapper, and no number is declared both in GLSL and in Rust.
+//! The import rules and the other invariants of the architecture, checked on the sources' text. Imports point down
+//! only, and the packages that others embed depend on little. A pass knows no other pass, one file writes barriers, and
+//! `unsafe` stays in few folders. No shader is a wrapper, and no number is declared in GLSL and in Rust.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -12,9 +12,9 @@ use crate::common::sources::{GLSL, texts};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A package: the folder of its sources, and the modules at its root, each with the modules of the same package that it
-/// may import. A package whose modules all stand beside each other lists none; its modules import each other in no
-/// circle. Which other packages it may import is said by its manifest (`packages_need_what_the_map_says`).
+/// A package: the folder of its sources, and the modules at its root, each with the modules of the package that it may
+/// import. Where no modules are listed, all stand beside each other and import each other in no circle. The manifest
+/// says which other packages it may import (`packages_need_what_the_map_says`).
 struct Package {
     sources: &'static str,
     layers: &'static [(&'static str, &'static [&'static str])],
@@ -86,7 +86,7 @@ const NOT_EMBEDDED: &[&str] =
 /// Modules of `passes` that are no pass: several passes read them or are made of them.
 const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles", "traced", "triangle_scene"];
 
-/// Words, and the files that alone contain them. `gpu/device/compile_only.rs` stands in for a driver and records nothing.
+/// Words, and the only files that contain them. `gpu/device/compile_only.rs` replaces a driver and records nothing.
 const ONLY_IN: &[(&str, &[&str])] = &[
     ("cmd_pipeline_barrier2", &["gpu/frame.rs", "gpu/device/compile_only.rs"]),
     ("ImageMemoryBarrier2", &["gpu/frame.rs"]),
@@ -100,8 +100,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     (".end_label(", &["gpu/frame.rs"]),
 ];
 
-/// A source file: the folder of its package's sources, its path in that folder, and its code without comments and unit
-/// tests.
+/// A source file: its package's folder of sources, its path in it, and its code without comments and unit tests.
 struct Source {
     package: &'static str,
     path: String,
@@ -109,29 +108,30 @@ struct Source {
 }
 
 impl Source {
-    /// Whether the source is the file of a module at the root of its package, or stands in that module's folder.
+    /// Returns whether the source is the file of this module at the root of its package, or stands in that module's
+    /// folder.
     fn is_of(&self, module: &str) -> bool {
         self.path.split(['/', '.']).next() == Some(module)
     }
 }
 
-/// The code without comments and without the unit tests at a file's end, which may import anything.
+/// Returns the code of a source without comments and without the unit tests at its end, which may import anything.
 fn code(text: &str) -> String {
     // `mod tests;` only names another file; what follows it is shipped.
-    let opens_a_module =
+    let is_inline =
         |(offset, attribute): &(usize, &str)| text[offset + attribute.len()..].lines().next().unwrap().contains('{');
-    let end = text.match_indices("#[cfg(test)]\nmod ").find(opens_a_module).map_or(text.len(), |(offset, _)| offset);
-    let shipped = &text[..end];
+    let tests_start = text.match_indices("#[cfg(test)]\nmod ").find(is_inline).map_or(text.len(), |(offset, _)| offset);
+    let shipped = &text[..tests_start];
     shipped.lines().map(|l| l.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
 }
 
-/// The files below a folder of the repository with one of some extensions: their paths in it, and their texts.
+/// Returns the files below a folder that have one of the extensions: their paths in the folder, and their texts.
 fn files(folder: &str, extensions: &[&str]) -> impl Iterator<Item = (String, String)> {
-    let below = move |(path, text): (String, String)| (path[folder.len() + 1..].to_owned(), text);
-    texts(&[folder], extensions).into_iter().map(below)
+    let in_folder = move |(path, text): (String, String)| (path[folder.len() + 1..].to_owned(), text);
+    texts(&[folder], extensions).into_iter().map(in_folder)
 }
 
-/// The Rust sources of all packages, without files of unit tests.
+/// Returns the Rust sources of all packages, without files of unit tests.
 fn sources() -> Vec<Source> {
     let shipped = |(path, _): &(String, String)| Path::new(path).file_stem().is_some_and(|stem| stem != "tests");
     let package_sources = |package: &Package| {
@@ -144,7 +144,7 @@ fn sources() -> Vec<Source> {
     found
 }
 
-/// The shaders' sources, without comments.
+/// Returns the shaders' sources, without comments.
 fn shaders() -> Vec<Source> {
     let source = |(path, text): (String, String)| Source { package: "shaders-glsl", path, code: code(&text) };
     let found: Vec<_> = files("shaders-glsl", &GLSL).map(source).collect();
@@ -152,7 +152,7 @@ fn shaders() -> Vec<Source> {
     found
 }
 
-/// Whether a shader has no code of its own: it only defines and includes.
+/// Returns whether a shader has no code of its own: it only defines and includes.
 fn is_wrapper(code: &str) -> bool {
     code.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
 }
@@ -168,6 +168,7 @@ struct Number {
 }
 
 impl Number {
+    /// Reads a number from the literal that a source at a path gives it, or returns `None` for another expression.
     fn new(name: &str, literal: &str, path: &str) -> Option<Self> {
         let digits = literal.trim().trim_end_matches(['u', 'f']).replace('_', "");
         let value = digits.parse().ok().filter(|_| digits.starts_with(|c: char| c.is_ascii_digit() || c == '-'))?;
@@ -175,7 +176,7 @@ impl Number {
         Some(Self { name: name.to_owned(), is_whole, value, path: path.to_owned() })
     }
 
-    /// The words of the number's name, in capitals: `MaxSteps` and `MAX_STEPS` both give MAX and STEPS.
+    /// Returns the words of the number's name, in capitals: `MaxSteps` and `MAX_STEPS` both give MAX and STEPS.
     fn words(&self) -> Vec<String> {
         let mut words = vec![String::new()];
         let mut before = 'A';
@@ -191,8 +192,7 @@ impl Number {
         words
     }
 
-    /// Whether two declarations mean one number: their names are equal, or their values are and their names share a
-    /// word.
+    /// Returns whether two numbers are one: their names, or their values and a word of their names, are equal.
     fn repeats(&self, other: &Self) -> bool {
         let is_word = |w: &String| w.len() > 2 && other.words().contains(w);
         let is_same = self.value == other.value && self.is_whole == other.is_whole;
@@ -200,7 +200,7 @@ impl Number {
     }
 }
 
-/// The numbers that a shader declares by `#define NAME 1.0` or `const float NAME = 1.0;`.
+/// Returns the numbers that a shader declares by `#define NAME 1.0` or `const float NAME = 1.0;`.
 fn numbers_of_glsl(Source { path, code, .. }: &Source) -> Vec<Number> {
     let found = code.lines().filter_map(|line| {
         let line = line.trim();
@@ -216,7 +216,7 @@ fn numbers_of_glsl(Source { path, code, .. }: &Source) -> Vec<Number> {
     found.collect()
 }
 
-/// The numbers that a Rust source declares by `const NAME: f32 = 1.0;`, and by `Name = 1,` in an enum.
+/// Returns the numbers that a Rust source declares by `const NAME: f32 = 1.0;`, and by `Name = 1,` in an enum.
 fn numbers_of_rust(Source { path, code, .. }: &Source) -> Vec<Number> {
     let found = code.lines().filter_map(|line| {
         let line = line.trim();
@@ -228,17 +228,17 @@ fn numbers_of_rust(Source { path, code, .. }: &Source) -> Vec<Number> {
     found.collect()
 }
 
-/// Sentences about numbers that Rust and a shader both declare, and about numbers that two shaders declare.
+/// Returns a sentence for each number that Rust and a shader both declare, and for each that two shaders declare.
 fn declared_twice(glsl: &[Number], rust: &[Number]) -> Vec<String> {
-    let tell = |a: &Number, b: &Number| format!("{} of {} is {} of {}", a.name, a.path, b.name, b.path);
-    let hosts = rust.iter().flat_map(|r| glsl.iter().filter(|g| r.repeats(g)).map(move |g| tell(r, g)));
-    let same = |a: &Number, b: &Number| a.name == b.name && a.value == b.value;
+    let sentence = |a: &Number, b: &Number| format!("{} of {} is {} of {}", a.name, a.path, b.name, b.path);
+    let across = rust.iter().flat_map(|r| glsl.iter().filter(|g| r.repeats(g)).map(move |g| sentence(r, g)));
+    let is_same = |a: &Number, b: &Number| a.name == b.name && a.value == b.value;
     let pairs = glsl.iter().enumerate().flat_map(|(i, a)| glsl[..i].iter().map(move |b| (a, b)));
-    hosts.chain(pairs.filter(|(a, b)| same(a, b)).map(|(a, b)| tell(a, b))).collect()
+    across.chain(pairs.filter(|(a, b)| is_same(a, b)).map(|(a, b)| sentence(a, b))).collect()
 }
 
-/// The names behind a prefix in code: `crate::gpu::Image` has `gpu` behind `crate::`, and `crate::{gpu, math::cone}`
-/// has `gpu` and `math`.
+/// Returns the names that follow a prefix in code: `crate::gpu::Image` has `gpu` after `crate::`, and `crate::{gpu,
+/// math::cone}` has `gpu` and `math`.
 fn names_after(code: &str, prefix: &str) -> Vec<String> {
     let word = |s: &str| s.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let mut names = Vec::new();
@@ -270,19 +270,19 @@ fn names_after(code: &str, prefix: &str) -> Vec<String> {
     names
 }
 
-/// The module at the root of its package that a file belongs to.
+/// Returns the module at the root of its package that a file belongs to.
 fn module(path: &str) -> &str {
     path.split(['/', '.']).next().unwrap()
 }
 
-/// Sentences about imports of a file that break the rule of the layers.
+/// Returns a sentence for each import of a file that the layers of its package do not allow.
 fn wrong_imports(Source { package, path, code }: &Source) -> Vec<String> {
     let Package { layers, .. } = PACKAGES.iter().find(|p| p.sources == *package).unwrap();
     if layers.is_empty() {
         return Vec::new();
     }
     let module = module(path);
-    let Some((_, below)) = layers.iter().find(|(name, _)| *name == module) else {
+    let Some((_, allowed)) = layers.iter().find(|(name, _)| *name == module) else {
         return vec![format!("{path}: the module {module} stands in no layer")];
     };
     let prefix = match module {
@@ -290,16 +290,16 @@ fn wrong_imports(Source { package, path, code }: &Source) -> Vec<String> {
         "main" => "ssct_lab::",
         _ => "crate::",
     };
-    let wrong = |n: &String| n != module && !below.contains(&n.as_str());
-    let above = names_after(code, prefix).into_iter().filter(wrong);
-    let mut found: Vec<_> = above.map(|n| format!("{path} imports {n}")).collect();
+    let is_wrong = |name: &String| name != module && !allowed.contains(&name.as_str());
+    let wrong_names = names_after(code, prefix).into_iter().filter(is_wrong);
+    let mut found: Vec<_> = wrong_names.map(|name| format!("{path} imports {name}")).collect();
     let forbidden =
         NOT_IMPORTED.iter().filter(|(p, m, _)| p == package && *m == module).flat_map(|(_, _, words)| *words);
     found.extend(forbidden.filter(|word| code.contains(**word)).map(|word| format!("{path} imports {word}")));
     found
 }
 
-/// Sentences about the other passes that a pass imports.
+/// Returns a sentence for each other pass that a pass imports.
 fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
     let names = [names_after(code, "super::"), names_after(code, "crate::passes::")].concat();
     let wrong = |n: &String| passes.contains(n);
@@ -313,7 +313,7 @@ fn imports_point_down_only() {
     assert_eq!(wrong, [""; 0]);
 }
 
-/// The packages that the map in src/ARCHITECTURE.md lists: by name, the folder and the packages that it needs.
+/// Returns the packages that the map in src/ARCHITECTURE.md lists: by name, the folder and the packages that it needs.
 fn packages_of_the_map() -> BTreeMap<String, (String, BTreeSet<String>)> {
     let map = std::fs::read_to_string(repository().join("src/ARCHITECTURE.md")).unwrap();
     let quoted = |cell: &str| cell.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
@@ -345,7 +345,7 @@ fn packages_need_what_the_map_says() {
     }
 }
 
-/// The manifest of the package in a folder of the repository.
+/// Returns the manifest of the package in a folder of the repository.
 fn manifest(folder: &str) -> toml::Table {
     let path = repository().join(folder).join("Cargo.toml");
     std::fs::read_to_string(path).unwrap().parse().expect("a manifest")
@@ -417,8 +417,8 @@ fn unsafe_code_stays_in_gpu_at_the_door_and_in_the_window() {
     assert!(found >= 5, "the word is found where it is");
 }
 
-/// The path of a module in its package, one element for each folder and one for the file. It is empty for `lib.rs` and
-/// `main.rs`.
+/// Returns the path of a module in its package, one element for each folder and one for the file. It is empty for
+/// `lib.rs` and `main.rs`.
 fn module_path(path: &str) -> Vec<&str> {
     let stem = path.strip_suffix(".rs").unwrap_or(path);
     if ["lib", "main"].contains(&stem) { Vec::new() } else { stem.split('/').collect() }
@@ -428,12 +428,12 @@ fn module_path(path: &str) -> Vec<&str> {
 #[test]
 fn a_module_stands_beside_its_folder() {
     let sources = sources();
-    let inside: Vec<_> = sources.iter().filter(|s| s.path.ends_with("mod.rs")).map(|s| (s.package, &s.path)).collect();
-    assert!(inside.is_empty() && !sources.is_empty(), "these stand in their folder: {inside:?}");
+    let found: Vec<_> = sources.iter().filter(|s| s.path.ends_with("mod.rs")).map(|s| (s.package, &s.path)).collect();
+    assert!(found.is_empty() && !sources.is_empty(), "these stand in their folder: {found:?}");
 }
 
-/// The imports between modules that stand beside each other: by folder of the package, by module, the names that the
-/// module imports there.
+/// Returns the imports between modules that stand beside each other: by folder of the package and by module, the names
+/// that the module imports from that folder.
 fn siblings(sources: &[Source], package: &str) -> BTreeMap<String, BTreeMap<String, BTreeSet<String>>> {
     let mut folders = BTreeMap::<String, BTreeMap<String, BTreeSet<String>>>::new();
     for s in sources.iter().filter(|s| s.package == package) {
@@ -465,12 +465,12 @@ fn no_modules_beside_each_other_import_each_other_in_a_circle() {
                 found += names.len();
             }
             // Modules that import no remaining module are removed, one after another, so that only circles remain.
-            let free = |left: &BTreeMap<String, BTreeSet<String>>| {
+            let without_imports = |left: &BTreeMap<String, BTreeSet<String>>| {
                 left.iter()
                     .find(|(_, names)| names.iter().all(|n| !left.contains_key(n)))
                     .map(|(module, _)| module.clone())
             };
-            while let Some(module) = free(&imports) {
+            while let Some(module) = without_imports(&imports) {
                 imports.remove(&module);
             }
             assert!(imports.is_empty() || (*package, &*folder) == ONE_CIRCLE, "{package}, {folder}: {imports:?}");

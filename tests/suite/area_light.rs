@@ -1,4 +1,4 @@
-//! The analytic highlights of `area-light` against quadrature: the lobe of each pixel is sampled by a grid of
+//! Compares the analytic highlights of `area-light` with quadrature: the lobe of each pixel is sampled by a grid of
 //! directions, and each direction is tested against the shape of the light.
 
 use crate::common::{Builder, camera, gpu};
@@ -18,7 +18,7 @@ const SIDE: u32 = 28;
 /// The light's radiance in linear RGB. The three values differ, so that swapped channels are noticed.
 const RADIANCE: Vec3 = Vec3::new(1.0, 0.5, 2.0);
 
-/// Whether a ray from a point meets a light from the side on which it shines.
+/// Returns whether a ray from a point meets a light from the side on which it shines. `direction` has length 1.
 fn ray_meets_light(shape: &AreaShape, from: DVec3, direction: DVec3) -> bool {
     match *shape {
         AreaShape::Sphere { centre, radius } => passes_within(centre.as_dvec3() - from, direction, f64::from(radius)),
@@ -62,9 +62,8 @@ fn ray_meets_light(shape: &AreaShape, from: DVec3, direction: DVec3) -> bool {
     }
 }
 
-/// The interval [enter, leave] of distances t at which the point t · direction of a ray from the origin lies within a
-/// slab: |(p − centre) · axis| ≤ half. The axis is of length 1. The interval is empty, with enter > leave, where the
-/// ray misses the slab.
+/// Returns the interval [enter, leave] of distances t for which the point t · `direction` lies within a slab: |(p −
+/// centre) · axis| ≤ half. The axis has length 1. If the ray misses the slab, the interval is empty: enter > leave.
 fn within_slab(centre: DVec3, direction: DVec3, axis: DVec3, half: f64) -> [f64; 2] {
     let (offset, rate) = (centre.dot(axis), direction.dot(axis));
     if rate == 0.0 {
@@ -78,46 +77,47 @@ fn within_slab(centre: DVec3, direction: DVec3, axis: DVec3, half: f64) -> [f64;
     [a.min(b), a.max(b)]
 }
 
-/// The interval [enter, leave] of distances at which a ray from the origin runs within an endless tube around the line
-/// through `centre` along `axis`. It is empty, with enter > leave, where the ray misses the tube.
+/// Returns the interval [enter, leave] of distances at which a ray from the origin lies within an endless tube around
+/// the line through `centre` along `axis`. If the ray misses the tube, the interval is empty: enter > leave.
 fn within_tube(centre: DVec3, direction: DVec3, axis: DVec3, radius: f64) -> [f64; 2] {
     let across = |v: DVec3| v - axis * v.dot(axis);
-    let (c, d) = (across(centre), across(direction));
-    let (middle, square) = (c.dot(d), d.length_squared());
-    let root = middle * middle - square * (c.length_squared() - radius * radius);
+    let (centre_across, direction_across) = (across(centre), across(direction));
+    let (middle, square) = (centre_across.dot(direction_across), direction_across.length_squared());
+    let root = middle * middle - square * (centre_across.length_squared() - radius * radius);
     if root < 0.0 {
         return [f64::INFINITY, f64::NEG_INFINITY];
     }
     [-root.sqrt(), root.sqrt()].map(|r| (middle + r) / square)
 }
 
-/// Whether the intersection of all intervals, which are distances along a ray, has a part at a distance of 0 or more.
+/// Returns whether the intersection of all intervals, which are distances along a ray, has a part at a distance of 0 or
+/// more.
 fn lies_ahead(intervals: &[[f64; 2]]) -> bool {
-    let from = intervals.iter().map(|i| i[0]).fold(0.0, f64::max);
-    from <= intervals.iter().map(|i| i[1]).fold(f64::INFINITY, f64::min)
+    let start = intervals.iter().map(|i| i[0]).fold(0.0, f64::max);
+    start <= intervals.iter().map(|i| i[1]).fold(f64::INFINITY, f64::min)
 }
 
-/// Whether a ray from the origin, with a direction of length 1, meets a sphere whose centre lies ahead of the ray's
-/// start.
+/// Returns whether a ray from the origin meets a sphere whose centre lies ahead of the ray's start. `direction` has
+/// length 1.
 fn passes_within(centre: DVec3, direction: DVec3, radius: f64) -> bool {
     let along = centre.dot(direction);
     along > 0.0 && (centre - direction * along).length() <= radius
 }
 
-/// The share of a receiver's lobe that a light fills, from 0 to 1, by quadrature. A receiver is the surface point of a
-/// pixel.
+/// Returns the share of a receiver's lobe that a light fills, from 0 to 1, by quadrature. A receiver is the surface
+/// point of a pixel.
 fn share(shape: &AreaShape, receiver: &Receiver) -> f64 {
     let (axis, exponent) = (receiver.mirror(), phong::exponent(receiver.roughness));
     let side = f64::from(SIDE);
     let cells = (0..SIDE * SIDE).map(|k| [f64::from(k % SIDE), f64::from(k / SIDE)].map(|v| (v + 0.5) / side));
-    let met = cells.filter(|u| {
+    let lit_cells = cells.filter(|u| {
         let direction = lobe_direction(axis, exponent, *u);
         receiver.is_above(direction) && ray_meets_light(shape, receiver.position, direction)
     });
-    met.count() as f64 / (side * side)
+    lit_cells.count() as f64 / (side * side)
 }
 
-/// A black mirror floor under a light of this shape.
+/// Returns a black mirror floor under a light of this shape.
 fn lit_by(shape: AreaShape) -> Scene {
     let mut b = Builder::new("area light");
     let floor = b.mirror();
@@ -126,8 +126,8 @@ fn lit_by(shape: AreaShape) -> Scene {
     b.0
 }
 
-/// The error of the share that the device computes, over the pixels that any of the light reaches: first its root mean
-/// square, then its greatest value. Both are absolute, of shares between 0 and 1.
+/// Returns the error of the share that the device computes, over the pixels that any of the light reaches: first its
+/// root mean square, then its greatest value. Both are absolute, since shares lie between 0 and 1.
 fn errors(shape: AreaShape, roughness: f32) -> (f64, f64) {
     let scene = lit_by(shape);
     let gpu = gpu();
@@ -170,27 +170,28 @@ fn holds(shape: AreaShape, bounds: [(f32, f64, f64); 4]) {
     }
 }
 
-// The bounds lie somewhat above the measured errors (shaders-glsl/area_light/ERRATA.md), which are those of the formula
-// and of the quadrature together. The quadrature alone errs by about 0.01 where an edge of the light crosses the lobe.
+// The bounds lie somewhat above the measured errors (shaders-glsl/area_light/ERRATA.md), which the formula and the
+// quadrature make together. The quadrature alone errs by about 0.01 where an edge of the light crosses the lobe.
 // The capsule's greatest errors lie at its round ends.
 
-/// A sphere of 0.5 m above the floor, seen at four roughnesses: its highlight equals the quadrature of the lobe within
-/// the bounds.
+/// The highlight of a sphere of 0.5 m above the floor equals the quadrature of the lobe within the bounds, at four
+/// roughnesses. The formula approximates the lobe, and its error grows where the lobe is narrow.
 #[test]
 fn a_sphere_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Sphere { centre: Vec3::new(0.4, 1.2, 5.0), radius: 0.5 };
     holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.04, 0.08), (0.3, 0.04, 0.08), (0.8, 0.03, 0.08)]);
 }
 
-/// A thin slanting capsule over the floor, at four roughnesses: its highlight equals the quadrature within the bounds.
+/// The highlight of a thin slanting capsule over the floor equals the quadrature within the bounds, at four
+/// roughnesses. The formula is least exact at the capsule's round ends.
 #[test]
 fn a_capsule_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Capsule { a: Vec3::new(-1.5, 0.8, 4.0), b: Vec3::new(1.0, 1.6, 6.0), radius: 0.15 };
     holds(shape, [(0.02, 0.03, 0.2), (0.1, 0.03, 0.2), (0.3, 0.03, 0.2), (0.8, 0.02, 0.1)]);
 }
 
-/// A rectangle that faces the camera at an angle, at four roughnesses: its highlight equals the quadrature within the
-/// bounds.
+/// The highlight of a rectangle that faces the camera at an angle equals the quadrature within the bounds, at four
+/// roughnesses.
 #[test]
 fn a_rectangle_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Rectangle {
@@ -212,7 +213,8 @@ fn a_cylinder_fills_its_share_of_the_lobe() {
     holds(thick, [(0.02, 0.15, 0.7), (0.1, 0.09, 0.4), (0.3, 0.06, 0.25), (0.8, 0.03, 0.15)]);
 }
 
-/// A turned box over the floor, at four roughnesses: its highlight equals the quadrature within the bounds.
+/// The highlight of a turned box over the floor equals the quadrature within the bounds, at four roughnesses. The
+/// formula must join the faces that are seen.
 #[test]
 fn a_cuboid_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Cuboid {
@@ -243,8 +245,8 @@ fn a_tube_behind_the_viewer_is_not_seen() {
     }
 }
 
-/// A sphere beyond the end of the floor, whose lower half lies below the plane of the floor: only its upper half gives
-/// light.
+/// A sphere beyond the end of the floor, whose lower half lies below the floor's plane, gives the light of its upper
+/// half alone. Without the cut at the horizon its highlight would be twice as bright.
 #[test]
 fn a_light_half_below_the_horizon_gives_what_is_above_it() {
     let shape = AreaShape::Sphere { centre: Vec3::new(0.0, 0.3, 25.0), radius: 3.0 };
@@ -278,7 +280,7 @@ fn a_mirror_shows_the_light_itself_and_a_rectangle_is_dark_from_behind() {
         },
     ];
     let gpu = gpu();
-    for (k, shape) in shapes.into_iter().enumerate() {
+    for (index, shape) in shapes.into_iter().enumerate() {
         let scene = lit_by(shape);
         let camera = camera(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 0.6, 4.0), EXTENT);
         let mut stage = Stage::new(&gpu, &scene).unwrap();
@@ -288,16 +290,16 @@ fn a_mirror_shows_the_light_itself_and_a_rectangle_is_dark_from_behind() {
                 .unwrap();
         let reflection = render(&mut stage, &shot, false).unwrap().reflection;
         let receivers = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap()).receivers;
-        let (mut met, mut wrong) = (0, 0);
+        let (mut lit_pixels, mut wrong) = (0, 0);
         for (texel, receiver) in reflection.texels().zip(&receivers) {
             let Some(receiver) = receiver else { continue };
             let expected = ray_meets_light(&shape, receiver.position, receiver.mirror());
-            met += u32::from(expected);
+            lit_pixels += u32::from(expected);
             wrong += u32::from((texel[0] > 0.5 * RADIANCE.x) != expected);
         }
-        println!("{shape:?}: {met} pixels, {wrong} wrong");
-        assert!(if k < 5 { met > 20 } else { met == 0 }, "{shape:?}: {met}");
+        println!("{shape:?}: {lit_pixels} pixels, {wrong} wrong");
+        assert!(if index < 5 { lit_pixels > 20 } else { lit_pixels == 0 }, "{shape:?}: {lit_pixels}");
         // The G-buffer's 16-bit normals move rays by up to a pixel at the edge of the light, hence 5 % of its pixels.
-        assert!(f64::from(wrong) <= 0.05 * f64::from(met), "{shape:?}: {wrong} of {met}");
+        assert!(f64::from(wrong) <= 0.05 * f64::from(lit_pixels), "{shape:?}: {wrong} of {lit_pixels}");
     }
 }

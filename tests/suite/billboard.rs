@@ -1,5 +1,5 @@
-//! `billboard` against the triangles: an impostor that stands exactly where a picture hangs must be seen where the
-//! reflection of the picture is. With occlusion on, what hides the picture must hide the impostor, too.
+//! Compares `billboard` with the triangles: an impostor that stands exactly where a picture hangs must be seen where
+//! the picture's reflection is. With occlusion, whatever hides the picture must hide the impostor, too.
 
 use crate::common::{Builder, Truth, beside_truth, camera, gpu, show};
 use glam::Vec3;
@@ -20,15 +20,15 @@ const HALF_U: Vec3 = Vec3::new(1.5, 0.0, 0.0);
 /// Half of the picture's height, down its columns.
 const HALF_V: Vec3 = Vec3::new(0.0, -0.75, 0.0);
 
-/// The texel of the picture at column x and row y, in sRGB: red on the left, green on the right, brighter towards the
-/// top. A picture that is read mirrored in x or y thus fails the tests.
+/// Returns the texel of the picture in column x and row y, in sRGB: red on the left, green on the right, brighter
+/// towards the top. A method that mirrors the picture in x or y thus fails the tests.
 fn colour(x: u32, y: u32) -> [u8; 3] {
     let bright = 250 - 25 * (y as u8);
     if x < 4 { [bright, 10, 10] } else { [10, bright, 10] }
 }
 
-/// A mirror floor before a picture with its impostor, and a blue block between floor and picture if `with_block` is
-/// true.
+/// Returns a mirror floor before a picture that has an impostor. If `with_block` is true, a blue block stands between
+/// the floor and the picture.
 fn scene(with_block: bool) -> Scene {
     let mut b = Builder::new("picture");
     let floor = b.mirror();
@@ -49,27 +49,28 @@ fn scene(with_block: bool) -> Scene {
     b.0
 }
 
-/// What `billboard` shows of a scene, and the truth of the triangles there, with some changed parameters.
+/// Renders a scene by `billboard` with changed parameters, and traces the same rays among the triangles.
 fn shown_with(gpu: &Gpu, scene: &Scene, change: impl FnOnce(&mut BillboardParams)) -> Truth {
     let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
     beside_truth(gpu, scene, camera, "billboard", &Setup::new(EXTENT).with(change), &Globals::default())
 }
 
-/// What `billboard` shows with one order of impostors and one kind of occlusion, beside the truth.
+/// Renders a scene by `billboard` with an order of impostors and a kind of occlusion, and traces the same rays among
+/// the triangles.
 fn see(gpu: &Gpu, scene: &Scene, order: Order, occlusion: Occlusion) -> Truth {
     shown_with(gpu, scene, |p| (p.billboard_order, p.billboard_occlusion) = (order, occlusion))
 }
 
-/// The kind of a colour: 0 for black, 1 for red, 2 for green, 3 for blue.
-fn kind(c: Vec3) -> u8 {
-    match c.max_position() {
-        _ if c.max_element() < 1e-3 => 0,
+/// Returns the kind of a colour: 0 for black, 1 for red, 2 for green, 3 for blue.
+fn kind(color: Vec3) -> u8 {
+    match color.max_position() {
+        _ if color.max_element() < 1e-3 => 0,
         channel => channel as u8 + 1,
     }
 }
 
-/// A pixel shows red, green or nothing exactly where the triangles show red, green or nothing, but for 3 % of pixels at
-/// edges. All three orders of impostors are tried.
+/// A pixel shows red, green or nothing exactly where the triangles do, but for 3 % of pixels at edges, in all three
+/// orders of impostors. A wrong axis or sign of the impostor's rectangle would mirror or shift the picture.
 #[test]
 fn an_impostor_is_seen_where_the_thing_is() {
     let gpu = gpu();
@@ -96,8 +97,8 @@ fn an_impostor_is_seen_where_the_thing_is() {
     }
 }
 
-/// A blue block hides part of the picture. Without occlusion the impostor shows through the block, as in figure 41;
-/// with occlusion by depth it does so in less than 5 % of the hidden pixels.
+/// A blue block hides part of the picture. Without occlusion the impostor shows through the block, as in figure 41.
+/// With occlusion by depth it does so in less than 5 % of the hidden pixels, and few open pixels lose it.
 #[test]
 fn what_hides_the_thing_hides_its_impostor_with_occlusion() {
     let gpu = gpu();
@@ -152,8 +153,8 @@ fn the_printed_order_is_that_of_the_list() {
     assert_eq!(count(&before, Order::Nearest), whole);
 }
 
-/// With a blur by roughness or by distance, the contrast of neighbouring pixels falls at roughness 0.3, and a mirror
-/// stays sharp. Without a blur, roughness changes nothing, as published.
+/// At roughness 0.3, a blur by roughness lowers the contrast of neighbouring pixels, a blur by distance lowers it
+/// further, and a mirror stays sharp. Without a blur, roughness changes nothing, as published.
 #[test]
 fn a_blur_widens_with_roughness_and_with_the_way_from_the_viewer() {
     let gpu = gpu();
@@ -183,16 +184,17 @@ fn a_blur_widens_with_roughness_and_with_the_way_from_the_viewer() {
     assert!(roughness < 0.8 * none && distance < 0.9 * roughness, "{none}, {roughness}, {distance}");
 }
 
-/// The reflection with a glow of some strength and width in metres. For each pixel, it also returns how far the ray
-/// passes beyond the picture's edges in the picture's plane: [in x, in y, in all], in metres. `None` means that no ray
-/// meets that plane ahead.
+/// Renders a scene by `billboard` with a glow, of a strength and a width in metres. Returns the reflection.
+///
+/// For each pixel, it also returns how far the mirror ray passes beyond the picture's edges in the picture's plane: [in
+/// x, in y, in all], in metres. x and y are signed, and all are 0 inside the picture. `None` means that no ray meets
+/// that plane ahead.
 fn glowing(gpu: &Gpu, scene: &Scene, occlusion: Occlusion, glow: (f32, f32)) -> (Pixels, Vec<Option<[f64; 3]>>) {
     let Truth { reflection, first_hits, .. } = shown_with(gpu, scene, |p| {
         (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, occlusion);
         (p.billboard_glow, p.billboard_glow_width) = glow;
     });
-    // How far the mirror ray of a receiver passes the picture's rectangle: 0 inside, signed in x and y.
-    let off = |receiver: &Receiver| {
+    let distances_beyond = |receiver: &Receiver| {
         let direction = receiver.mirror();
         let t = (f64::from(CENTRE.z) - receiver.position.z) / direction.z;
         let from_centre = receiver.position + t * direction - CENTRE.as_dvec3();
@@ -200,7 +202,7 @@ fn glowing(gpu: &Gpu, scene: &Scene, occlusion: Occlusion, glow: (f32, f32)) -> 
         let (x, y) = (beyond(from_centre.x, HALF_U.x), beyond(from_centre.y, -HALF_V.y));
         (direction.z > 0.0).then(|| [x, y, x.hypot(y)])
     };
-    (reflection, first_hits.receivers.iter().map(|r| r.as_ref().and_then(off)).collect())
+    (reflection, first_hits.receivers.iter().map(|r| r.as_ref().and_then(distances_beyond)).collect())
 }
 
 /// The glow of a picture of one colour equals strength · (1 − distance / width)² · colour outside the edges, within
@@ -211,27 +213,30 @@ fn a_glow_fades_beyond_the_edges_of_a_billboard() {
     // An image of one colour, so that all its levels are equal.
     let mut even = scene(false);
     even.textures[1].rgba = [255, 188, 0, 255].repeat(64);
-    let color = Vec3::new(1.0, ssct_ground::math::srgb_to_linear(188.0 / 255.0), 0.0);
+    let picture_color = Vec3::new(1.0, ssct_ground::math::srgb_to_linear(188.0 / 255.0), 0.0);
     let (strength, width) = (0.5, 0.75);
     let (plain, _) = glowing(&gpu, &even, Occlusion::None, (0.0, width));
-    let (lit, off) = glowing(&gpu, &even, Occlusion::None, (strength, width));
+    let (lit, distance) = glowing(&gpu, &even, Occlusion::None, (strength, width));
     let (mut inside, mut glows) = (0, 0);
-    for ((plain, lit), off) in plain.texels().zip(lit.texels()).zip(&off) {
-        let found = Vec3::from_slice(lit);
-        let Some([.., off]) = off else {
+    for ((plain, lit), distance) in plain.texels().zip(lit.texels()).zip(&distance) {
+        let color_found = Vec3::from_slice(lit);
+        let Some([.., distance]) = distance else {
             assert_eq!(plain, lit, "no ray meets the plane");
             continue;
         };
         // The device's rays are of single precision: pixels whose ray passes within a millimetre of an edge are left
         // out.
-        if *off == 0.0 && plain[3] == 1.0 {
+        if *distance == 0.0 && plain[3] == 1.0 {
             inside += 1;
             assert_eq!(plain, lit, "the image itself is as it was");
-        } else if *off > 1e-3 {
-            let reach = (1.0 - *off as f32 / width).max(0.0);
-            let expected = strength * reach * reach * color;
-            assert!((found - expected).abs().max_element() < 2e-3, "{off} m off: {found}, not {expected}");
-            assert_eq!(lit[3] > 0.0, found != Vec3::ZERO, "{lit:?}");
+        } else if *distance > 1e-3 {
+            let reach = (1.0 - *distance as f32 / width).max(0.0);
+            let expected = strength * reach * reach * picture_color;
+            assert!(
+                (color_found - expected).abs().max_element() < 2e-3,
+                "{distance} m off: {color_found}, not {expected}"
+            );
+            assert_eq!(lit[3] > 0.0, color_found != Vec3::ZERO, "{lit:?}");
             glows += usize::from(reach > 0.0);
         }
     }
@@ -240,24 +245,24 @@ fn a_glow_fades_beyond_the_edges_of_a_billboard() {
     gpu.check_validation().unwrap();
 }
 
-/// Left of the picture the glow is red, and right of it green, as the near edge is. With occlusion by depth, the blue
-/// block hides the glow wholly or not at all.
+/// The glow is red on the left of the picture and green on its right, as the nearest edge is. With occlusion by depth,
+/// the blue block hides the glow of a pixel wholly or not at all.
 #[test]
 fn a_glow_has_the_colours_of_the_edge_that_is_near_and_is_hidden_with_occlusion() {
     let gpu = gpu();
     let (mut red, mut green, mut kept, mut hidden) = (0, 0, 0, 0);
-    let (open, off) = glowing(&gpu, &scene(true), Occlusion::None, (1.0, 0.75));
-    let (behind, _) = glowing(&gpu, &scene(true), Occlusion::Depth, (1.0, 0.75));
-    for ((open, behind), off) in open.texels().zip(behind.texels()).zip(&off) {
-        let Some([x, y, off]) = off else { continue };
+    let (open, distance) = glowing(&gpu, &scene(true), Occlusion::None, (1.0, 0.75));
+    let (occluded, _) = glowing(&gpu, &scene(true), Occlusion::Depth, (1.0, 0.75));
+    for ((open, occluded), distance) in open.texels().zip(occluded.texels()).zip(&distance) {
+        let Some([x, y, distance]) = distance else { continue };
         if (0.01..0.3).contains(&x.abs()) && *y == 0.0 {
             let is_red = open[0] > open[1];
             assert_eq!(is_red, *x < 0.0, "{x} m off: {open:?}");
             (red, green) = (red + usize::from(is_red), green + usize::from(!is_red));
         }
-        if *off > 0.01 && open[0] + open[1] > 0.02 {
-            let is_same = open == behind;
-            assert!(is_same || behind[0] + behind[1] < 1e-6, "{off} m off: {open:?} became {behind:?}");
+        if *distance > 0.01 && open[0] + open[1] > 0.02 {
+            let is_same = open == occluded;
+            assert!(is_same || occluded[0] + occluded[1] < 1e-6, "{distance} m off: {open:?} became {occluded:?}");
             (kept, hidden) = (kept + usize::from(is_same), hidden + usize::from(!is_same));
         }
     }

@@ -1,5 +1,5 @@
-//! Several bounces (thesis §4.2.11): each reflects the image that has the bounce before it, and passes that read no
-//! colour are recorded once. Between mirrors, the light grows as far as their reflectivity allows.
+//! Tests several bounces (thesis §4.2.11). Each bounce reflects the image that has the bounce before it, and passes
+//! that read no colour are recorded once. Between mirrors, light grows no further than their reflectivity allows.
 
 use crate::common::{Builder, camera, gpu};
 use glam::Vec3;
@@ -24,7 +24,8 @@ const EXTENT: [u32; 2] = [161, 97];
 /// The reflectivity of both mirrors.
 const SHARE: f32 = 0.8;
 
-/// Two mirrors that face each other across a corridor, over a floor of stripes, with a board at its end.
+/// Returns two mirrors that face each other across a corridor, over a floor of stripes, with a board at the corridor's
+/// end.
 fn facing_mirrors(roughness: f32) -> Scene {
     let mut b = Builder::new("facing mirrors");
     b.light(Vec3::new(0.0, -1.0, 0.4));
@@ -38,7 +39,7 @@ fn facing_mirrors(roughness: f32) -> Scene {
     b.quad(mirror, Vec3::new(1.5, 0.0, 0.5), Vec3::Z * 9.0, Vec3::Y * 3.0, -Vec3::X);
     let stripes = b.picture(64, 64, |x, y| [(4 * x) as u8, if y % 8 < 4 { 40 } else { 220 }, 128]);
     b.quad(stripes, Vec3::new(-1.5, 0.0, 0.5), Vec3::X * 3.0, Vec3::Z * 9.0, Vec3::Y);
-    // A ceiling hides the sky, of which the camera sees other parts in the mirrors than the rays of further bounces.
+    // A ceiling hides the sky: the camera sees one part of it in the mirrors, and rays of further bounces another.
     let ceiling = b.matt(Vec3::splat(0.6));
     b.quad(ceiling, Vec3::new(-1.5, 3.0, 0.5), Vec3::X * 3.0, Vec3::Z * 9.0, -Vec3::Y);
     let board = b.matt(Vec3::new(0.9, 0.5, 0.2));
@@ -46,22 +47,22 @@ fn facing_mirrors(roughness: f32) -> Scene {
     b.0
 }
 
-/// A camera at one end of the corridor that looks along it.
+/// Returns a camera at one end of the corridor that looks along it.
 fn look() -> Camera {
     camera(Vec3::new(0.2, 1.4, 0.0), Vec3::new(0.0, 1.2, 6.0), EXTENT)
 }
 
-/// A setup whose rays end on the screen, with a number of bounces.
+/// Returns a setup whose rays end on the screen, with a number of bounces.
 fn bounces(bounces: u32) -> Setup {
     Setup::on_screen(EXTENT).with(|p: &mut EffectParams| p.bounces = bounces)
 }
 
-/// A shot of a scene in its own materials that wants the reflection.
+/// Makes a shot of a scene in its own materials that keeps the reflection.
 fn shot(stage: &mut Stage, scene: &Scene, view: Camera, method: &str, setup: &Setup) -> Shot {
     Shot::new(stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone()).unwrap()
 }
 
-/// The G-buffer of a scene, drawn once.
+/// Draws a scene and returns its G-buffer.
 fn seen(gpu: &Gpu, scene: &Scene, view: Camera) -> GBufferData {
     let mut stage = Stage::new(gpu, scene).unwrap();
     let shot = shot(&mut stage, scene, view, "linear", &bounces(1));
@@ -84,24 +85,25 @@ fn made(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup) -> (V
     (texels, composite.texels().map(|t| Vec3::from_slice(&t[..3])).collect(), report)
 }
 
-/// The finished image of a reflection: lit colour + reflectivity · fade · reflection, rounded to 16-bit floats as
-/// images store it.
+/// Computes the finished image of a reflection: lit colour + reflectivity · fade · reflection, rounded to 16-bit floats
+/// as images store it.
 fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
-    let half = |v: f32| f16::from_f32(v).to_f32();
-    let pixel = |(i, r): (usize, &[f32; 4])| {
-        let share = if data.reflects(i) { data.reflectivity[i] } else { 0.0 };
-        (data.color[i] + share * r[3] * Vec3::new(r[0], r[1], r[2])).map(half)
+    let round_to_half = |v: f32| f16::from_f32(v).to_f32();
+    let pixel = |(index, texel): (usize, &[f32; 4])| {
+        let share = if data.reflects(index) { data.reflectivity[index] } else { 0.0 };
+        (data.color[index] + share * texel[3] * Vec3::new(texel[0], texel[1], texel[2])).map(round_to_half)
     };
     reflection.iter().enumerate().map(pixel).collect()
 }
 
-/// The screen-space methods.
+/// Returns the methods that need nothing but the screen.
 fn screen_space() -> impl Iterator<Item = &'static MethodInfo> {
     METHODS.iter().filter(|m| m.is_screen_space())
 }
 
 /// Two bounces of every screen-space method equal one bounce on a G-buffer whose colour is the finished image of the
-/// first. Mirrors and a roughness of 0.15 are tried.
+/// first. A method that kept the lit colour for its second bounce would fail. Mirrors and a roughness of 0.15 are
+/// tried.
 #[test]
 fn a_bounce_reflects_the_image_with_the_one_before_in_it() {
     let gpu = gpu();
@@ -110,14 +112,13 @@ fn a_bounce_reflects_the_image_with_the_one_before_in_it() {
         for method in screen_space() {
             let (two, image, _) = made(&gpu, &data, method, &bounces(2));
             let (one, ..) = made(&gpu, &data, method, &bounces(1));
-            let again = GBufferData { color: composite(&data, &one), ..data.clone() };
-            let (expected, ..) = made(&gpu, &again, method, &bounces(1));
-            // The greatest difference of any channel.
-            let furthest = |a: &[[f32; 4]], b: &[[f32; 4]]| {
+            let with_first_bounce = GBufferData { color: composite(&data, &one), ..data.clone() };
+            let (expected, ..) = made(&gpu, &with_first_bounce, method, &bounces(1));
+            let greatest_difference = |a: &[[f32; 4]], b: &[[f32; 4]]| {
                 let off = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).abs());
                 off.fold(0.0_f32, f32::max)
             };
-            let (off, moved) = (furthest(&two, &expected), furthest(&two, &one));
+            let (off, moved) = (greatest_difference(&two, &expected), greatest_difference(&two, &one));
             println!("{} at {roughness}: off by {off}, of {moved} that the bounce adds", method.name);
             // A composite of 16-bit floats may be rounded otherwise by one step, hence 0.001. `sslr` keeps colours of 8
             // bits, whose step is larger, hence 0.01.
@@ -131,8 +132,9 @@ fn a_bounce_reflects_the_image_with_the_one_before_in_it() {
     gpu.check_validation().unwrap();
 }
 
-/// With 1, 2, 3 and 8 bounces between facing mirrors of reflectivity r, the mean brightness does not fall. The
-/// brightest pixel stays below the sum of the geometric series 1 + r + … + rⁿ times the brightest lit colour L.
+/// With 1, 2, 3 and 8 bounces between facing mirrors of reflectivity r, the mean brightness never falls. The brightest
+/// pixel stays below the geometric series 1 + r + … + rⁿ times the brightest lit colour L. Light that is added twice
+/// exceeds it.
 #[test]
 fn light_between_mirrors_grows_as_far_as_they_reflect_it() {
     let gpu = gpu();
@@ -149,22 +151,22 @@ fn light_between_mirrors_grows_as_far_as_they_reflect_it() {
             for (n, image) in &images {
                 // The limit is L (1 + r + … + rⁿ) = L (1 − rⁿ⁺¹) / (1 − r), plus 1 % for the rounding of 16-bit floats.
                 let most = brightest * (1.0 - SHARE.powi(*n as i32 + 1)) / (1.0 - SHARE) * 1.01;
-                let found = image.iter().map(|c| c.max_element()).fold(0.0, f32::max);
-                assert!(found <= most, "{} with {n} bounces: {found} above {most}", method.name);
+                let brightest_found = image.iter().map(|c| c.max_element()).fold(0.0, f32::max);
+                assert!(brightest_found <= most, "{} with {n} bounces: {brightest_found} above {most}", method.name);
             }
         }
     }
 }
 
-/// With three bounces, passes that read depth or normals alone appear once. The other passes of a bounce n are named
-/// `bounce n/…`, and each further bounce records equally many.
+/// With three bounces, passes that read depth or normals alone are recorded once, since their result stays the same.
+/// The other passes of a bounce n are named `bounce n/…`, and each further bounce records equally many.
 #[test]
 fn passes_that_read_no_colour_are_recorded_once() {
     let gpu = gpu();
     let data = seen(&gpu, &facing_mirrors(0.15), look());
     let recorded = |method: &str, setup: &Setup| made(&gpu, &data, find(method).unwrap(), setup).2.recorded;
     let split = |n| bounces(n).with(|p: &mut ThesisDrawing| p.split = true);
-    for (method, setup, others) in [
+    for (method, setup, shared_passes) in [
         ("ssct", bounces as fn(u32) -> Setup, &["depth", "hi-z/1", "visibility/1"] as &[&str]),
         ("hzct", split, &["depth", "hi-z/1", "visibility/1", "ray trace"]),
         ("linear", bounces, &["depth"]),
@@ -174,28 +176,29 @@ fn passes_that_read_no_colour_are_recorded_once() {
     ] {
         let (one, three) = (recorded(method, &setup(1)), recorded(method, &setup(3)));
         assert!(one.iter().all(|pass| !pass.starts_with("bounce")), "{method}: {one:?}");
-        for pass in others {
+        for pass in shared_passes {
             assert!(one.iter().any(|p| p == pass), "{method}: no {pass} in {one:?}");
             let again: Vec<_> = three.iter().filter(|p| p.ends_with(&format!("/{pass}"))).collect();
             assert!(again.is_empty(), "{method}: {again:?}");
         }
-        let of_bounce = |n: u32| three.iter().filter(|p| p.starts_with(&format!("bounce {n}/"))).count();
-        assert!(of_bounce(2) > 0 && of_bounce(2) == of_bounce(3) && of_bounce(4) == 0, "{method}: {three:?}");
+        let pass_count = |n: u32| three.iter().filter(|p| p.starts_with(&format!("bounce {n}/"))).count();
+        assert!(pass_count(2) > 0 && pass_count(2) == pass_count(3) && pass_count(4) == 0, "{method}: {three:?}");
         assert_eq!(three.iter().collect::<BTreeSet<_>>().len(), three.len(), "{method}: {three:?}");
     }
     // With one bounce, the passes are those of a frame without the option.
     assert_eq!(recorded("linear", &bounces(1)), ["depth", "ray trace", "composite"]);
 }
 
-/// The reflection that the screen shows along rays which are reflected so many times, from 16 samples a pixel by the
-/// oracle.
+/// Returns the reflection that the screen shows along rays which are reflected `bounces` times, from 16 samples a pixel
+/// by the oracle.
 fn truth(data: &GBufferData, bounces: u32) -> Vec<[f32; 3]> {
     let sampling = Sampling { samples: 16, seed: 1, oracle: OracleVersion::V1, bounces };
     let image = ScreenReference::render(data, &data.reflecting(), sampling, &|| ());
     image.color.iter().map(Vec3::to_array).collect()
 }
 
-/// Against the reference of three bounces, three bounces of `unified` have less than 0.7 of the error of one bounce.
+/// Measured against the reference of three bounces, three bounces of `unified` have less than 0.7 of the error of one
+/// bounce. Further bounces must add true light, and not only some light.
 #[test]
 fn bounces_bring_the_image_nearer_to_light_that_is_reflected_as_often() {
     let gpu = gpu();
@@ -216,7 +219,8 @@ fn bounces_bring_the_image_nearer_to_light_that_is_reflected_as_often() {
 }
 
 /// In the corridor with mirrors, three bounces are brighter than one, by at most a factor of 2, also with a history,
-/// fallbacks, captures, a lower resolution and bumps.
+/// fallbacks, captures, a lower resolution and bumps. Each of these adds passes, which a further bounce must repeat or
+/// share.
 #[test]
 fn bounces_work_with_all_that_stands_around_a_method() {
     let gpu = gpu();
@@ -252,15 +256,16 @@ fn bounces_work_with_all_that_stands_around_a_method() {
     gpu.check_validation().unwrap();
 }
 
-/// Every method that is not screen-space refuses two bounces, with a message that names the method.
+/// Every method that is not screen-space refuses two bounces, with a message that names the method. Its source of
+/// colours is no image of the frame, to which a bounce could be added.
 #[test]
 fn what_sees_more_than_the_screen_has_no_bounces() {
     let gpu = gpu();
     let scene = facing_mirrors(0.0);
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
-        let made = Shot::new(&mut stage, method, &bounces(2), Wants::REFLECTION, look(), scene.materials.clone());
-        let Some(Error::Usage(message)) = made.err() else { panic!("{} takes bounces", method.name) };
+        let shot = Shot::new(&mut stage, method, &bounces(2), Wants::REFLECTION, look(), scene.materials.clone());
+        let Some(Error::Usage(message)) = shot.err() else { panic!("{} takes bounces", method.name) };
         assert!(message.contains("bounces") && message.contains(method.name), "{message}");
     }
 }

@@ -1,5 +1,5 @@
-//! A capture at the camera (`--captures camera`): it stands where the camera stands in each frame, its six faces are
-//! passes of each frame, and it shows what is behind the camera.
+//! Tests a capture at the camera (`--captures camera`): it stands where the camera is in each frame, each frame has
+//! passes that draw its six faces, and it shows things behind the camera.
 
 use crate::common::folder::Folder;
 use crate::common::{Builder, camera, check_validation, clutter, clutter_camera, gpu, unfaded};
@@ -16,25 +16,25 @@ use std::sync::Arc;
 
 /// Size of the image in pixels.
 const EXTENT: [u32; 2] = [80, 45];
-/// Texels along each side of a face: the default of a scene's own captures and of the capture at the camera.
+/// Texels along each side of a face: the default, both of a scene's own captures and of the capture at the camera.
 const SIDE: u32 = Capture::RESOLUTION;
 
-/// The methods that look into captures, each with its fallback: alone, or as captures behind another method.
+/// The methods that look into captures, each with its fallback: by themselves, or as captures behind another method.
 const LOOKING: [(&str, Fallback); 3] =
     [("unified", Fallback::None), ("captures", Fallback::None), ("dda", Fallback::Captures)];
 
-/// A shot of a scene in which every surface is a mirror.
+/// Makes a shot of a scene in which every surface is a mirror.
 fn shot(stage: &mut Stage, scene: &Scene, method: &str, camera: Camera, setup: &Setup, wants: Wants) -> Shot {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, &View::default());
     Shot::new(stage, find(method).unwrap(), setup, wants, camera, materials).unwrap()
 }
 
-/// A setup with a choice of captures and a fallback.
+/// Returns a setup with a choice of captures and a fallback.
 fn setup(captures: CaptureCount, fallback: Fallback) -> Setup {
     Setup::new(EXTENT).with(|p: &mut EffectParams| (p.captures, p.fallback) = (captures, fallback))
 }
 
-/// The values of the reflection of one frame, and the names of the passes that count for the time of the method.
+/// Draws one frame. Returns the values of the reflection, and the names of the passes that count for the method's time.
 fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<f32>, Vec<String>) {
     let (report, _, output) = stage.output_in(Mode::Timed, shot).unwrap();
     let pixels = gbuffer::reflection(&mut stage.context, &output).unwrap();
@@ -42,17 +42,18 @@ fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<f32>, Vec<String>) {
     (pixels.values, counted)
 }
 
-/// The greatest allowed difference of two images of one view. Threads list rays in any order, and what a ray sees in
-/// captures may depend on its neighbours in the list by the last bit of a 16-bit float below 1.
+/// The greatest allowed difference of two images of one view. Threads list rays in any order, and the colour that a ray
+/// takes from captures may depend on its neighbours in the list, by the last bit of a 16-bit float below 1.
 const LAST_BITS: f32 = 1.0 / 2048.0;
 
-/// The greatest difference of a value between two images.
+/// Returns the greatest difference of a value between two images.
 fn farthest(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// For each of four cameras one after another, the frame equals that with a capture which stands still at that camera.
-/// The frame has the six faces as further passes, and does not depend on the frames before it.
+/// For each of four cameras one after another, the frame equals that with a capture which stands still at that camera,
+/// and does not depend on the frames before it. The six faces are further passes. A face kept from an earlier camera
+/// would show.
 #[test]
 fn it_follows_the_camera() {
     let gpu = gpu();
@@ -66,12 +67,12 @@ fn it_follows_the_camera() {
     ];
     for (method, fallback) in LOOKING {
         let mut stage = Stage::new(&gpu, &scene).unwrap();
-        let followed = setup(CaptureCount::Camera, fallback);
-        let mut following = shot(&mut stage, &scene, method, first, &followed, Wants::REFLECTION);
+        let following_setup = setup(CaptureCount::Camera, fallback);
+        let mut following = shot(&mut stage, &scene, method, first, &following_setup, Wants::REFLECTION);
         assert_eq!(following.prepared().captures, Vec::<[f32; 3]>::new(), "it has no place before the first frame");
         for camera in cameras {
             following.camera = camera;
-            let (made, counted) = frame(&mut stage, &following);
+            let (reflection, counted) = frame(&mut stage, &following);
             let (images, places) = following.captures().unwrap();
             assert_eq!((places.len(), images.places.len()), (1, 1), "{method}");
             assert_eq!((places[0].position, images.places[0].get()), (camera.eye(), camera.eye()), "{method}");
@@ -80,12 +81,12 @@ fn it_follows_the_camera() {
             stage.set_captures(vec![Capture::placed_at(camera.eye())]);
             let standing = setup(CaptureCount::Auto, fallback);
             let standing = shot(&mut stage, &scene, method, camera, &standing, Wants::REFLECTION);
-            let (expected, others) = frame(&mut stage, &standing);
-            let apart = farthest(&made, &expected);
-            assert!(apart <= LAST_BITS, "{method}: not what a capture at {} shows: {apart}", camera.eye());
-            assert!(!others.iter().any(|name| name.starts_with("capture/")), "{others:?}");
+            let (expected, standing_passes) = frame(&mut stage, &standing);
+            let difference = farthest(&reflection, &expected);
+            assert!(difference <= LAST_BITS, "{method}: not what a capture at {} shows: {difference}", camera.eye());
+            assert!(!standing_passes.iter().any(|name| name.starts_with("capture/")), "{standing_passes:?}");
             let without: Vec<_> = counted.iter().filter(|name| !name.starts_with("capture/")).cloned().collect();
-            assert_eq!(without, others, "{method}: the other passes are the same");
+            assert_eq!(without, standing_passes, "{method}: the other passes are the same");
             for pass in
                 ["g-buffer/depth", "g-buffer", "lighting", "pyramid", "keep pyramid", "keep normal", "keep color"]
             {
@@ -97,8 +98,8 @@ fn it_follows_the_camera() {
             following.camera = camera;
             frame(&mut stage, &following).0
         });
-        let apart = farthest(&start, &end);
-        assert!(apart <= LAST_BITS, "{method}: a frame depends on those before it: {apart}");
+        let difference = farthest(&start, &end);
+        assert!(difference <= LAST_BITS, "{method}: a frame depends on those before it: {difference}");
     }
     check_validation(&gpu).unwrap();
 }
@@ -108,8 +109,8 @@ const BEHIND_Z: f32 = -4.0;
 /// The mirror stands at this z, in metres.
 const MIRROR_Z: f32 = 3.0;
 
-/// A mirror in front of the camera, and a wall behind the camera. The colours of the wall's picture say where on the
-/// wall a point lies.
+/// Returns a mirror in front of the camera, and a wall behind the camera. The red and green of the wall's picture tell
+/// where on the wall a point lies.
 fn facing_mirror() -> Scene {
     let mut b = Builder::new("behind");
     b.light(-Vec3::Z);
@@ -121,7 +122,7 @@ fn facing_mirror() -> Scene {
 }
 
 /// Each pixel of the mirror shows the point of the wall that the mirror law gives, within 5 cm and within 0.05 of its
-/// colour. The screen alone does not show the wall.
+/// colour. The screen alone does not show the wall. A face that is mirrored or turned would show another point.
 #[test]
 fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
     let gpu = gpu();
@@ -130,20 +131,20 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
         let viewpoint = camera(eye, eye + Vec3::Z, EXTENT);
         for method in ["unified", "captures"] {
             let mut stage = Stage::new(&gpu, &scene).unwrap();
-            let alone = unfaded(EXTENT);
-            let with = alone.with(|p: &mut EffectParams| {
+            let screen_only = unfaded(EXTENT);
+            let with_capture = screen_only.with(|p: &mut EffectParams| {
                 (p.captures, p.beyond) = (CaptureCount::Camera, BeyondScreen::Captures);
             });
-            // The reflection, and the image of the hits.
+            // Renders with a setup, and returns the reflection and the image of the hits.
             let shown = |stage: &mut Stage, setup: &Setup| -> (Pixels, Pixels) {
                 let shot = shot(stage, &scene, method, viewpoint, setup, Wants::HITS);
                 let (_, _, output) = stage.output(&shot).unwrap();
                 let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
                 (gbuffer::reflection(&mut stage.context, &output).unwrap(), hits)
             };
-            let (reflection, hits) = shown(&mut stage, &with);
+            let (reflection, hits) = shown(&mut stage, &with_capture);
             let data = {
-                let drawn = shot(&mut stage, &scene, method, viewpoint, &with, Wants::IMAGE);
+                let drawn = shot(&mut stage, &scene, method, viewpoint, &with_capture, Wants::IMAGE);
                 stage.draw(&drawn).unwrap();
                 gbuffer::read(&mut stage.context, &drawn).unwrap()
             };
@@ -163,17 +164,17 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
                 let truth = place + along * ((BEHIND_Z - place.z) / along.z);
                 let code = PathCode::from_channel(hits.texel(i as u32 % data.width, i as u32 / data.width)[3]);
                 let RayEnd::Place(found) = end else { panic!("{method}: {code:?}, not on the wall") };
-                let apart = found.as_vec3().distance(truth);
-                assert!(code == Some(PathCode::Capture) && apart < 0.05, "{method}: {code:?}, {apart} m off");
+                let distance = found.as_vec3().distance(truth);
+                assert!(code == Some(PathCode::Capture) && distance < 0.05, "{method}: {code:?}, {distance} m off");
                 // The picture runs over 32 m from black to white, in sRGB.
                 let encoded = |v: f32| ssct_ground::math::display_byte(v) as f32 / 255.0;
                 let [u, v] = [(truth.x + 16.0) / 32.0, 1.0 - (truth.y + 15.0) / 32.0];
-                let off = (encoded(color[0]) - u).abs().max((encoded(color[1]) - v).abs());
-                assert!(off < 0.05, "{method}: {color:?} at {u}, {v}");
+                let color_error = (encoded(color[0]) - u).abs().max((encoded(color[1]) - v).abs());
+                assert!(color_error < 0.05, "{method}: {color:?} at {u}, {v}");
             }
             assert!(reflecting > 200, "{reflecting} pixels of the mirror");
             if method == "unified" {
-                let (lost, _) = shown(&mut stage, &alone);
+                let (lost, _) = shown(&mut stage, &screen_only);
                 assert!(lost.texels().all(|t| t[2] == 0.0), "the screen alone shows the wall behind the camera");
             }
         }
@@ -181,7 +182,8 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
     check_validation(&gpu).unwrap();
 }
 
-/// After the first frame, four frames of a moving camera allocate no Vulkan object.
+/// After the first frame, four frames of a moving camera allocate no Vulkan object. Images that are made anew in each
+/// frame would cost time and fill the memory.
 #[test]
 fn it_makes_no_object_in_the_steady_state() {
     let watch = Arc::<Watch>::default();
@@ -199,16 +201,16 @@ fn it_makes_no_object_in_the_steady_state() {
     assert_eq!(watch.calls()[0], 0, "allocations");
 }
 
-/// `--captures camera` works with `render`, `motion` and `path`; it is refused for a G-buffer file and beside
-/// `--captures-per-frame`.
+/// `--captures camera` works with `render`, `motion` and `path`. It is refused for a G-buffer file, which has no scene
+/// to draw, and beside `--captures-per-frame`, since each frame draws all six faces already.
 #[test]
 fn the_command_takes_it_and_says_where_it_cannot_be() {
     let folder = Folder::new();
     let refused = |args: &[&str], words: &str| {
         let output = folder.run(args);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {said}");
-        assert!(said.contains(words) && !said.contains("panicked"), "{args:?}: {said}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+        assert!(message.contains(words) && !message.contains("panicked"), "{args:?}: {message}");
     };
     let small = ["--scene", "rooms", "--size", "48x27"];
     folder.succeed(&[&["gbuffer", "export", "view.exr"], &small[..]].concat());

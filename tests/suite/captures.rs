@@ -1,5 +1,5 @@
-//! Rays that the screen loses and captures find (docs/definitions.md, "Images"): the device against its twin, bit by
-//! bit, and against the oracle of images.
+//! Tests rays that the screen loses and captures find (docs/definitions.md, "Images"). The device is compared with its
+//! twin bit by bit, and with the oracle of images.
 
 use crate::common::{Builder, check_validation, clutter, gpu, is_gpu_assisted};
 use glam::{DVec2, DVec3, Vec3};
@@ -34,19 +34,20 @@ struct Drawn {
     reflection: Pixels,
 }
 
-/// The materials of a view as mirrors, with flat normals.
+/// Returns the materials of a view as mirrors, with flat normals.
 fn mirrors(scene: &Scene, view: &View) -> Vec<Material> {
     Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() }.materials(scene, view)
 }
 
-/// The captures of a scene as the device draws them.
+/// Draws the captures of a scene on the device, and reads their faces back as G-buffers. Depths lie in the first level
+/// of the faces' common pyramid, whose columns are stored in strips; normals and colours lie face below face.
 fn read_captures(gpu: &Gpu, scene: &Scene, materials: &[Material]) -> Vec<CaptureData> {
     let mut context = FrameContext::new(gpu).unwrap();
     let data = SceneData::upload(&mut context, scene).unwrap();
     let images = CaptureImages::new(&mut context, &SceneInput { data: &data, materials }, &scene.captures).unwrap();
     let captures = images.captures();
     let side = scene.captures[0].resolution;
-    let near = scene.captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min);
+    let near = scene.captures.iter().map(|capture| capture.near_m).fold(f32::INFINITY, f32::min);
     let blocks = context.read(captures.pyramid.level(0)).unwrap();
     let normals = context.read(captures.normal.level(0)).unwrap();
     let colors = context.read(captures.color.level(0)).unwrap();
@@ -66,14 +67,14 @@ fn read_captures(gpu: &Gpu, scene: &Scene, materials: &[Material]) -> Vec<Captur
         color: texels().map(|(x, y)| Vec3::from_slice(colors.texel(x, layer * side + y))).collect(),
         surface: vec![Surface::Lit; (side * side) as usize],
     };
-    let faces = |(k, c): (usize, &Capture)| CaptureData {
-        place: c.position,
-        faces: (0..6).map(|f| face(c.position, 6 * k as u32 + f)).collect(),
+    let faces = |(index, capture): (usize, &Capture)| CaptureData {
+        place: capture.position,
+        faces: (0..6).map(|face_index| face(capture.position, 6 * index as u32 + face_index)).collect(),
     };
     scene.captures.iter().enumerate().map(faces).collect()
 }
 
-/// Draws a view with `unified` and the captures of the scene, and reads everything back.
+/// Draws a view with `unified` and the captures of the scene, at a size in pixels, and reads everything back.
 fn draw(gpu: &Gpu, scene: &Scene, view: &View, extent: [u32; 2]) -> Drawn {
     let setup = Setup::new(extent).with(|p: &mut EffectParams| p.captures = CaptureCount::Auto);
     let (camera, materials) = (view.camera(scene, extent), mirrors(scene, view));
@@ -87,7 +88,7 @@ fn draw(gpu: &Gpu, scene: &Scene, view: &View, extent: [u32; 2]) -> Drawn {
     Drawn { data: gbuffer::read(&mut stage.context, &shot).unwrap(), captures, bounds, hits, reflection }
 }
 
-/// A scene with captures of some resolution at some places.
+/// Returns a scene with a capture at each of the places, whose faces have `resolution` texels on each side.
 fn with_captures(mut scene: Scene, places: &[Vec3], resolution: u32) -> Scene {
     scene.captures = places.iter().map(|p| Capture { resolution, ..Capture::placed_at(*p) }).collect();
     scene
@@ -102,7 +103,7 @@ struct Count {
     in_captures: usize,
     /// Followed rays that end in the sky.
     in_sky: usize,
-    /// Followed rays that end otherwise if the twin does not know the bounds of the scene.
+    /// Followed rays whose end is only known since the twin knows the bounds of the scene.
     outside: usize,
     /// Followed rays with an unknown end.
     unknown: usize,
@@ -112,7 +113,7 @@ struct Count {
     most_faces: i32,
 }
 
-/// Holds the path code and the place of every pixel against the twin, bit by bit, and counts the rays.
+/// Checks that the path code and the place of every pixel equal the twin's, bit by bit, and returns counts of the rays.
 fn check_twin(drawn: &Drawn) -> Count {
     let screen = Traversal::new(&drawn.data).followed();
     let twin = CaptureTraversal::new(&drawn.data.camera, &drawn.captures).with_bounds(drawn.bounds);
@@ -127,18 +128,18 @@ fn check_twin(drawn: &Drawn) -> Count {
             continue;
         }
         assert!(found.iter().all(|v| v.is_finite()), "({x}, {y}): {found:?}");
-        let seen = twin.trace_screen(&screen, x, y);
-        let is_right = match seen {
+        let screen_end = twin.trace_screen(&screen, x, y);
+        let is_right = match screen_end {
             ScreenRayEnd::NoRay => true,
             ScreenRayEnd::Sky => code == PATH_SKY,
             ScreenRayEnd::Hit(hit) => of_hit(found, &screen, &hit),
             ScreenRayEnd::Lost(ray) => {
-                let answer = twin.trace_captures(&ray);
+                let capture_end = twin.trace_captures(&ray);
                 count.followed += 1;
-                count.most_steps = count.most_steps.max(answer.steps);
-                count.most_faces = count.most_faces.max(answer.faces);
-                assert!(!answer.is_exhausted, "({x}, {y}): {answer:?}");
-                match answer.kind {
+                count.most_steps = count.most_steps.max(capture_end.steps);
+                count.most_faces = count.most_faces.max(capture_end.faces);
+                assert!(!capture_end.is_exhausted, "({x}, {y}): {capture_end:?}");
+                match capture_end.kind {
                     RayEndKind::Unknown => {
                         count.unknown += 1;
                         code == PATH_UNKNOWN && found[..3] == [-1.0; 3]
@@ -147,7 +148,7 @@ fn check_twin(drawn: &Drawn) -> Count {
                         count.in_sky += usize::from(kind == RayEndKind::Sky);
                         count.outside += usize::from(unbounded.trace_captures(&ray).kind != kind);
                         count.in_captures += usize::from(kind != RayEndKind::Sky);
-                        let bits = answer.place.to_array().map(f32::to_bits);
+                        let bits = capture_end.place.to_array().map(f32::to_bits);
                         code == kind.code() && bits == [0, 1, 2].map(|c| found[c].to_bits())
                     }
                 }
@@ -155,34 +156,35 @@ fn check_twin(drawn: &Drawn) -> Count {
         };
         if !is_right {
             wrong.push(format!(
-                "({x}, {y}): {found:?}, {seen:?}, {:?}",
-                match seen {
+                "({x}, {y}): {found:?}, {screen_end:?}, {:?}",
+                match screen_end {
                     ScreenRayEnd::Lost(ray) => Some(twin.trace_captures(&ray)),
                     _ => None,
                 }
             ));
         }
     }
-    let shown = wrong[..wrong.len().min(6)].join("\n");
-    assert!(wrong.is_empty(), "{} of {} followed are not the twin's:\n{shown}", wrong.len(), count.followed);
+    let first_wrong = wrong[..wrong.len().min(6)].join("\n");
+    assert!(wrong.is_empty(), "{} of {} followed are not the twin's:\n{first_wrong}", wrong.len(), count.followed);
     count
 }
 
-/// Whether a texel of the device has the code of a hit on the screen and the twin's place, bit by bit.
+/// Returns whether a texel of the device has the code of a hit on the screen and the place of the twin's hit, bit by
+/// bit.
 fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct_truth::reference::unified::Hit) -> bool {
     let uv = hit.position * screen.parameters.pixel_to_clip;
     let bits = [uv.x, uv.y, 1.0 - hit.depth].map(f32::to_bits);
     PathCode::from_channel(found[3]) == Some(PathCode::HiZ) && bits == [0, 1, 2].map(|c| found[c].to_bits())
 }
 
-/// Whether the end by the oracle is what the device says. Both must be of one kind, in a capture at most a texel apart,
-/// and on the screen at most a pixel apart.
+/// Returns whether a texel of the device agrees with the oracle's end of the ray. Both must be of one kind, in a
+/// capture at most a texel apart, and on the screen at most a pixel apart.
 fn agrees(found: &[f32], data: &GBufferData, end: Option<EndInImages>) -> bool {
     let place = DVec3::new(found[0].into(), found[1].into(), found[2].into());
     match (end, PathCode::from_channel(found[3])) {
         (Some(EndInImages::Screen(position)), Some(PathCode::HiZ)) => {
-            let px = place.truncate() * DVec2::new(data.width.into(), data.height.into());
-            (px - position.truncate()).abs().max_element() <= 1.0
+            let pixel = place.truncate() * DVec2::new(data.width.into(), data.height.into());
+            (pixel - position.truncate()).abs().max_element() <= 1.0
         }
         (Some(EndInImages::Capture { index, place: expected_place, texel_m }), Some(PathCode::Capture)) => {
             PathCode::capture(found[3]) == Some(index) && place.distance(expected_place) <= texel_m
@@ -192,15 +194,15 @@ fn agrees(found: &[f32], data: &GBufferData, end: Option<EndInImages>) -> bool {
     }
 }
 
-/// Compares the followed rays with the oracle of images. Returns how many are followed, how many of them are ties, and
-/// a sentence for each other ray that ends elsewhere. A ray is a tie if it agrees once its direction is off by the
+/// Compares the followed rays with the oracle of images. Returns how many rays are followed, how many of them are ties,
+/// and a sentence for each other ray that ends elsewhere. A ray is a tie if it agrees once its direction is off by the
 /// rounding of 32-bit numbers.
 fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
     let data = &drawn.data;
     let images = ImageOracle::new(data, &drawn.captures).with_bounds(drawn.bounds);
     let screen = Traversal::new(data).followed();
     let twin = CaptureTraversal::new(&data.camera, &drawn.captures).with_bounds(drawn.bounds);
-    let check = |i: usize| {
+    let compare = |i: usize| {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
         let found = drawn.hits.texel(x, y);
         if !data.reflects(i) || !matches!(twin.trace_screen(&screen, x, y), ScreenRayEnd::Lost(_)) {
@@ -214,39 +216,40 @@ fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
         let stream = Stream::new(i as u64, 3);
         let direction = images.mirror(x, y)?.normalize();
         let is_tie = (0..64).any(|n| {
-            let off = DVec3::from([0, 1, 2].map(|c| stream.uniform(3 * n + c) * 2.0 - 1.0));
-            let along = direction + 4.0 * f64::from(f32::EPSILON) * off;
+            let offset = DVec3::from([0, 1, 2].map(|c| stream.uniform(3 * n + c) * 2.0 - 1.0));
+            let along = direction + 4.0 * f64::from(f32::EPSILON) * offset;
             agrees(found, data, images.end(images.trace_screen_along(x, y, along)))
         });
-        let told =
+        let description =
             format!("({x}, {y}): {found:?}, {:?}, oracle: {on_screen:?}, {truth:?}", twin.trace_screen(&screen, x, y));
-        Some((is_tie, (!is_tie).then_some(told)))
+        Some((is_tie, (!is_tie).then_some(description)))
     };
-    let all: Vec<_> = (0..data.depth.len()).into_par_iter().filter_map(check).collect();
+    let all: Vec<_> = (0..data.depth.len()).into_par_iter().filter_map(compare).collect();
     let ties = all.iter().filter(|(is_tie, _)| *is_tie).count();
     (all.len(), ties, all.into_iter().filter_map(|(_, wrong)| wrong).collect())
 }
 
 /// Over all scenes of `cases`, at most one followed ray in 10 000 ends elsewhere than the oracle says, and at most one
-/// in 10 000 is a tie.
+/// in 10 000 is a tie. The twin shares the device's algorithm and its faults; the oracle looks at every texel on the
+/// way instead.
 #[test]
 fn rays_that_are_followed_end_where_the_oracle_of_images_says() {
     let gpu = gpu();
     let (mut followed, mut ties, mut wrong) = (0, 0, 0);
     for (name, scene, view, extent) in cases().into_iter().take(if is_gpu_assisted() { 1 } else { usize::MAX }) {
         let drawn = draw(&gpu, &scene, &view, extent);
-        let (all, tied, others) = check_oracle(&drawn);
-        println!("{name}: {all} followed, {tied} ties, {} wrong", others.len());
-        others.iter().take(4).for_each(|w| println!("    {w}"));
-        (followed, ties, wrong) = (followed + all, ties + tied, wrong + others.len());
+        let (rays, tied_rays, wrong_rays) = check_oracle(&drawn);
+        println!("{name}: {rays} followed, {tied_rays} ties, {} wrong", wrong_rays.len());
+        wrong_rays.iter().take(4).for_each(|w| println!("    {w}"));
+        (followed, ties, wrong) = (followed + rays, ties + tied_rays, wrong + wrong_rays.len());
     }
     println!("{followed} followed, {ties} ties, {wrong} wrong");
     assert!(wrong * 10_000 <= followed && ties * 10_000 <= followed, "{wrong} and {ties} of {followed}");
     check_validation(&gpu).unwrap();
 }
 
-/// Scenes with captures, each with a name, a view and a size in pixels: many captures and few, fine and coarse faces,
-/// hard places, and very small and large scenes.
+/// Returns scenes with captures, each with a name, a view and a size in pixels: many captures and few, fine and coarse
+/// faces, hard places, and very small and large scenes.
 fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
     let mut all = Vec::new();
     let rooms = crate::common::built_in("rooms");
@@ -283,7 +286,7 @@ fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
 }
 
 /// Over all scenes of `cases`, each pixel has the twin's path code and place, bit by bit. More than 5000 rays are
-/// followed, and more than 100 end in the sky by the bounds alone.
+/// followed, and more than 100 end in the sky by the bounds alone, so that each way to end is tried.
 #[test]
 fn codes_and_places_equal_their_twin_to_the_bit() {
     let gpu = gpu();
@@ -298,7 +301,8 @@ fn codes_and_places_equal_their_twin_to_the_bit() {
     check_validation(&gpu).unwrap();
 }
 
-/// The captures of the stress suite: all rays end as the twin's rays do, and no ray of the twin runs out of steps.
+/// In the captures of the stress suite, all rays end as the twin's rays do, and no ray of the twin runs out of steps.
+/// Captures inside walls or at their surface have depths over which a walk may stall.
 #[test]
 fn no_ray_is_exhausted_in_captures_that_stand_in_hard_places() {
     let gpu = gpu();
@@ -317,8 +321,8 @@ fn no_ray_is_exhausted_in_captures_that_stand_in_hard_places() {
     check_validation(&gpu).unwrap();
 }
 
-/// A mirror floor before a wall at z = 8 that is brighter to the right in red and upwards in green, linearly, and as a
-/// checker of cells of 2 m in blue.
+/// Returns a mirror floor before a wall at z = 8. The wall is brighter to the right in red and upwards in green,
+/// linearly, and has a checker of cells of 2 m in blue.
 fn ramp() -> Scene {
     let mut b = Builder::new("ramp");
     b.light(Vec3::Z);
@@ -348,57 +352,59 @@ const CELL: f64 = 2.0;
 /// The greatest rounding of a colour: steps of the wall's picture and of 16-bit floats.
 const ROUNDING: f64 = 0.008;
 
-/// The point of the wall that a pixel shows, how its ray ended, and by how much its colour is off.
+/// The point of the wall that a pixel shows (metres along the wall and up), how its ray ended, and the error of its
+/// colour.
 type Texel = (DVec2, PathCode, f64);
 
-/// Draws the ramp with one capture at a place. Returns the images, and for each pixel its texel, or none if the pixel
-/// does not show the wall well inside its edges.
+/// Draws the ramp with one capture at a place, whose faces have `resolution` texels on each side. Returns the images,
+/// and for each pixel its texel, or none if the pixel does not show the wall well inside its edges.
 fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>) {
     let scene = with_captures(ramp(), &[place], resolution);
     let view = View { eye: Vec3::new(0.0, 1.6, 0.0), look_at: Vec3::new(0.0, 0.2, 4.0), ..View::default() };
     let extent = [160, 120];
     let drawn = draw(gpu, &scene, &view, extent);
     let rotation = drawn.data.camera.world_to_view.as_dmat4().inverse();
-    let tan = f64::from(drawn.data.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
-    let shown = (0..drawn.data.depth.len()).map(|i| {
+    let tan_half_fov = f64::from(drawn.data.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
+    let wall_texels = (0..drawn.data.depth.len()).map(|i| {
         let (x, y) = (i as u32 % extent[0], i as u32 / extent[0]);
         let pixel = [f64::from(x) + 0.5, f64::from(y) + 0.5];
         let aspect = f64::from(extent[0]) / f64::from(extent[1]);
         let ndc = [2.0 * pixel[0] / f64::from(extent[0]) - 1.0, 1.0 - 2.0 * pixel[1] / f64::from(extent[1])];
-        let d = rotation.transform_vector3(DVec3::new(ndc[0] * tan * aspect, ndc[1] * tan, 1.0));
+        let direction =
+            rotation.transform_vector3(DVec3::new(ndc[0] * tan_half_fov * aspect, ndc[1] * tan_half_fov, 1.0));
         // The eye's mirror image lies 1.6 m below the floor: the ray from there through the pixel meets the wall at
         // this point.
-        let t = 8.0 / d.z;
-        let wall = DVec2::new(t * d.x, -1.6 - t * d.y);
-        let inside = wall.x.abs() < 19.0 && wall.y > 1.0 && wall.y < WALL[1] - 0.5;
+        let distance_scale = 8.0 / direction.z;
+        let wall = DVec2::new(distance_scale * direction.x, -1.6 - distance_scale * direction.y);
+        let is_inside = wall.x.abs() < 19.0 && wall.y > 1.0 && wall.y < WALL[1] - 0.5;
         let code = PathCode::from_channel(drawn.hits.texel(x, y)[3])?;
-        let found = drawn.reflection.texel(x, y);
+        let color_found = drawn.reflection.texel(x, y);
         let truth = [(wall.x + 20.0) / WALL[0], wall.y / WALL[1]];
-        let off = [0, 1].map(|c| (f64::from(found[c]) - truth[c]).abs());
-        (drawn.data.reflects(i) && inside).then_some((wall, code, off[0].max(off[1])))
+        let errors = [0, 1].map(|c| (f64::from(color_found[c]) - truth[c]).abs());
+        (drawn.data.reflects(i) && is_inside).then_some((wall, code, errors[0].max(errors[1])))
     });
-    let shown = shown.collect();
-    (drawn, shown)
+    let wall_texels = wall_texels.collect();
+    (drawn, wall_texels)
 }
 
 /// The reflected wall has the right colour everywhere, also at borders between screen and capture and between two
-/// faces. The allowed error is a texel of the capture and the footprint of the ray, as shares of the wall, plus
-/// rounding.
+/// faces, where a ray goes on in another image. The allowed error is a texel of the capture and the footprint of the
+/// ray, as shares of the wall, plus rounding.
 #[test]
 fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
     let gpu = gpu();
     for (place, resolution) in
         [(Vec3::new(0.5, 2.0, 4.0), 128), (Vec3::new(-3.0, 1.0, 6.0), 256), (Vec3::new(0.0, 6.0, 2.0), 64)]
     {
-        let (drawn, shown) = seams(&gpu, place, resolution);
+        let (drawn, wall_texels) = seams(&gpu, place, resolution);
         let [mut seams, mut faces, mut cells] = [0; 3];
         let mut worst: [f64; 2] = [0.0; 2];
         let width = drawn.data.width as usize;
         // The direction of a point of the wall from the capture, and the width of a texel there.
-        let from = |wall: DVec2| DVec3::new(wall.x, wall.y, 8.0) - place.as_dvec3();
-        let texel_m = |wall: DVec2| 2.0 * from(wall).abs().max_element() / f64::from(resolution);
+        let from_capture = |wall: DVec2| DVec3::new(wall.x, wall.y, 8.0) - place.as_dvec3();
+        let texel_m = |wall: DVec2| 2.0 * from_capture(wall).abs().max_element() / f64::from(resolution);
         let face = |wall: DVec2| {
-            let a = from(wall).abs();
+            let a = from_capture(wall).abs();
             if a.x > a.y.max(a.z) {
                 0
             } else if a.y > a.z {
@@ -407,21 +413,21 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
                 2
             }
         };
-        for (i, one) in shown.iter().enumerate() {
-            let &Some((wall, code, off)) = one else { continue };
+        for (i, wall_texel) in wall_texels.iter().enumerate() {
+            let &Some((wall, code, error)) = wall_texel else { continue };
             assert!([PathCode::HiZ, PathCode::Capture].contains(&code), "{wall}: {code:?}");
             // A face sees the wall at an angle, which lengthens its texels on the wall. The footprint of a ray widens
             // with the distance from the eye.
-            let d = from(wall);
+            let direction = from_capture(wall);
             let footprint_m = 2.0 * 37_f64.to_radians().tan() / f64::from(drawn.data.height)
                 * DVec3::new(wall.x, wall.y + 1.6, 8.0).length();
             let [texel_m, slope] = match code {
-                PathCode::Capture => [texel_m(wall), d.abs().max_element() / d.z.abs()],
+                PathCode::Capture => [texel_m(wall), direction.abs().max_element() / direction.z.abs()],
                 _ => [0.0, 1.0],
             };
             let allowed = (texel_m * slope + footprint_m) / WALL[1] + ROUNDING;
-            worst[usize::from(code == PathCode::Capture)] = worst[usize::from(code == PathCode::Capture)].max(off);
-            assert!(off <= allowed, "{wall}, {code:?}: off by {off}, {allowed} allowed");
+            worst[usize::from(code == PathCode::Capture)] = worst[usize::from(code == PathCode::Capture)].max(error);
+            assert!(error <= allowed, "{wall}, {code:?}: off by {error}, {allowed} allowed");
             let blue = f64::from(drawn.reflection.texel((i % width) as u32, (i / width) as u32)[2]);
             let place = (wall + DVec2::new(20.0, 0.0)) / CELL;
             let edge = ((place - place.round()).abs().min_element() * CELL).abs();
@@ -433,7 +439,7 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
             }
             // The next pixels to the right and below.
             for next in [i + 1, i + width] {
-                let Some(&Some((other, other_code, other_off))) = shown.get(next) else { continue };
+                let Some(&Some((other, other_code, other_error))) = wall_texels.get(next) else { continue };
                 if (other - wall).length() > 1.0 {
                     continue;
                 }
@@ -443,8 +449,8 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
                     let colors = [i, next].map(|i| drawn.reflection.texel((i % width) as u32, (i / width) as u32));
                     let hit = [i, next].map(|i| drawn.hits.texel((i % width) as u32, (i / width) as u32));
                     assert!(
-                        off + other_off <= 2.0 * allowed,
-                        "{wall}, {other}: off by {off}, {other_off}, {colors:?}, {hit:?}"
+                        error + other_error <= 2.0 * allowed,
+                        "{wall}, {other}: off by {error}, {other_error}, {colors:?}, {hit:?}"
                     );
                 }
                 seams += usize::from(is_seam);
@@ -458,7 +464,7 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
 }
 
 /// Where the fade of `ssct` is 1, its finished image is the same with captures behind it and without, within the
-/// rounding of 16-bit floats.
+/// rounding of 16-bit floats. The captures may only fill in where the screen fades or misses.
 #[test]
 fn captures_behind_a_method_leave_what_the_screen_shows_in_the_image() {
     let gpu = gpu();

@@ -1,5 +1,5 @@
-//! The chains of the device equal their twins on the CPU at every kind of size: odd, prime, one texel wide or high, one
-//! texel, powers of two, and sizes of the thesis's table.
+//! Compares the chains of the device with their twins on the CPU at every kind of size: odd, prime, one texel wide or
+//! high, one texel, powers of two, and sizes of the thesis's table.
 
 use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_scenes, show};
 use glam::Vec3;
@@ -34,31 +34,32 @@ const SIZES: [[u32; 2]; 14] = [
     [800, 600],
 ];
 
-/// Shows the cluttered scene with `ssct` and a filter of the colour chain. The Hi-Z chain has the maximum beside the
+/// Renders the cluttered scene by `ssct` with a filter of the colour chain. The Hi-Z chain has the maximum beside the
 /// minimum.
 fn render(gpu: &Gpu, extent: [u32; 2], filter: ChainFilter) -> Shown {
     let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| (p.chain_filter, p.hi_z_maximum) = (filter, true));
     show(gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &Globals::default())
 }
 
-/// An image of two channels as a level of minima and maxima.
+/// Converts an image of two channels to a level of minima and maxima.
 fn min_max(pixels: &Pixels) -> Level<MinMax> {
     let texels = pixels.texels().map(MinMax::from_texel).collect();
     Level { width: pixels.width, height: pixels.height, texels }
 }
 
-/// One channel of an image as a level.
+/// Converts one channel of an image to a level.
 fn channel(pixels: &Pixels, channel: usize) -> Level<f32> {
     let texels = pixels.texels().map(|t| t[channel]).collect();
     Level { width: pixels.width, height: pixels.height, texels }
 }
 
-/// Holds the Hi-Z chain of a shot against the twin, to the bit.
+/// Checks that each texel of a shot's Hi-Z chain equals the twin's, to the bit.
 fn check_depth(shown: &Shown) {
     let levels = shown.levels("hi-z");
     let extent = [levels[0].width, levels[0].height];
-    for (z, r) in levels[0].texels().zip(&shown.get("depth").values) {
-        assert_eq!([z[0].to_bits(), z[1].to_bits()], [(1.0 - r).to_bits(); 2], "{extent:?}: level 0");
+    for (standard, reversed) in levels[0].texels().zip(&shown.get("depth").values) {
+        let [min, max] = [standard[0].to_bits(), standard[1].to_bits()];
+        assert_eq!([min, max], [(1.0 - reversed).to_bits(); 2], "{extent:?}: level 0");
     }
     let twin = hi_z::chain(&channel(levels[0], 0));
     assert_eq!(levels.len(), twin.len(), "{extent:?}");
@@ -71,7 +72,8 @@ fn check_depth(shown: &Shown) {
     }
 }
 
-/// At every size of `SIZES`, each texel of each level of the Hi-Z chain is the twin's, to the bit.
+/// At every size of `SIZES`, each texel of each level of the Hi-Z chain is the twin's, to the bit. Where a side is odd,
+/// a texel must cover the last row or column too, or a ray passes through the surfaces there.
 #[test]
 fn depth_chains_equal_their_twin_to_the_bit() {
     let gpu = gpu();
@@ -87,7 +89,8 @@ fn depth_chains_equal_their_twin_to_the_bit() {
     }
 }
 
-/// A chain without maxima has one channel, with the same minima, and leads to the same finished image.
+/// A Hi-Z chain without maxima has one channel, with the same minima, and leads to the same finished image. It is an
+/// image of another format, which the same shaders write and read.
 #[test]
 fn without_maxima_the_minima_and_the_image_are_the_same() {
     let gpu = gpu();
@@ -106,7 +109,8 @@ fn without_maxima_the_minima_and_the_image_are_the_same() {
     assert_eq!(shown[0].get("composite").values, shown[1].get("composite").values);
 }
 
-/// The Hi-Z chain equals the twin on the large scene of the author's rooms, too, if its files are there.
+/// On the large scene of the author's rooms, too, the Hi-Z chain equals the twin, if the scene's files are present. Its
+/// depths vary more from pixel to pixel than those of scenes built in code.
 #[test]
 fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
     let Some(folder) = shared_scenes() else { return };
@@ -119,8 +123,8 @@ fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
     }
 }
 
-/// At every size of `SIZES`, each level of the visibility chain is the twin's of the level below, but for one texel in
-/// 1000 that lies near the middle between two steps.
+/// At every size of `SIZES`, each level of the visibility chain is what the twin makes of the level below. One texel in
+/// 1000 may differ by one step, if it lies near the middle between two steps.
 #[test]
 fn visibility_chains_equal_their_twin_but_for_rounding_ties() {
     // The twin makes each level from the device's level below, so that a difference stays in the level where it arises.
@@ -141,16 +145,17 @@ fn visibility_chains_equal_their_twin_but_for_rounding_ties() {
             let twin =
                 visibility::integrate(&min_max(depth[n - 1]), &channel(levels[n - 1], 0), range).expect("a level");
             assert_eq!((levels[n].width, levels[n].height), (twin.width, twin.height));
-            for (i, (g, c)) in levels[n].values.iter().zip(&twin.texels).enumerate() {
+            for (i, (gpu_share, cpu_share)) in levels[n].values.iter().zip(&twin.texels).enumerate() {
                 texels += 1;
-                let (gpu_step, cpu_step) = ((g * 255.0).round(), (visibility::quantize(*c) * 255.0).round());
+                let (gpu_step, cpu_step) =
+                    ((gpu_share * 255.0).round(), (visibility::quantize(*cpu_share) * 255.0).round());
                 if gpu_step != cpu_step {
                     differing += 1;
-                    let from_tie = ((c * 255.0).fract() - 0.5).abs();
+                    let from_tie = ((cpu_share * 255.0).fract() - 0.5).abs();
                     assert!(
                         (gpu_step - cpu_step).abs() <= 1.0 && from_tie <= TIE,
                         "{extent:?}, level {n}, texel {i}: {gpu_step} against {}",
-                        c * 255.0
+                        cpu_share * 255.0
                     );
                 }
             }
@@ -164,8 +169,8 @@ fn visibility_chains_equal_their_twin_but_for_rounding_ties() {
     assert!(differing * 1000 <= texels, "{differing} of {texels} texels differ");
 }
 
-/// The twin makes the whole chain out of level 0 alone. Each level may add one step of 1/255 by rounding, so that level
-/// n is within n steps.
+/// The twin makes the whole visibility chain out of level 0 alone. Each level may add one step of 1/255 by rounding, so
+/// that level n must lie within n steps. A systematic error would add up over the levels.
 #[test]
 fn a_visibility_chain_from_end_to_end_stays_within_a_step_a_level() {
     let gpu = gpu();
@@ -173,20 +178,23 @@ fn a_visibility_chain_from_end_to_end_stays_within_a_step_a_level() {
     let range = Range { near_m: shown.camera.lens.near_m, far_m: shown.camera.lens.far_m };
     let twin = visibility::chain(&hi_z::chain(&channel(shown.get("hi-z"), 0)), range);
     for (n, (gpu, cpu)) in shown.levels("visibility").iter().zip(&twin).enumerate() {
-        for (g, c) in gpu.values.iter().zip(&cpu.texels) {
-            assert!((g - c).abs() * 255.0 <= n as f32 + 0.01, "level {n}: {g} against {c}");
+        for (gpu_share, cpu_share) in gpu.values.iter().zip(&cpu.texels) {
+            assert!(
+                (gpu_share - cpu_share).abs() * 255.0 <= n as f32 + 0.01,
+                "level {n}: {gpu_share} against {cpu_share}"
+            );
         }
     }
 }
 
-/// One step of a 16-bit float at a value. Rounding to 16 bits moves a value by at most half a step, and two roundings
-/// by at most one.
+/// Returns one step of a 16-bit float at a value: 1/1024 of it. Rounding to 16 bits moves a value by at most half a
+/// step, and two roundings by at most one.
 fn half_step(value: f32) -> f32 {
     (value.abs() / 1024.0).max(6e-8)
 }
 
-/// Where sides are powers of two, each texel of the colour chain is the mean of four texels below it, within the
-/// rounding of 16-bit floats.
+/// If sides are powers of two, each texel of the colour chain is the mean of the four texels below it, within the
+/// rounding of 16-bit floats. A blit with another filter, or half a texel off, gives other means.
 #[test]
 fn blits_of_even_levels_are_box_averages() {
     let gpu = gpu();
@@ -211,13 +219,13 @@ fn blits_of_even_levels_are_box_averages() {
                 }
             }
         }
-        let spread = levels[0].values.iter().fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
-        assert!(extent[0] < 64 || spread.1 - spread.0 > 0.3, "the content varies: {spread:?}");
+        let range = levels[0].values.iter().fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+        assert!(extent[0] < 64 || range.1 - range.0 > 0.3, "the content varies: {range:?}");
     }
 }
 
-/// A G-buffer whose pixels all reflect and face the camera. `depth` and `color` give the depth and the colour of each
-/// pixel by its index.
+/// Returns a G-buffer whose pixels all reflect and face the camera. `depth` and `color` give the depth and the colour
+/// of each pixel by its index.
 fn colored(extent: [u32; 2], depth: impl Fn(u64) -> f32, color: impl Fn(u64) -> Vec3) -> GBufferData {
     let pixels = extent[0] as usize * extent[1] as usize;
     GBufferData {
@@ -233,8 +241,9 @@ fn colored(extent: [u32; 2], depth: impl Fn(u64) -> f32, color: impl Fn(u64) -> 
     }
 }
 
-/// The pass that makes seven coarse levels at once gives the bilinear sample of the level below in each texel. Blits
-/// make the finer levels, and images that are too small have blits alone.
+/// The pass that makes seven coarse levels at once gives in each texel the bilinear sample of the level below. One
+/// workgroup makes all seven, so that without a barrier it would read old texels. Blits make the finer levels, and all
+/// levels of small images.
 #[test]
 fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
     let gpu = gpu();
@@ -279,7 +288,7 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
 }
 
 /// In the chain that leaves sky out, alpha is 0 in pixels of sky, and level 1 is a bilinear sample of level 0 with sky
-/// set to zero.
+/// set to zero. Otherwise a bright sky would leak into the reflections of surfaces before it.
 #[test]
 fn a_chain_without_sky_is_made_of_what_is_lit() {
     let gpu = gpu();
@@ -342,35 +351,36 @@ fn gaussian_chains_equal_their_twin() {
     }
 }
 
-/// The Gaussian filter and the blit give one level 0 and different levels 1, so that tests of either filter mean
-/// something.
+/// The Gaussian filter and the blit give one level 0 and different levels 1. If the option had no effect, the tests of
+/// either filter would hold nothing.
 #[test]
 fn the_two_filters_differ() {
     let gpu = gpu();
-    let [a, b] = [ChainFilter::Hardware, ChainFilter::Gaussian].map(|f| render(&gpu, [64, 64], f));
-    assert_eq!(a.get("color"), b.get("color"), "level 0 is the lit colour either way");
-    let difference = ssct_truth::metrics::rmse(&a.levels("color")[1].values, &b.levels("color")[1].values);
+    let [blitted, gaussian] = [ChainFilter::Hardware, ChainFilter::Gaussian].map(|f| render(&gpu, [64, 64], f));
+    assert_eq!(blitted.get("color"), gaussian.get("color"), "level 0 is the lit colour either way");
+    let difference = ssct_truth::metrics::rmse(&blitted.levels("color")[1].values, &gaussian.levels("color")[1].values);
     assert!(difference > 0.005, "{difference}");
 }
 
-/// Blurs an image with the masked Gaussian in the direction [dx, dy], into a level of the size of `depth`. Where
-/// `counts(middle, tap)` says that a tap's depth does not count, the middle is taken instead.
+/// Blurs an image by the masked Gaussian in the direction [dx, dy], and returns a level of the size of `depth`. Where
+/// `counts(middle, tap)` says that a tap's depth does not count, the sample of the middle is taken instead.
 fn masked(image: &Pixels, depth: &Pixels, counts: &dyn Fn(f32, f32) -> bool, [dx, dy]: [i32; 2]) -> Pixels {
-    let [w, h] = [depth.width, depth.height].map(|v| v as i32);
+    let [width, height] = [depth.width, depth.height].map(|v| v as i32);
     let mut values = Vec::new();
-    for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
-        let sample = |x: i32, y: i32| bilinear(image, (x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
-        let deep = |x: i32, y: i32| depth.texel(x.clamp(0, w - 1) as u32, y.clamp(0, h - 1) as u32)[0];
+    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        let sample =
+            |x: i32, y: i32| bilinear(image, (x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
+        let depth_of = |x: i32, y: i32| depth.texel(x.clamp(0, width - 1) as u32, y.clamp(0, height - 1) as u32)[0];
         let mut sum = [0.0; 3];
         for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
             let (tap_x, tap_y) = (x + tap * dx, y + tap * dy);
-            let is_read = counts(deep(x, y), deep(tap_x, tap_y));
+            let is_read = counts(depth_of(x, y), depth_of(tap_x, tap_y));
             let read = if is_read { sample(tap_x, tap_y) } else { sample(x, y) };
             sum = [0, 1, 2].map(|c| sum[c] + weight * read[c]);
         }
         values.extend(sum);
     }
-    Pixels { width: w as u32, height: h as u32, channels: 3, values }
+    Pixels { width: width as u32, height: height as u32, channels: 3, values }
 }
 
 /// At every size of `SIZES`, the chains with both masks equal the twin's masked blur of the level below, and the masks

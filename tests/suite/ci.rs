@@ -1,44 +1,45 @@
-//! The workflow of the public CI service, and the scripts for clusters: the targets that the workflow makes exist, and
-//! the scripts refuse wrong arguments.
+//! Tests the workflow of the public CI service and the scripts for clusters: the targets that the workflow makes exist,
+//! and the scripts refuse wrong arguments.
 
 use crate::common::repository;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::process::Command;
 
-/// The workflow file of the public CI service.
+/// Reads the workflow file of the public CI service.
 fn workflow() -> Value {
     let text = std::fs::read_to_string(repository().join(".github/workflows/ci.yml")).unwrap();
     serde_saphyr::from_str(&text).unwrap()
 }
 
-/// The jobs of the workflow by name.
+/// Returns the jobs of the workflow, each with its name.
 fn jobs(workflow: &Value) -> Vec<(&str, &Value)> {
     workflow["jobs"].as_object().unwrap().iter().map(|(name, job)| (name.as_str(), job)).collect()
 }
 
-/// The steps of a job.
+/// Returns the steps of a job.
 fn steps(job: &Value) -> &[Value] {
     job["steps"].as_array().unwrap()
 }
 
-/// The lines that the steps of a job run.
+/// Returns the lines of shell that the steps of a job run.
 fn commands(job: &Value) -> Vec<&str> {
     steps(job).iter().filter_map(|step| step["run"].as_str()).flat_map(str::lines).collect()
 }
 
-/// The names of the targets that the Makefile declares.
+/// Returns the names of the targets that the Makefile declares.
 pub fn targets() -> BTreeSet<String> {
     let text = std::fs::read_to_string(repository().join("Makefile")).unwrap();
-    let rule = |line: &str| {
+    let target_name = |line: &str| {
         let (name, rest) = line.split_once(':')?;
         let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
         (is_name && !rest.starts_with('=')).then(|| name.to_owned())
     };
-    text.lines().filter_map(rule).collect()
+    text.lines().filter_map(target_name).collect()
 }
 
-/// Each `make` target of the workflow is in the Makefile, and five important targets are made.
+/// Each `make` target of the workflow is in the Makefile, and five important targets are made. A renamed target would
+/// fail only on the service.
 #[test]
 fn the_workflow_makes_targets_that_exist() {
     let (workflow, targets) = (workflow(), targets());
@@ -57,8 +58,8 @@ fn the_workflow_makes_targets_that_exist() {
     }
 }
 
-/// Bash can parse each script. `cluster/submit.sh` ends with status 2 and a sentence for each kind of wrong arguments,
-/// and leaves no file.
+/// Bash can parse each script. For each kind of wrong arguments, `cluster/submit.sh` ends with status 2 and a sentence
+/// and leaves no file, so that no job of a wrong run enters a queue.
 #[test]
 fn scripts_are_whole_and_refuse_wrong_arguments() {
     let scripts = repository().join("scripts");
@@ -95,7 +96,8 @@ fn scripts_are_whole_and_refuse_wrong_arguments() {
     }
 }
 
-/// Each script prints a help text for `--help`, says nothing on standard error, and writes no file.
+/// Each script prints a help text for `--help`, prints nothing on standard error, and writes no file. An unknown flag
+/// of `drivers.sh` is refused before anything is fetched.
 #[test]
 fn every_script_says_what_it_is_for() {
     let mut seen = 0;
@@ -110,8 +112,11 @@ fn every_script_says_what_it_is_for() {
             }
             let nowhere = tempfile::tempdir().unwrap();
             let output = Command::new("bash").arg(&path).arg("--help").current_dir(nowhere.path()).output().unwrap();
-            let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
-            assert!(output.status.success() && said.is_empty() && out.lines().count() > 1, "{path:?}: {out}{said}");
+            let [help, errors] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+            assert!(
+                output.status.success() && errors.is_empty() && help.lines().count() > 1,
+                "{path:?}: {help}{errors}"
+            );
             assert_eq!(std::fs::read_dir(nowhere.path()).unwrap().count(), 0, "{path:?}");
             seen += 1;
         }
@@ -122,14 +127,15 @@ fn every_script_says_what_it_is_for() {
     assert_eq!(output.status.code(), Some(2), "nothing is fetched for a flag that there is not");
 }
 
-/// The numbers of a version, without `=` before them and without labels behind them: `=1.2.3+x` gives 1, 2 and 3.
+/// Returns the numbers of a version, without `=` before them and without labels after them: `=1.2.3+x` gives 1, 2 and
+/// 3.
 fn numbers(version: &str) -> Vec<u64> {
     let plain = version.trim_start_matches('=').split(['+', '-']).next().unwrap();
     plain.split('.').map(|number| number.parse().unwrap()).collect()
 }
 
 /// Each dependency asks for a version of three numbers, and the lock file, with which tests run, has that version or a
-/// later compatible one.
+/// later compatible one. A manifest that asks for less allows versions that no test has seen.
 #[test]
 fn each_manifest_asks_for_versions_that_are_tested() {
     let read = |file: &str| std::fs::read_to_string(repository().join(file)).unwrap().parse::<toml::Table>().unwrap();
@@ -148,12 +154,13 @@ fn each_manifest_asks_for_versions_that_are_tested() {
         let kinds = ["dependencies", "dev-dependencies", "build-dependencies"];
         let own = kinds.iter().filter_map(|kind| manifest.get(*kind)?.as_table());
         let shared = manifest.get("workspace").and_then(|w| w.get("dependencies")?.as_table());
-        for (name, asked) in own.chain(shared).flatten() {
-            let Some(version) = asked.as_str().or_else(|| asked.get("version")?.as_str()) else { continue };
-            let least = numbers(version);
-            assert_eq!(least.len(), 3, "{file}: {name} = {version:?} does not say which version it needs");
-            let is_tested =
-                |(known, found): &(&str, Vec<u64>)| known == name && *found >= least && found[0] == least[0];
+        for (name, requirement) in own.chain(shared).flatten() {
+            let Some(version) = requirement.as_str().or_else(|| requirement.get("version")?.as_str()) else { continue };
+            let required = numbers(version);
+            assert_eq!(required.len(), 3, "{file}: {name} = {version:?} does not say which version it needs");
+            let is_tested = |(locked_name, locked_version): &(&str, Vec<u64>)| {
+                locked_name == name && *locked_version >= required && locked_version[0] == required[0]
+            };
             assert!(locked.iter().any(is_tested), "{file}: {name} {version} is not what Cargo.lock has");
             seen += 1;
         }
@@ -161,7 +168,8 @@ fn each_manifest_asks_for_versions_that_are_tested() {
     assert!(seen > 40, "{seen}");
 }
 
-/// The script that checks the licences of all crates succeeds.
+/// The script that checks the licences of all crates succeeds. A new dependency may have a licence under which the
+/// program cannot be passed on.
 #[test]
 fn licences_of_all_crates_may_be_passed_on() {
     if Command::new("python3").arg("--version").output().is_err() {
@@ -170,6 +178,6 @@ fn licences_of_all_crates_may_be_passed_on() {
     }
     let script = repository().join("scripts/licences.py");
     let output = Command::new("python3").arg(script).arg("--check").output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && String::from_utf8_lossy(&output.stdout).contains(" crates"), "{said}");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && String::from_utf8_lossy(&output.stdout).contains(" crates"), "{errors}");
 }

@@ -1,4 +1,4 @@
-//! The command as a user meets it: exit statuses, sentences, files, and the stream on which each text is printed.
+//! Tests the command as a user meets it: exit statuses, sentences, files, and the stream on which each text is printed.
 
 mod mistakes;
 
@@ -14,7 +14,7 @@ const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n
 /// The options of a camera that looks at the room.
 const EYE: [&str; 4] = ["--eye", "0,1.5,0", "--look-at", "0,1,6"];
 
-/// A folder with two OBJ files: a mirror floor before a wall, and a file that is broken at line 4.
+/// Makes a folder with two OBJ files: a mirror floor before a wall, and a file that is broken in line 4.
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("room.obj", ROOM);
@@ -22,18 +22,18 @@ fn folder() -> Folder {
     folder
 }
 
-/// The arguments of a command on the small room.
+/// Returns the arguments of a command on the small room, followed by `args`.
 fn room<'a>(command: &'a str, args: &[&'a str]) -> Vec<&'a str> {
     [&[command, "--scene", "room.obj"], &EYE[..], args].concat()
 }
 
-/// `render` writes a PNG of the size that was asked for and nothing else. An EXR has the same pixels in linear light,
-/// and each of four options changes the image.
+/// `render` writes a PNG of the size that was asked for and no other file. An EXR has the same pixels in linear light,
+/// and each of four options changes the image, so that no option is dropped on its way.
 #[test]
 fn render_writes_the_image_at_its_size() {
     let folder = folder();
-    let said = folder.succeed(&room("render", &["--size", "53x31", "-o", "new/folder/x.png"]));
-    assert_eq!(said, "", "render says nothing");
+    let printed = folder.succeed(&room("render", &["--size", "53x31", "-o", "new/folder/x.png"]));
+    assert_eq!(printed, "", "render says nothing");
     assert_eq!(folder.list("new/folder"), ["x.png"], "the file, and no temporary one");
     let image = folder.image("new/folder/x.png");
     assert_eq!(image.dimensions(), (53, 31));
@@ -65,24 +65,26 @@ fn render_writes_the_image_at_its_size() {
     }
 }
 
-/// Images of one pixel, one column and one row are written at their sizes.
+/// Images of one pixel, one column and one row are written at their sizes. Chains of levels and divisions by a side
+/// minus one fail there first.
 #[test]
 fn one_pixel_is_an_image() {
     let folder = folder();
     for size in ["1x1", "1x7", "7x1"] {
         folder.succeed(&room("render", &["--size", size, "-o", "x.png"]));
-        let (w, h) = folder.image("x.png").dimensions();
-        assert_eq!(format!("{w}x{h}"), size);
+        let (width, height) = folder.image("x.png").dimensions();
+        assert_eq!(format!("{width}x{height}"), size);
     }
 }
 
-/// With `--json`, standard output is one record, whose fields say what was drawn and which passes were recorded.
+/// With `--json`, standard output is one record, whose fields say what was drawn and which passes were recorded. Any
+/// other text there would break programs that read it.
 #[test]
 fn json_is_all_that_goes_to_standard_output() {
     let folder = folder();
-    let said = folder.succeed(&room("render", &["--size", "53x31", "-o", "x.png", "--json", "--validation"]));
-    let records: Value = serde_json::from_str(&said).unwrap();
-    let [record] = &records.as_array().unwrap()[..] else { panic!("one record: {said}") };
+    let printed = folder.succeed(&room("render", &["--size", "53x31", "-o", "x.png", "--json", "--validation"]));
+    let records: Value = serde_json::from_str(&printed).unwrap();
+    let [record] = &records.as_array().unwrap()[..] else { panic!("one record: {printed}") };
     assert_eq!(record["kind"], "render");
     assert_eq!(record["definitions"], 3);
     assert_eq!((&record["width"], &record["height"]), (&53.into(), &31.into()));
@@ -96,7 +98,8 @@ fn json_is_all_that_goes_to_standard_output() {
     assert!(!folder.succeed(&room("render", &["--size", "9x9", "-o", "x.png", "--json"])).contains("Usage"));
 }
 
-/// `--dump` writes every intermediate and every level of the chains as PNG and EXR, and legends.
+/// `--dump` writes every intermediate image and every level of the chains as PNG and EXR, and the legends. A pass whose
+/// image is not registered for reading would be missing.
 #[test]
 fn dump_writes_every_intermediate_as_png_and_exr() {
     let folder = folder();
@@ -114,8 +117,8 @@ fn dump_writes_every_intermediate_as_png_and_exr() {
     assert_eq!([size("color-0.png"), size("hi-z-1.png"), size("visibility-3.png")], [(13, 6), (6, 3), (1, 1)]);
 }
 
-/// `render --figure` draws figures 4.4 and 4.5; in figure 4.5, Hi-Z rays are green and rays of the linear march are
-/// red.
+/// `render --figure` draws figures 4.4 and 4.5. In figure 4.5, Hi-Z rays are green and rays of the linear march are
+/// red, which must not be swapped.
 #[test]
 fn figures_of_the_thesis_are_drawn() {
     let folder = folder();
@@ -125,22 +128,25 @@ fn figures_of_the_thesis_are_drawn() {
         assert!(image.pixels().any(|p| p != image.get_pixel(0, 0)), "{figure}");
         if figure == "4.5" {
             // The floor's rays go away from the camera, the wall's towards it.
-            let is = |by: usize, than: usize| image.pixels().any(|p| p.0[by] > p.0[than].saturating_add(60));
+            // Whether some pixel has clearly more of the first channel than of the second.
+            let is =
+                |brighter: usize, darker: usize| image.pixels().any(|p| p.0[brighter] > p.0[darker].saturating_add(60));
             assert!(is(1, 0), "Hi-Z rays are green");
             assert!(is(0, 1), "rays of the linear march are red");
         }
     }
 }
 
-/// One small run of `time`: its records, their passes and totals, and the files that the run writes.
+/// A small run of `time` gives a record for each method, size and roughness, with the passes and totals in it, and
+/// writes its files. All timings of the project's pages come from such records.
 #[test]
 fn time_reports_every_pass_of_every_method_and_size() {
     let folder = folder();
-    let said = folder.succeed(&room(
+    let printed = folder.succeed(&room(
         "time",
         &["--size", "32x16,17x9", "--roughness", "0,0.3", "--samples", "3", "--warmup", "1", "--json", "-o", "times"],
     ));
-    let records: Value = serde_json::from_str(&said).unwrap();
+    let records: Value = serde_json::from_str(&printed).unwrap();
     let records = records.as_array().unwrap();
     assert_eq!(records.len() % 4, 0, "methods × two sizes × two roughness values");
     assert!(records.len() >= 8);
@@ -177,7 +183,7 @@ fn time_reports_every_pass_of_every_method_and_size() {
         "time.txt",
     ];
     assert_eq!(folder.list("times"), files);
-    assert_eq!(folder.text("times/time.json"), said);
+    assert_eq!(folder.text("times/time.json"), printed);
     let rows = csv::Reader::from_path(folder.path("times/time-samples.csv")).unwrap().into_records().count();
     let passes: usize = records.iter().map(|r| r["passes"].as_array().unwrap().len()).sum();
     assert_eq!(rows, 3 * passes, "a row for each sample and pass");
@@ -186,12 +192,14 @@ fn time_reports_every_pass_of_every_method_and_size() {
     assert!(text.contains("hzct") && !text.contains("ssct"), "{text}");
 }
 
-/// One small run of `path` over a path from a file: its records, frames and files, and the errors of wrong paths.
+/// A small run of `path` over a path from a file gives records and frames for each method and size, writes its files,
+/// and refuses wrong paths in a sentence. The percentiles of frames per second must be ordered.
 #[test]
 fn a_path_gives_frames_per_second_of_each_method() {
     let folder = folder();
-    let way = "[[key]]\neye = [0, 1, 0]\nlook_at = [0, 0, 3]\n[[key]]\neye = [0.5, 1, 0.5]\nlook_at = [0, 0, 3]\n";
-    folder.write("way.toml", way);
+    let path_file =
+        "[[key]]\neye = [0, 1, 0]\nlook_at = [0, 0, 3]\n[[key]]\neye = [0.5, 1, 0.5]\nlook_at = [0, 0, 3]\n";
+    folder.write("way.toml", path_file);
     let args = ["--size", "32x16,17x9", "--method", "hzct,ssct", "--frames", "5", "--warmup", "1"];
     let succeed = |own: &[&str]| folder.succeed(&[&["path"], own, &args].concat());
     let said = succeed(&["--scene", "room.obj", "--path", "way.toml", "--json", "-o", "p"]);
@@ -237,14 +245,15 @@ fn a_path_gives_frames_per_second_of_each_method() {
     }
 }
 
-/// `time --table captions` shows the frame times that the thesis prints beside the measured ones.
+/// `time --table captions` shows the frame times that the thesis prints beside the measured ones, each in the row of
+/// its figure.
 #[test]
 fn captions_stand_beside_what_is_measured() {
     let folder = folder();
     let quick = ["--table", "captions", "--samples", "1", "--warmup", "0", "--reference-rays", "1"];
     let succeed = |own: &[&str]| folder.succeed(&[&["time"], &quick[..], own].concat());
-    let said = succeed(&["--view", "window-floor"]);
-    let row = said.lines().find(|l| l.starts_with("5.2")).unwrap();
+    let table = succeed(&["--view", "window-floor"]);
+    let row = table.lines().find(|l| l.starts_with("5.2")).unwrap();
     assert!(["HZCT", "2.25", "1.12", "0.50", "960 x 540"].iter().all(|w| row.contains(w)), "{row}");
     let json = succeed(&["--view", "corridor", "--json"]);
     let records: Value = serde_json::from_str(&json).unwrap();
@@ -258,14 +267,14 @@ fn captions_stand_beside_what_is_measured() {
 }
 
 /// A quick study that is killed and resumed measures nothing twice. Its page shows every image that was written, embeds
-/// none twice, and links the files of records.
+/// none twice, and links the files of records. One page gathers results of many studies, so that a part is lost easily.
 #[test]
 fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let folder = folder();
-    // The study is killed on the way and resumed: no result is lost, and none is measured twice.
-    let mut begun = Command::new(env!("CARGO_BIN_EXE_ssct"));
+    // The study is killed once its journal has 40 lines, and resumed: no result is lost, and none is measured twice.
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
     let journal = || std::fs::read_to_string(folder.path("out/journal.jsonl")).unwrap_or_default();
-    let mut killed = begun.args(["study", "--quick", "-o", "out"]).current_dir(folder.root()).spawn().unwrap();
+    let mut killed = command.args(["study", "--quick", "-o", "out"]).current_dir(folder.root()).spawn().unwrap();
     wait_until(
         || "a quick study that should write 40 lines".to_owned(),
         || journal().lines().count() >= 40 || killed.try_wait().unwrap().is_some(),
@@ -274,7 +283,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     killed.wait().unwrap();
     let before = journal();
     let whole = &before[..before.rfind('\n').unwrap() + 1];
-    let said = folder.succeed(&["study", "--quick", "--resume", "-o", "out"]);
+    let printed = folder.succeed(&["study", "--quick", "--resume", "-o", "out"]);
     let after = journal();
     let key = |line: &str| Some(serde_json::from_str::<Value>(line).unwrap()["key"].as_str()?.to_owned());
     let mut keys: Vec<String> = after.lines().filter_map(key).collect();
@@ -282,7 +291,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     keys.sort();
     keys.dedup();
     assert!(after.starts_with(whole) && measured > whole.lines().count() && keys.len() == measured);
-    assert!(said.contains("Table 5.8") && said.contains("index.html"), "{said}");
+    assert!(printed.contains("Table 5.8") && printed.contains("index.html"), "{printed}");
     let page = folder.text("out/index.html");
     let linked: Vec<_> = page.split("href=\"").skip(1).map(|s| s.split('"').next().unwrap()).collect();
     let linked_in = |prefix: &str| {
@@ -294,7 +303,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     };
     let images = folder.list("out/images");
     assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
-    // For the first two scenes: direct light, the truth, each method that finds what it needs there, and unified on the screen
+    // For the first two scenes: direct light, the truth, each method that the scene allows, and unified on the screen
     // alone; and four figures.
     let methods_in = |name: &str| {
         let scene = crate::common::built_in(name);
@@ -308,7 +317,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert!(page.contains("data-compare=\"ssct,truth\""));
     assert_eq!(folder.list("out/truth").len(), 2, "the next run need not trace what is there");
     let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
-    // The RMSE maps stand beside, for whoever looks closer.
+    // The maps of RMSE are files in the same folder, which the page does not show.
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
     assert_eq!(maps.len(), 4 * (methods + 1));
     assert_eq!(linked_in("error/images/"), pngs);
@@ -329,16 +338,16 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert_eq!(folder.list("out"), files);
 }
 
-/// `captures` places captures in a room and writes them as tables of a scene file; a scene file with these tables has
-/// the captures at the same places.
+/// `captures` places captures in a room and writes them as tables of a scene file. A scene file with these tables has
+/// the captures at the same places, though its coordinates have another sign of z.
 #[test]
 fn captures_are_listed_written_and_read_again() {
     let folder = folder();
-    let said =
+    let printed =
         folder.succeed(&["captures", "room.obj", "--captures", "2", "--json", "--write", "a.toml", "--map", "a.svg"]);
-    let placed: Value = serde_json::from_str(&said).unwrap();
+    let placed: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!((&placed[0]["kind"], &placed[0]["from"]), (&"capture".into(), &"placement".into()));
-    assert!(placed[0]["seen"].as_f64().is_some_and(|s| s > 0.5 && s <= 1.0), "{said}");
+    assert!(placed[0]["seen"].as_f64().is_some_and(|s| s > 0.5 && s <= 1.0), "{printed}");
     assert!(folder.text("a.svg").starts_with("<svg"));
     // The records are in the program's coordinates, and the tables in those of the scene file, which are right-handed.
     let tables: toml::Table = toml::from_str(&folder.text("a.toml")).unwrap();
@@ -352,7 +361,7 @@ fn captures_are_listed_written_and_read_again() {
     assert!(folder.succeed(&["captures", "room.scene.toml"]).contains("file"));
 }
 
-/// `devices` lists each device, and `--device` takes its index or its name in any case of letters.
+/// `devices` lists each device, and `--device` takes its index, or its name in upper or lower case.
 #[test]
 fn devices_are_listed_with_the_index_that_device_takes() {
     let folder = folder();
@@ -368,7 +377,7 @@ fn devices_are_listed_with_the_index_that_device_takes() {
     }
 }
 
-/// Help and version are printed with status 0.
+/// Help and version are printed with status 0. The parser of arguments treats them as errors inside.
 #[test]
 fn help_and_version_are_no_errors() {
     let folder = folder();
@@ -377,27 +386,27 @@ fn help_and_version_are_no_errors() {
     }
 }
 
-/// Without `--scene`, the built-in rooms are drawn.
+/// Without `--scene`, the built-in rooms are drawn, so that a first try needs no files.
 #[test]
 fn a_built_in_scene_needs_no_files() {
     let folder = folder();
-    let said = folder.succeed(&["render", "--size", "48x27", "-o", "x.png", "--json"]);
-    let records: Value = serde_json::from_str(&said).unwrap();
+    let printed = folder.succeed(&["render", "--size", "48x27", "-o", "x.png", "--json"]);
+    let records: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!(records[0]["scene"], "rooms");
     let is_file = |name: &str| Path::is_file(&folder.path(name));
     assert!(is_file("x.png"));
 }
 
-/// Everything below a folder, with its path from there, sorted.
+/// Returns the sorted paths, from a folder, of everything below it.
 fn all_below(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
-    let mut left = vec![folder.to_path_buf()];
-    while let Some(next) = left.pop() {
+    let mut to_visit = vec![folder.to_path_buf()];
+    while let Some(next) = to_visit.pop() {
         for entry in std::fs::read_dir(&next).unwrap() {
             let path = entry.unwrap().path();
             found.push(path.strip_prefix(folder).unwrap().to_str().unwrap().to_owned());
             if path.is_dir() {
-                left.push(path);
+                to_visit.push(path);
             }
         }
     }
@@ -405,7 +414,8 @@ fn all_below(folder: &Path) -> Vec<String> {
     found
 }
 
-/// Scene and view names with `..`, separators, a zero byte or 400 letters make no file outside the folder of results.
+/// Names of scenes and views with `..`, separators, a zero byte or 400 letters make no file outside the folder of
+/// results. Such names come from files that others wrote, and become parts of file names.
 #[test]
 fn names_in_files_are_no_paths() {
     let long = "x".repeat(400);
@@ -422,19 +432,20 @@ fn names_in_files_are_no_paths() {
             ["error", "--scene", "a.scene.toml", "--method", "linear", "--no-sweep", "--roughness", "0", "--size"];
         let rest = ["32x18", "--rays", "4", "--samples", "1", "-o", "out/deep"];
         folder.succeed(&[&args[..], &rest].concat());
-        let made: Vec<String> = all_below(folder.root()).into_iter().filter(|path| !before.contains(path)).collect();
-        assert!(made.iter().any(|path| path.ends_with("-linear.png")), "{made:?}");
-        assert!(made.iter().all(|path| *path == "out" || path.starts_with("out/deep")), "{name:?}: {made:?}");
+        let written: Vec<String> = all_below(folder.root()).into_iter().filter(|path| !before.contains(path)).collect();
+        assert!(written.iter().any(|path| path.ends_with("-linear.png")), "{written:?}");
+        assert!(written.iter().all(|path| *path == "out" || path.starts_with("out/deep")), "{name:?}: {written:?}");
     }
 }
 
-/// A material's name with an escape character is printed without that character.
+/// A material's name with an escape character is printed without that character. A terminal would obey the sequence
+/// that it begins.
 #[test]
 fn names_in_files_do_not_command_the_terminal() {
     let folder = folder();
     folder.write("a.obj", format!("{ROOM}mtllib a.mtl\nusemtl \u{1b}[2Jwhite\nf 1 2 3\n"));
     folder.write("a.mtl", "newmtl m\n");
     let output = folder.run(&[&["render", "--scene", "a.obj"], &EYE[..], &["--size", "16x16", "-o", "x.png"]].concat());
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(said.contains("is not defined in any MTL file") && !said.contains('\u{1b}'), "{said:?}");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("is not defined in any MTL file") && !message.contains('\u{1b}'), "{message:?}");
 }

@@ -1,4 +1,4 @@
-//! `ssct compare` on runs and images whose differences are known.
+//! Tests `ssct compare` on runs and images whose differences are known.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 const HEADER: &str = "scene,view,method,preset,width,height,roughness,normal_deviation,resolution_scale,split,fallback,\
                       sample,pass,counted,ms\n";
 
-/// Writes a run of six frames: a scene pass of 3 ms, and two counted passes, `trace` and `composite`. The 8 ms of
-/// `trace` are multiplied by one factor in even frames and by the other in odd frames.
+/// Writes a run of six frames: a scene pass of 3 ms, and two counted passes, `trace` and `composite`. `trace` takes 8
+/// ms, times the first factor in even frames and the second one in odd frames.
 fn times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &str) {
     let mut rows = HEADER.to_owned();
     for n in 0..6 {
@@ -25,28 +25,28 @@ fn times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &
     folder.write(&format!("{name}/time.json"), serde_json::json!([{ "device": device }]).to_string());
 }
 
-/// A flat PNG.
+/// Writes a PNG of one colour.
 fn png(folder: &Folder, name: &str, extent: [u32; 2], color: [u8; 3]) {
     image::RgbImage::from_pixel(extent[0], extent[1], image::Rgb(color)).save(folder.path(name)).unwrap();
 }
 
-/// A 32×24 EXR whose left half has one colour and whose right half another.
+/// Writes a 32×24 EXR whose left half has the first colour and whose right half the second.
 fn exr(folder: &Folder, name: &str, halves: [[f32; 3]; 2]) {
     let color = |x: usize, _| halves[usize::from(x >= 16)].into();
     exr::prelude::write_rgb_file(folder.path(name), 32, 24, |x, y| -> (f32, f32, f32) { color(x, y) }).unwrap();
 }
 
-/// The output of `ssct compare`, which must succeed.
+/// Runs `ssct compare`, which must succeed, and returns its standard output.
 fn said(folder: &Folder, args: &[&str]) -> String {
     folder.succeed(&[&["compare"], args].concat())
 }
 
-/// The records of `ssct compare --json`.
+/// Returns the records of `ssct compare --json`.
 fn compared(folder: &Folder, args: &[&str]) -> Vec<Value> {
     serde_json::from_str(&said(folder, &[args, &["--json"]].concat())).unwrap()
 }
 
-/// Checks the exit status and words of the sentence of a comparison that must fail.
+/// Checks that a comparison fails with an exit status, and that its sentence has some words.
 fn fails(folder: &Folder, args: &[&str], status: i32, words: &str) {
     let output = folder.run(&[&["compare"], args].concat());
     let text = String::from_utf8(output.stderr).unwrap();
@@ -54,7 +54,7 @@ fn fails(folder: &Folder, args: &[&str], status: i32, words: &str) {
     assert!(text.contains(words), "{args:?}: {text}");
 }
 
-/// The name and the verdict of each pass.
+/// Returns the name and the verdict of each pass; the verdict is "null" where there is none.
 fn verdicts(records: &[Value]) -> Vec<(&str, &str)> {
     records.iter().map(|r| (r["pass"].as_str().unwrap(), r["verdict"].as_str().unwrap_or("null"))).collect()
 }
@@ -90,7 +90,7 @@ fn each_pass_and_the_total_get_a_verdict() {
 }
 
 /// The bootstrap interval is the same in each run, and reaches the extreme ratios. With a threshold of 5 % the verdict
-/// is UNDECIDED, and with one of 50 % it is SAME.
+/// is UNDECIDED, and with one of 50 % it is SAME. A random seed would change verdicts from run to run.
 #[test]
 fn the_interval_is_the_same_every_time_and_the_threshold_moves_the_verdict() {
     let folder = Folder::new();
@@ -105,8 +105,8 @@ fn the_interval_is_the_same_every_time_and_the_threshold_moves_the_verdict() {
     assert_eq!(compared(&folder, &["a", "b", "--threshold", "0.5"])[1]["verdict"], "SAME");
 }
 
-/// With `--fail-on-slower`, status 1 says that a total is slower by more than the threshold; without it, the status is
-/// 0.
+/// With `--fail-on-slower`, status 1 says that a total is slower by more than the threshold. Without it the status is
+/// 0, and a slower pass alone changes nothing.
 #[test]
 fn a_slower_total_fails_where_asked() {
     let folder = Folder::new();
@@ -118,8 +118,8 @@ fn a_slower_total_fails_where_asked() {
     said(&folder, &["base", "slow", "--threshold", "0.01"]);
 }
 
-/// The text names two different devices, lists a pass that one run lacks, says what the verdicts mean, and is written
-/// to a file with the records.
+/// The text names two different devices, lists a pass that one run lacks, and explains the verdicts, and is written to
+/// a file with the records. Times of different devices say nothing about a change of the program.
 #[test]
 fn the_text_warns_and_lists_what_one_run_lacks() {
     let folder = Folder::new();
@@ -145,7 +145,8 @@ fn the_text_warns_and_lists_what_one_run_lacks() {
     assert!(said(&folder, &["base", "new"]).contains("no time.json says on which device B ran"));
 }
 
-/// A real run compared with itself has a ratio of 1 in each pass, and its total is the total that the run recorded.
+/// A real run compared with itself has a ratio of 1 in each pass, and its total is the total that the run recorded. The
+/// passes and groups are found by name in files that another command wrote.
 #[test]
 fn a_run_of_the_time_study_is_the_same_as_itself() {
     let folder = Folder::new();
@@ -167,7 +168,8 @@ fn a_run_of_the_time_study_is_the_same_as_itself() {
     assert!((found.as_f64().unwrap() - expected.as_f64().unwrap()).abs() < 1e-4, "{found} {expected}");
 }
 
-/// Passes of runs whose options differ are not compared; the text lists them and says which option differs.
+/// Passes of runs whose options differ are not compared; the text lists them and says which option differs. Otherwise a
+/// change of an option would pass for a change of speed.
 #[test]
 fn runs_with_other_flags_are_no_pair() {
     let folder = Folder::new();
@@ -189,7 +191,8 @@ fn runs_with_other_flags_are_no_pair() {
             "fallback none in A, environment in B; normal_deviation not set in A, 0.5 in B; resolution_scale 1 in A, 0.5 in B",
         ),
     ] {
-        let (_, rows) = &run(name, flags).split_once('\n').map(|(h, rows)| (h.to_owned(), rows.to_owned())).unwrap();
+        let (_, rows) =
+            &run(name, flags).split_once('\n').map(|(header, rows)| (header.to_owned(), rows.to_owned())).unwrap();
         fails(&folder, &["plain", name], 1, "no pass in common");
         fails(&folder, &["plain", name], 1, differs);
         folder.write("both.csv", plain.clone() + rows);
@@ -253,7 +256,8 @@ fn a_png_is_decoded_to_linear() {
     assert!((0.967..0.968).contains(&black["flip"].as_f64().unwrap()), "{black}");
 }
 
-/// An image with NaN has no RMSE, its pixels are magenta in the map, and the text says NaN.
+/// An image with NaN has no RMSE, its pixels are magenta in the map, and the text says NaN. A maximum or a sum over
+/// channels may drop NaN unseen.
 #[test]
 fn what_is_no_number_is_not_hidden() {
     let folder = Folder::new();
@@ -315,7 +319,8 @@ fn mistakes_are_sentences() {
     fails(&folder, &["a", "a"], 1, "time.json: holds no record with a device");
 }
 
-/// EXR files that claim a huge size, lack a channel or have a subsampled channel are refused with a sentence.
+/// EXR files that claim a huge size, lack a channel or have a subsampled channel are refused with a sentence. Their
+/// headers are edited byte by byte, since no library writes such files.
 #[test]
 fn an_exr_that_cannot_be_read_is_refused() {
     use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
@@ -349,7 +354,8 @@ fn an_exr_that_cannot_be_read_is_refused() {
     fails(&folder, &["a.exr", "coarse.exr"], 1, "coarse.exr: channel B is subsampled");
 }
 
-/// `time --a-a` records a noise floor; a difference below the floor is undecided, and one above it is slower.
+/// `time --a-a` records a noise floor. A difference below the floor is undecided, and one above it is slower, even
+/// though all samples of a run are equal.
 #[test]
 fn a_method_timed_against_itself_knows_its_noise_floor() {
     let folder = Folder::new();
@@ -369,7 +375,7 @@ fn a_method_timed_against_itself_knows_its_noise_floor() {
     // Copies of the run in which all times are equal, so that the noise floor alone decides.
     let floor = floor.max(0.06);
     let samples = folder.text("a/time-samples.csv");
-    let with = |name: &str, ms: f64| {
+    let write_run = |name: &str, ms: f64| {
         let mut reader = csv::Reader::from_reader(samples.as_bytes());
         let header = reader.headers().unwrap().clone();
         let mut writer = csv::Writer::from_writer(Vec::new());
@@ -385,9 +391,9 @@ fn a_method_timed_against_itself_knows_its_noise_floor() {
         std::fs::create_dir(folder.path(name)).unwrap();
         folder.write(&format!("{name}/time-samples.csv"), writer.into_inner().unwrap());
     };
-    with("one", 1.0);
-    with("within", 1.0 + 0.9 * floor);
-    with("beyond", 1.0 + 1.1 * floor);
+    write_run("one", 1.0);
+    write_run("within", 1.0 + 0.9 * floor);
+    write_run("beyond", 1.0 + 1.1 * floor);
     for (other, verdict) in [("within", "UNDECIDED"), ("beyond", "SLOWER")] {
         let records = compared(&folder, &["one", other]);
         let total = records.iter().find(|r| r["pass"] == "total").unwrap();
@@ -395,7 +401,8 @@ fn a_method_timed_against_itself_knows_its_noise_floor() {
     }
 }
 
-/// The pass, the ratio and the verdict in each row of a table of verdicts, as `ssct time` and `ssct compare` print it.
+/// Returns the pass, the ratio and the verdict in each row of a table of verdicts, as `ssct time` and `ssct compare`
+/// print it.
 fn rows_of_verdicts(text: &str) -> Vec<[String; 3]> {
     let rows = text.lines().skip_while(|line| !line.contains("verdict")).skip(1).take_while(|line| !line.is_empty());
     let row = |line: &str| {
@@ -407,7 +414,7 @@ fn rows_of_verdicts(text: &str) -> Vec<[String; 3]> {
 }
 
 /// Variants of one run have the same verdicts at its end and in a later comparison. Two runs without a common variant
-/// are refused with the words that compare them.
+/// are refused, with the command that compares them.
 #[test]
 fn variants_of_one_run_are_judged_at_its_end_and_afterwards() {
     let folder = Folder::new();
@@ -433,8 +440,8 @@ fn variants_of_one_run_are_judged_at_its_end_and_afterwards() {
     assert!(!run(&[few], "few").contains("B beside A"));
     run(&[many], "many");
     // Two runs that have nothing in common are refused with the words that compare them.
-    let way = format!("ssct compare many few --a \"{many}\" --b \"{few}\"");
-    fails(&folder, &["many", "few"], 1, &way);
+    let command = format!("ssct compare many few --a \"{many}\" --b \"{few}\"");
+    fails(&folder, &["many", "few"], 1, &command);
     let named = compared(&folder, &["many", "few", "--a", many, "--b", few]);
     assert!(named.iter().all(|r| r["paired"] == false && r["setting_b"] == "ssct iterations 64"), "{named:?}");
 }

@@ -1,5 +1,5 @@
-//! Complaints of engines' users: every case is tried without a validation message and has its pictures. Where a method
-//! is known to suffer from the complaint, the number shows it.
+//! Tests complaints of engines' users: every case is tried without a validation message and has its pictures. If a
+//! method is known to suffer from the complaint, the number shows it.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
@@ -21,8 +21,9 @@ const WORSE_IN_SSCT: [&str; 11] = [
     "fine pattern far away",
 ];
 
-/// One quick run of all complaints with three variants: each has a record, a number is judged good by its limit, and
-/// `ssct` is worse than `unified` in the listed cases. Each case has pictures and stands on the page.
+/// In one quick run with three variants, each complaint has a record for each, whose number its limit judges. `ssct` is
+/// worse than `unified` in the listed cases, or a case would not show its complaint. Each has pictures and stands on
+/// the page.
 #[test]
 fn every_complaint_is_tried_and_shows_what_it_is_for() {
     let folder = Folder::new();
@@ -33,7 +34,7 @@ fn every_complaint_is_tried_and_shows_what_it_is_for() {
         let found = records.iter().find(|r| r["case"] == case && r["method"] == method);
         found.unwrap_or_else(|| panic!("no {method} in {case}"))
     };
-    // The number of a case for a method, or none if the method showed nothing.
+    // Returns the number of a case for a method, or none if the method showed nothing.
     let value = |case: &str, method: &str| row(case, method)["value"].as_f64();
     for complaint in COMPLAINTS {
         for method in ["ssct", "unified", "unified, screen alone"] {
@@ -72,10 +73,10 @@ fn one_complaint_is_tried_on_a_method_from_a_folder_and_gone_on_with() {
     assert_eq!(records.len(), 1, "{records:?}");
     assert_eq!(records[0]["case"], "gap of sky");
     folder.succeed(&[&args[..], &["--resume"]].concat());
-    let said = folder.succeed(&[&args[..7], &["--resume", "-o", "."]].concat());
-    let (_, explained) = said.split_once("What is complained of, and what the numbers say").expect(&said);
-    assert!(explained.lines().all(|line| line.chars().count() <= 100), "{explained}");
-    let words = explained.split_whitespace().collect::<Vec<_>>().join(" ");
+    let printed = folder.succeed(&[&args[..7], &["--resume", "-o", "."]].concat());
+    let (_, explanation) = printed.split_once("What is complained of, and what the numbers say").expect(&printed);
+    assert!(explanation.lines().all(|line| line.chars().count() <= 100), "{explanation}");
+    let words = explanation.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         words.contains("A star marks a number that is good")
             && words.contains("gap of sky what users say A reflection vanishes"),
@@ -90,7 +91,7 @@ fn one_complaint_is_tried_on_a_method_from_a_folder_and_gone_on_with() {
 fn a_complaint_that_is_not_there_is_refused_by_name() {
     let folder = Folder::new();
     let output = folder.run(&["stress", "--complaints", "--case", "a rainy day"]);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("a rainy day") && said.contains("thin poles"), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("a rainy day") && message.contains("thin poles"), "{message}");
 }

@@ -1,4 +1,4 @@
-//! The cone of the shaders is the cone of `math::cone` (thesis §4.2.8, Eq. 4.5, 4.6, Alg. 5): from the hits and the
+//! Compares the cone of the shaders with `math::cone` (thesis §4.2.8, Eq. 4.5, 4.6, Alg. 5). From the hits and the
 //! chains that were read back, the host predicts the reflection of every pixel.
 
 use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show};
@@ -10,7 +10,7 @@ use ssct_ground::math::cone::{Circle, circles};
 use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
-/// A trilinear sample of a chain at texture coordinates; the level is clamped to the levels of the chain.
+/// Returns a trilinear sample of a chain at texture coordinates. The level is clamped to the levels of the chain.
 fn trilinear(levels: &[&Pixels], position: DVec2, level: f64) -> [f64; 3] {
     let level = level.clamp(0.0, levels.len() as f64 - 1.0);
     let (fine, share) = (level as usize, level.fract());
@@ -19,12 +19,12 @@ fn trilinear(levels: &[&Pixels], position: DVec2, level: f64) -> [f64; 3] {
     [0, 1, 2].map(|c| a[c] * (1.0 - share) + b[c] * share)
 }
 
-/// The greatest error of a device's trilinear sample. The weights in x, y and level have at least 8 bits, so that each
-/// of the three is off by half of 1/256, times the contrast between texels, which is below 1 here.
+/// The greatest error of a device's trilinear sample. Its weights in x, y and level have at least 8 bits, so that each
+/// of the three is off by half of 1/256. This counts times the contrast between texels, which is below 1 here.
 const FILTER: f64 = 3.0 / 512.0;
 
-/// The colours that Alg. 5 may give for a pixel: one, or two where the sum of visibility is so near to 1 that rounding
-/// decides whether another circle counts. `origin` and `hit` are texture coordinates of the ray's two ends.
+/// Returns the colours that Alg. 5 may give for a pixel: one, or two where the sum of visibility is so near to 1 that
+/// rounding decides whether another circle counts. `origin` and `hit` are texture coordinates of the ray's two ends.
 fn predict(shown: &Shown, origin: DVec2, hit: DVec2, roughness: f64, preset: Preset) -> Vec<[f64; 3]> {
     let (color, visibility) = (shown.levels("color"), shown.levels("visibility"));
     let size = f64::from(color[0].width.max(color[0].height));
@@ -84,9 +84,12 @@ fn reflections_are_those_of_the_closed_form_circles() {
             let origin = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
             let hit = DVec2::new(f64::from(hit[0]), f64::from(hit[1]));
             let found = reflection.texel(x, y);
-            // The greatest difference of a channel.
-            let apart = |p: &[f64; 3]| (0..3).map(|c| (f64::from(found[c]) - p[c]).abs()).fold(0.0, f64::max);
-            let error = predict(&shown, origin, hit, stored, preset).iter().map(apart).fold(f64::INFINITY, f64::min);
+            let greatest_difference =
+                |p: &[f64; 3]| (0..3).map(|c| (f64::from(found[c]) - p[c]).abs()).fold(0.0, f64::max);
+            let error = predict(&shown, origin, hit, stored, preset)
+                .iter()
+                .map(greatest_difference)
+                .fold(f64::INFINITY, f64::min);
             assert!(error < 2.0 * FILTER, "{method}, {preset:?}, {roughness}, ({x}, {y}): {found:?} is {error} off");
             compared += 1;
             worst = worst.max(error);
@@ -101,8 +104,8 @@ fn reflections_are_those_of_the_closed_form_circles() {
     }
 }
 
-/// Where all that is lit has one colour, the reflection of a hit has exactly this colour at any roughness, within the
-/// rounding of 16-bit floats.
+/// If all lit surfaces have one colour, the reflection of a hit has exactly this colour at any roughness, within the
+/// rounding of 16-bit floats. Weights of samples that do not cancel would darken or brighten it.
 #[test]
 fn one_colour_stays_that_colour_at_any_roughness() {
     // No sky is in view, so that the weights of the samples must cancel in the quotient C / C_alpha of Alg. 5.

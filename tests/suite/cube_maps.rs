@@ -1,6 +1,6 @@
-//! Cube maps: what is captured lies in the right direction, lookups corrected for parallax are exact in a room that is
-//! its own proxy box, and levels are blurred as their roughness says. Behind a screen-space method, a map shows where
-//! the method fades.
+//! Tests cube maps. A captured thing lies in the right direction, lookups corrected for parallax are exact in a room
+//! that is its own proxy box, and levels are blurred as their roughness says. As a fallback, a map shows where the
+//! screen-space method fades.
 
 use crate::common::{Builder, Shown, camera, clutter, clutter_camera, gpu, show, with_small_captures};
 use ash::vk;
@@ -23,15 +23,15 @@ const MIN: Vec3 = Vec3::new(-2.0, -1.0, -3.0);
 /// The greatest corner of the room, in metres.
 const MAX: Vec3 = Vec3::new(4.0, 2.0, 3.0);
 
-/// The albedo of a quarter of a wall, a different one for each quarter. The wall is given by its axis and side, the
-/// quarter by whether each of the other two coordinates is above 0.
+/// Returns the albedo of a quarter of a wall, a different one for each quarter. The wall is given by its axis (0 to 2)
+/// and whether it is on that axis's upper side, the quarter by whether each of the other two coordinates is above 0.
 fn quarter_albedo(axis: usize, side: bool, high: [bool; 2]) -> Vec3 {
     let index = (axis * 2 + usize::from(side)) * 4 + usize::from(high[0]) + 2 * usize::from(high[1]);
     Vec3::new((index % 3) as f32, (index / 3 % 3) as f32, (index / 9) as f32) * 0.4 + 0.1
 }
 
-/// A room whose walls are in four quarters each, split where the other two coordinates are 0. Its floor is a mirror if
-/// `mirror_floor` is true.
+/// Returns a room whose walls are in four quarters each, split where the other two coordinates are 0. Its floor is a
+/// mirror if `mirror_floor` is true.
 fn room(mirror_floor: bool) -> Scene {
     let mut b = Builder::new("room");
     for axis in 0..3 {
@@ -60,25 +60,25 @@ fn room(mirror_floor: bool) -> Scene {
     b.0
 }
 
-/// The colour of the wall that a ray from inside the room meets, or none within `margin` metres of another quarter or
-/// wall. There is no light, so that a wall is a fifth of its albedo.
+/// Returns the colour of the wall that a ray from inside the room meets, or none within `margin` metres of another
+/// quarter or wall. There is no light, so that a wall shows a fifth of its albedo.
 fn seen(from: DVec3, direction: DVec3, margin: f64) -> Option<Vec3> {
     let (min, max) = (MIN.as_dvec3(), MAX.as_dvec3());
-    let far = |a: usize| ((if direction[a] > 0.0 { max[a] } else { min[a] }) - from[a]) / direction[a];
-    let axis = (0..3).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap();
-    let point = from + direction * far(axis);
+    let distance_to_wall = |a: usize| ((if direction[a] > 0.0 { max[a] } else { min[a] }) - from[a]) / direction[a];
+    let axis = (0..3).min_by(|a, b| distance_to_wall(*a).total_cmp(&distance_to_wall(*b))).unwrap();
+    let point = from + direction * distance_to_wall(axis);
     let others = [(axis + 1) % 3, (axis + 2) % 3];
     let is_clear = others.iter().all(|&a| point[a].abs().min(point[a] - min[a]).min(max[a] - point[a]) > margin);
     is_clear.then(|| 0.2 * quarter_albedo(axis, direction[axis] > 0.0, others.map(|a| point[a] > 0.0)))
 }
 
-/// Whether a texel is a colour, but for the rounding of 8-bit sRGB and of 16-bit floats.
+/// Returns whether a texel has a colour, but for the rounding of 8-bit sRGB and of 16-bit floats.
 fn is_color(found: &[f32], right: Vec3) -> bool {
     (0..3).all(|c| (found[c] - right[c]).abs() < 0.004)
 }
 
-/// Each texel of the six faces that were captured in the room has the colour of the wall in its direction; texels
-/// within 5 cm of an edge are left out.
+/// Each texel of the six faces captured in the room has the colour of the wall in its direction. A face that is turned,
+/// mirrored or swapped with another shows other quarters. Texels within 5 cm of an edge are left out.
 #[test]
 fn faces_show_what_lies_in_their_directions() {
     let gpu = gpu();
@@ -102,8 +102,8 @@ fn faces_show_what_lies_in_their_directions() {
     gpu.check_validation().unwrap();
 }
 
-/// The reflecting pixels: column, row, the point of the mirror floor at a height, and the direction of the reflected
-/// ray, both in world space.
+/// Returns the reflecting pixels: column, row, the point of the mirror floor at a height in metres, and the direction
+/// of the reflected ray, both in world space.
 fn floor_rays(material: &ssct::gpu::Pixels, camera: &Camera, height: f64) -> Vec<(u32, u32, DVec3, DVec3)> {
     let inverse = camera.view_to_clip().as_dmat4().inverse();
     let to_world = camera.world_to_view.as_dmat4().inverse();
@@ -113,15 +113,20 @@ fn floor_rays(material: &ssct::gpu::Pixels, camera: &Camera, height: f64) -> Vec
         if material.texel(x, y)[0] > 1e-4 {
             let size = DVec2::new(f64::from(material.width), f64::from(material.height));
             let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
-            let d = to_world.transform_vector3(unproject(uv.extend(0.5), &inverse)).normalize();
-            rays.push((x, y, eye + d * ((height - eye.y) / d.y), DVec3::new(d.x, -d.y, d.z)));
+            let direction = to_world.transform_vector3(unproject(uv.extend(0.5), &inverse)).normalize();
+            rays.push((
+                x,
+                y,
+                eye + direction * ((height - eye.y) / direction.y),
+                DVec3::new(direction.x, -direction.y, direction.z),
+            ));
         }
     }
     rays
 }
 
-/// With one and two probes whose box is the room, `pccm` shows in each pixel the wall that the reflected ray meets.
-/// Pixels near edges are left out.
+/// With one and two probes whose box is the room, `pccm` shows in each pixel the wall that the reflected ray meets. A
+/// ray that is moved to the wrong side of the box would meet another. Pixels near edges are left out.
 #[test]
 fn in_its_own_box_a_corrected_map_is_exact() {
     let gpu = gpu();
@@ -134,9 +139,9 @@ fn in_its_own_box_a_corrected_map_is_exact() {
         let scene = Scene { probes, ..room(true) };
         let shown = show(&gpu, &scene, view, "pccm", &Setup::new(extent), &Globals::default());
         let (reflection, composite) = (shown.get("reflection"), shown.get("composite"));
-        let (mut clear, mut all) = (0, 0);
+        let (mut clear, mut reflecting) = (0, 0);
         for (x, y, from, direction) in floor_rays(shown.get("material"), &view, f64::from(MIN.y)) {
-            all += 1;
+            reflecting += 1;
             assert_eq!(reflection.texel(x, y)[3], 1.0, "nothing fades");
             // A texel is 0.006 rad: 0.04 m at 6 m, and more on a wall that is seen at an angle.
             let Some(right) = seen(from, direction, 0.25) else { continue };
@@ -144,13 +149,13 @@ fn in_its_own_box_a_corrected_map_is_exact() {
             assert!(is_color(composite.texel(x, y), right), "the mirror is black itself");
             clear += 1;
         }
-        println!("{count} maps: {clear} of {all} pixels compared");
-        assert!(all > 10_000 && clear * 2 > all, "{clear} of {all}");
+        println!("{count} maps: {clear} of {reflecting} pixels compared");
+        assert!(reflecting > 10_000 && clear * 2 > reflecting, "{clear} of {reflecting}");
     }
 }
 
 /// Two probes share the room by boxes that meet at x = 1: a pixel in one box shows exactly what the probe of that box
-/// shows alone.
+/// shows alone. Weights of the other probe must be 0 there.
 #[test]
 fn within_one_box_its_map_counts_alone() {
     let gpu = gpu();
@@ -167,23 +172,23 @@ fn within_one_box_its_map_counts_alone() {
         let shown = show(&gpu, &scene, view, "pccm", &Setup::new(extent), &Globals::default());
         (shown.get("reflection").clone(), floor_rays(shown.get("material"), &view, f64::from(MIN.y)))
     };
-    let [(of_left, _), (of_right, _)] = [&left, &right].map(|probe| reflection(&[probe]));
+    let [(left_alone, _), (right_alone, _)] = [&left, &right].map(|probe| reflection(&[probe]));
     let (both, rays) = reflection(&[&left, &right]);
     let mut pixels = [0, 0];
     for (x, y, place, _) in rays {
         // A surface that lies on a box counts as inside it.
         if (place.x - 1.0).abs() > 0.1 {
             let side = usize::from(place.x > 1.0);
-            let alone = [&of_left, &of_right][side].texel(x, y);
+            let alone = [&left_alone, &right_alone][side].texel(x, y);
             assert_eq!(both.texel(x, y), alone, "({x}, {y}), at {place}");
-            pixels[side] += usize::from(of_left.texel(x, y) != of_right.texel(x, y));
+            pixels[side] += usize::from(left_alone.texel(x, y) != right_alone.texel(x, y));
         }
     }
     assert!(pixels.iter().all(|count| *count > 1000), "{pixels:?} pixels tell the maps apart");
 }
 
-/// `local-map` looks up by direction alone, so that a pixel shows the wall that the probe sees in that direction. Over
-/// a fifth of the pixels show a wall that their ray does not meet.
+/// `local-map` looks up by direction alone, so that a pixel shows the wall that the probe sees in that direction. More
+/// than a fifth of the pixels therefore show a wall that their ray does not meet.
 #[test]
 fn a_local_map_shows_what_is_seen_from_where_it_was_captured() {
     let gpu = gpu();
@@ -221,35 +226,35 @@ fn the_environment_is_the_sky_in_the_mirror_direction() {
     let shown = show(&gpu, &b.0, view, "environment", &Setup::new(extent), &Globals::default());
     let rays = floor_rays(shown.get("material"), &view, 0.0);
     assert!(rays.len() > 20_000);
-    let error = |turn: fn(Vec3) -> Vec3| {
-        let difference = |(x, y, _, d): &(u32, u32, DVec3, DVec3)| {
-            let (found, right) = (shown.get("reflection").texel(*x, *y), sky::radiance(turn(d.as_vec3())));
+    let error = |transform: fn(Vec3) -> Vec3| {
+        let difference = |(x, y, _, direction): &(u32, u32, DVec3, DVec3)| {
+            let (found, right) = (shown.get("reflection").texel(*x, *y), sky::radiance(transform(direction.as_vec3())));
             (0..3).map(|c| f64::from((found[c] - right[c]).abs())).sum::<f64>() / 3.0
         };
         rays.iter().map(difference).sum::<f64>() / rays.len() as f64
     };
     // The map's texels are 0.35°, the clouds' edges some degrees wide.
-    let right = error(|d| d);
+    let right = error(|direction| direction);
     println!("mean error {right:.4}");
     assert!(right < 0.004, "{right}");
-    for (turn, what) in [
-        ((|d| d * Vec3::new(-1.0, 1.0, 1.0)) as fn(Vec3) -> Vec3, "left and right"),
-        (|d| d * Vec3::new(1.0, 1.0, -1.0), "fore and aft"),
-        (|d| Vec3::new(d.z, d.y, d.x), "x and z"),
+    for (transform, what) in [
+        ((|direction| direction * Vec3::new(-1.0, 1.0, 1.0)) as fn(Vec3) -> Vec3, "left and right"),
+        (|direction| direction * Vec3::new(1.0, 1.0, -1.0), "fore and aft"),
+        (|direction| Vec3::new(direction.z, direction.y, direction.x), "x and z"),
     ] {
-        assert!(error(turn) > 5.0 * right, "{what} changed places: {}", error(turn));
+        assert!(error(transform) > 5.0 * right, "{what} changed places: {}", error(transform));
     }
 }
 
-/// A cube map with a linear function of the direction is filtered to all levels: each level has the function's mean
-/// over the lobe of its roughness.
+/// If a cube map holds a linear function of the direction, each filtered level has the function's mean over the lobe of
+/// its roughness, which has a closed form. A wrong lobe or a skewed set of samples would change it.
 #[test]
 fn levels_are_blurred_by_the_lobe_of_their_roughness() {
     let gpu = gpu();
     let mut context = FrameContext::new(&gpu).unwrap();
     let (source, target) = (CubeFilterPass::source(&gpu).unwrap(), CubeFilterPass::target(&gpu, "target").unwrap());
     let direction = |face: usize, x: u32, y: u32, size: u32| {
-        let coordinate = |k: u32| (k as f32 + 0.5) / size as f32;
+        let coordinate = |texel: u32| (texel as f32 + 0.5) / size as f32;
         sky::face_direction(face, coordinate(x), coordinate(y)).normalize()
     };
     let texels: Vec<u16> = (0..6)
@@ -270,24 +275,24 @@ fn levels_are_blurred_by_the_lobe_of_their_roughness() {
         // The mean of a linear function over the lobe cos^α is the function at the axis times (α + 1)/(α + 2), the mean
         // of cos.
         let exponent = phong::exponent(level_roughness(level));
-        let shrunk = if exponent.is_infinite() { 1.0 } else { ((exponent + 1.0) / (exponent + 2.0)) as f32 };
+        let mean_cosine = if exponent.is_infinite() { 1.0 } else { ((exponent + 1.0) / (exponent + 2.0)) as f32 };
         let faces = context.read(target.level(level)).unwrap();
         let (size, mut worst) = (faces.width, 0.0_f32);
         for (y, x) in (0..faces.height).flat_map(|y| (0..size).map(move |x| (y, x))) {
-            let right = 0.5 + 0.5 * shrunk * direction((y / size) as usize, x, y % size, size);
+            let expected = 0.5 + 0.5 * mean_cosine * direction((y / size) as usize, x, y % size, size);
             let found = faces.texel(x, y);
-            worst = (0..3).fold(worst, |w, c| w.max((found[c] - right[c]).abs()));
+            worst = (0..3).fold(worst, |w, c| w.max((found[c] - expected[c]).abs()));
         }
-        println!("level {level}, {size} texels, roughness {}: {shrunk}, worst {worst}", level_roughness(level));
+        println!("level {level}, {size} texels, roughness {}: {mean_cosine}, worst {worst}", level_roughness(level));
         // The bound has the rounding of 16-bit floats, and 3 % of the lobe's width for the noise of 64 directions.
-        let width = 0.5 * (2.0 * (1.0 - shrunk)).sqrt();
+        let width = 0.5 * (2.0 * (1.0 - mean_cosine)).sqrt();
         assert!(worst < 0.001 + 0.03 * width, "level {level}: {worst}");
     }
     gpu.check_validation().unwrap();
 }
 
-/// For every screen-space method over two fallbacks: the reflection is method · fade + fallback · (1 − fade), within
-/// the rounding of 16-bit floats.
+/// For every screen-space method over two fallbacks, the reflection is method · fade + fallback · (1 − fade), within
+/// the rounding of 16-bit floats. Light that is weighted twice, or by the wrong fade, breaks the sum.
 #[test]
 fn a_fallback_shows_where_the_method_fades() {
     let gpu = gpu();
@@ -298,13 +303,13 @@ fn a_fallback_shows_where_the_method_fades() {
         show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &globals)
     };
     for (fallback, name) in [(Fallback::Pccm, "pccm"), (Fallback::Environment, "environment")] {
-        let behind = image(name, Fallback::None);
+        let fallback_alone = image(name, Fallback::None);
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
             let (alone, both) = (image(method.name, Fallback::None), image(method.name, fallback));
             let (mut part, mut whole) = (0, 0);
             for (i, found) in both.get("reflection").texels().enumerate() {
                 let pixel = |shown: &crate::common::Shown| shown.get("reflection").values[4 * i..4 * i + 4].to_vec();
-                let (local, back) = (pixel(&alone), pixel(&behind));
+                let (local, fallback_texel) = (pixel(&alone), pixel(&fallback_alone));
                 let fade = local[3];
                 let added: [f32; 3] = std::array::from_fn(|c| found[c] - local[c] * fade);
                 let mut through = 1.0 - fade;
@@ -312,27 +317,35 @@ fn a_fallback_shows_where_the_method_fades() {
                 // device may round either way, so that each number is off by up to a step.
                 let step = |v: f32| (v.abs() / 1024.0).max(6e-8);
                 let rounded = |c: usize| {
-                    step(found[c]) + fade * step(local[c]) + through * step(back[c]) + step(fade) * (local[c] + back[c])
+                    step(found[c])
+                        + fade * step(local[c])
+                        + through * step(fallback_texel[c])
+                        + step(fade) * (local[c] + fallback_texel[c])
                 };
                 let mut allowed: [f32; 3] = std::array::from_fn(rounded);
                 if ["unified", "stochastic"].contains(&method.name) && fade > 0.0 {
                     // The rays of a lobe that miss are black without a fallback, and let the fallback through: one
                     // share of each channel, which is at least the share that the fade leaves.
-                    let c = (0..3).max_by(|a, b| back[*a].total_cmp(&back[*b])).unwrap();
-                    let share = (added[c] / back[c].max(0.01)).max(through);
-                    assert!(share <= 1.0 + 1.0 / 256.0 / back[c].max(0.01), "{share} of {name}, pixel {i}");
+                    let c = (0..3).max_by(|a, b| fallback_texel[*a].total_cmp(&fallback_texel[*b])).unwrap();
+                    let share = (added[c] / fallback_texel[c].max(0.01)).max(through);
+                    assert!(share <= 1.0 + 1.0 / 256.0 / fallback_texel[c].max(0.01), "{share} of {name}, pixel {i}");
                     // The error of the share is that of the channel from which the share was computed.
-                    let told = allowed[c] / back[c].max(0.01);
-                    allowed = std::array::from_fn(|other| allowed[other] + told * back[other]);
+                    let share_error = allowed[c] / fallback_texel[c].max(0.01);
+                    allowed = std::array::from_fn(|other| allowed[other] + share_error * fallback_texel[other]);
                     through = share;
                 }
                 for c in 0..3 {
-                    let off = (added[c] - back[c] * through).abs();
-                    assert!(off <= allowed[c], "{} over {name}, pixel {i}: {off} > {}", method.name, allowed[c]);
+                    let difference = (added[c] - fallback_texel[c] * through).abs();
+                    assert!(
+                        difference <= allowed[c],
+                        "{} over {name}, pixel {i}: {difference} > {}",
+                        method.name,
+                        allowed[c]
+                    );
                 }
-                assert_eq!(found[3], back[3], "nothing fades where something reflects");
+                assert_eq!(found[3], fallback_texel[3], "nothing fades where something reflects");
                 part += usize::from(fade > 0.0 && fade < 1.0);
-                whole += usize::from(fade == 0.0 && back[3] == 1.0);
+                whole += usize::from(fade == 0.0 && fallback_texel[3] == 1.0);
             }
             // SSLR is printed without a fade: it hits or it misses.
             let fades = method.name != "sslr";
@@ -341,8 +354,9 @@ fn a_fallback_shows_where_the_method_fades() {
     }
 }
 
-/// For every screen-space method over three fallbacks: the finished image is lit colour + reflectivity · fade ·
-/// reflection, and fewer than 3 % of the reflecting pixels show nothing.
+/// For every screen-space method over three fallbacks, the finished image is lit colour + reflectivity · fade ·
+/// reflection, and fewer than 3 % of the reflecting pixels show nothing. Some methods composite along the way, in other
+/// passes.
 #[test]
 fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
     let gpu = gpu();
@@ -365,9 +379,9 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
                 reflecting += 1;
                 bright += usize::from(reflection[3] == 1.0);
                 for c in 0..3 {
-                    let right = lit[c] + material[0] * reflection[3] * reflection[c];
+                    let expected = lit[c] + material[0] * reflection[3] * reflection[c];
                     assert!(
-                        (image[c] - right).abs() <= 1e-3 * right.max(1.0),
+                        (image[c] - expected).abs() <= 1e-3 * expected.max(1.0),
                         "{} over {fallback:?}, {i}",
                         method.name
                     );
@@ -384,7 +398,8 @@ fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
     }
 }
 
-/// Methods that are not screen-space refuse a fallback, and a G-buffer without its scene refuses the environment.
+/// Methods that are not screen-space refuse a fallback, and a G-buffer without its scene refuses the environment, each
+/// with a message that says why.
 #[test]
 fn what_has_no_fallback_says_so() {
     let gpu = gpu();
@@ -397,12 +412,14 @@ fn what_has_no_fallback_says_so() {
         Shot::new(stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone())
     };
     for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
-        let Err(Error::Usage(said)) = new_shot(&mut stage, method.name, &setup) else { panic!("{}", method.name) };
-        assert!(said.contains("only screen-space methods have a fallback"), "{said}");
+        let Err(Error::Usage(message)) = new_shot(&mut stage, method.name, &setup) else { panic!("{}", method.name) };
+        assert!(message.contains("only screen-space methods have a fallback"), "{message}");
     }
     let shot = new_shot(&mut stage, "ssct", &Setup::new(extent)).unwrap();
     stage.run(&shot, ssct::gpu::frame::Mode::Plain).unwrap();
     let data = gbuffer::read(&mut stage.context, &shot).unwrap();
-    let Err(Error::Usage(said)) = gbuffer::reflect(&gpu, &data, None, find("ssct").unwrap(), &setup) else { panic!() };
-    assert!(said.contains("needs the scene"), "{said}");
+    let Err(Error::Usage(message)) = gbuffer::reflect(&gpu, &data, None, find("ssct").unwrap(), &setup) else {
+        panic!()
+    };
+    assert!(message.contains("needs the scene"), "{message}");
 }

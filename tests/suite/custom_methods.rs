@@ -1,5 +1,5 @@
-//! Methods from folders, as a user has them: the examples run as any other method, and each mistake gets a sentence
-//! with file and line.
+//! Tests methods from folders, as a user has them: the examples run as any other method, and each mistake gets a
+//! sentence with file and line.
 
 mod interfaces;
 mod published;
@@ -12,7 +12,7 @@ use serde_json::Value;
 const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
                     o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n";
 
-/// A folder with the room, and with a copy of an example method in its folder `m`.
+/// Returns a folder with the room, and with a copy of an example method in its folder `m`.
 fn with_example(name: &str) -> Folder {
     let folder = Folder::new();
     folder.write("room.obj", ROOM);
@@ -25,20 +25,20 @@ fn with_example(name: &str) -> Folder {
     folder
 }
 
-/// The arguments of a command on the room at a size of 64×36.
+/// Returns the arguments of a command on the room at a size of 64×36 pixels.
 fn on_room<'a>(command: &'a str, args: &[&'a str]) -> Vec<&'a str> {
     let place = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "64x36"];
     [&[command], &place[..], args].concat()
 }
 
-/// Replaces a text of a file, which must be there.
+/// Replaces a text in a file. Panics if the file does not have this text.
 fn change(folder: &Folder, file: &str, from: &str, to: &str) {
     let text = folder.text(file);
     assert!(text.contains(from), "{file} has no {from:?}");
     folder.write(file, text.replace(from, to));
 }
 
-/// The sentence of a run that fails.
+/// Runs a command that must fail with status 1, and returns its one sentence without the prefix `ssct: `.
 fn sentence(folder: &Folder, args: &[&str]) -> String {
     let output = folder.run(args);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -47,20 +47,21 @@ fn sentence(folder: &Folder, args: &[&str]) -> String {
     text.strip_prefix("ssct: ").expect("our own sentence").trim_end().to_owned()
 }
 
-/// Two examples are rendered, timed and judged. Each reflects, has its parameter as an option and in the records, and
-/// has its own pass.
+/// Two examples are rendered, timed and judged. Each reflects, has its own pass, and has its parameter as an option and
+/// in the records, as a built-in method has. The table of methods is fixed, so that each command must add these by
+/// itself.
 #[test]
 fn examples_run_as_methods_of_the_table_do() {
-    for (name, pass, own) in [("march", "march", "view_steps"), ("three-pass", "intersect", "tile_steps")] {
+    for (name, pass, parameter) in [("march", "march", "view_steps"), ("three-pass", "intersect", "tile_steps")] {
         let folder = with_example(name);
         folder.succeed(&on_room("render", &["--method", "m", "--validation", "-o", "a.png", "--roughness", "0"]));
         folder.succeed(&on_room("render", &["--method", "m", "-o", "b.png", "--reflectivity", "0"]));
         assert!(folder.image("a.png") != folder.image("b.png"), "{name} reflects");
-        let flag = format!("--{}=77", own.replace('_', "-"));
+        let flag = format!("--{}=77", parameter.replace('_', "-"));
         let timed = on_room("time", &["--method", "m,linear", "--samples", "1", "--warmup", "0", &flag, "--json"]);
         let rows: Value = serde_json::from_str(&folder.succeed(&timed)).unwrap();
         let row = &rows.as_array().unwrap()[0];
-        assert_eq!((row["method"].as_str(), row["setup"][own].as_u64()), (Some(name), Some(77)), "{row}");
+        assert_eq!((row["method"].as_str(), row["setup"][parameter].as_u64()), (Some(name), Some(77)), "{row}");
         let passes = row["passes"].to_string();
         assert!(passes.contains(&format!("\"{pass}\"")), "{passes}");
         let judged = on_room(
@@ -74,7 +75,8 @@ fn examples_run_as_methods_of_the_table_do() {
     }
 }
 
-/// Two variants of one folder differ by the value of a parameter, which the records have.
+/// Two variants of one folder differ by the value of a parameter, which the records have. The folder is loaded once,
+/// although its path is written in two ways.
 #[test]
 fn a_variant_may_be_a_folder_and_names_are_known_once() {
     let folder = with_example("march");
@@ -87,6 +89,7 @@ fn a_variant_may_be_a_folder_and_names_are_known_once() {
 }
 
 /// A method whose shaders read every source of images and values is rendered and timed without a message of the layers.
+/// Each source has passes and barriers of its own.
 #[test]
 fn every_kind_of_input_is_made_and_passes_the_validation_layers() {
     let sources = [
@@ -121,13 +124,13 @@ fn every_kind_of_input_is_made_and_passes_the_validation_layers() {
     std::fs::create_dir(folder.path("m")).unwrap();
     // Several shaders share the images, since some devices allow 16 images in a stage.
     let (mut manifest, mut inputs) = (String::from("name = \"all\"\nsummary = \"all\"\n"), String::from("[inputs]\n"));
-    for (n, some) in sources.chunks(8).enumerate() {
+    for (n, chunk) in sources.chunks(8).enumerate() {
         let mut shader = String::from("#version 450\nlayout(location = 0) out vec4 result;\n");
         let mut sum = String::from("vec4(0.0)");
-        for (k, source) in some.iter().enumerate() {
-            shader += &format!("uniform sampler2D image_{n}_{k};\n");
-            sum += &format!(" + texelFetch(image_{n}_{k}, ivec2(0), 0)");
-            inputs += &format!("image_{n}_{k} = \"{source}\"\n");
+        for (index, source) in chunk.iter().enumerate() {
+            shader += &format!("uniform sampler2D image_{n}_{index};\n");
+            sum += &format!(" + texelFetch(image_{n}_{index}, ivec2(0), 0)");
+            inputs += &format!("image_{n}_{index} = \"{source}\"\n");
         }
         shader += "layout(std140) uniform B { mat4 m; mat3 turn; vec4 size; vec3 eye; int frame; bool first; };\n";
         shader += &format!("void main() {{ result = {sum} + m[0] + size * turn[0].x * eye.x + float(frame); }}\n");
@@ -172,8 +175,8 @@ fn captures_and_the_sky_are_cubes() {
     assert!(output.status.code() == Some(2) && text.contains("captures:colour, and there are no captures"), "{text}");
 }
 
-/// Each change of a good manifest, replaced text and new text, is refused with a sentence that has the manifest's line
-/// where there is one.
+/// Each mistake in a good manifest is refused with a sentence that has the manifest's line, where there is one. Each
+/// case is a text of the manifest, the text that replaces it, and words of the sentence.
 #[test]
 fn mistakes_in_a_manifest_get_its_line() {
     let render = on_room("render", &["--method", "m", "-o", "x.png"]);
@@ -214,15 +217,16 @@ fn mistakes_in_a_manifest_get_its_line() {
             "the format rgba32f and the scale 1",
         ),
     ];
-    for (from, to, says) in cases {
+    for (from, to, expected) in cases {
         let folder = with_example("march");
         change(&folder, "m/method.toml", from, to);
-        let said = sentence(&folder, &render);
-        assert!(said.contains(says), "{to:?}: {said}");
+        let message = sentence(&folder, &render);
+        assert!(message.contains(expected), "{to:?}: {message}");
     }
 }
 
-/// Each change of a good shader is refused with a sentence that has the shader's line where there is one.
+/// Each mistake in a good shader is refused with a sentence that has the shader's line, where there is one. The program
+/// rewrites shaders before it compiles them, so that the compiler counts other lines.
 #[test]
 fn mistakes_in_a_shader_get_its_line() {
     let render = on_room("render", &["--method", "m", "-o", "x.png"]);
@@ -233,11 +237,11 @@ fn mistakes_in_a_shader_get_its_line() {
         ("#version 330 core", "", "m/march.frag"),
         ("texture(normals, uv)", "texture2D(normals, uv)", "texture2D is old GLSL; write texture"),
     ];
-    for (from, to, says) in cases {
+    for (from, to, expected) in cases {
         let folder = with_example("march");
         change(&folder, "m/march.frag", from, to);
-        let said = sentence(&folder, &render);
-        assert!(said.contains(says), "{to:?}: {said}");
+        let message = sentence(&folder, &render);
+        assert!(message.contains(expected), "{to:?}: {message}");
     }
     let folder = with_example("march");
     change(&folder, "m/method.toml", "shader = \"march.frag\"", "shader = \"march.spv\"\nstage = \"fragment\"");
@@ -245,18 +249,20 @@ fn mistakes_in_a_shader_get_its_line() {
     assert!(sentence(&folder, &render).ends_with("march.spv: is not SPIR-V"));
 }
 
-/// A frame whose shader loops without end is given up after the half second that the manifest allows.
+/// A frame whose shader loops without end is given up after the half second that the manifest allows. Otherwise one
+/// method would stop a whole study.
 #[test]
 fn a_shader_that_never_ends_is_given_up() {
     let folder = with_example("march");
     change(&folder, "m/method.toml", "summary =", "patience-s = 0.5\nsummary =");
     // The loop changes variables that the result depends on, so that no compiler may leave the loop out.
     change(&folder, "m/march.frag", "++i) {", "i = (i + 1) % steps) { place -= along; reflection.x += stride;");
-    let said = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png", "--view-steps", "1000"]));
-    assert!(said.contains("not done in 0.5 s") && said.contains("march"), "{said}");
+    let message = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png", "--view-steps", "1000"]));
+    assert!(message.contains("not done in 0.5 s") && message.contains("march"), "{message}");
 }
 
-/// The example `march` with a line added below `#version`, and more files beside it.
+/// Returns the example `march` with a line added below `#version`, and with more files beside it, each a name and a
+/// text.
 fn including(line: &str, files: &[(&str, &str)]) -> Folder {
     let folder = with_example("march");
     let text = folder.text("m/march.frag");
@@ -269,31 +275,33 @@ fn including(line: &str, files: &[(&str, &str)]) -> Folder {
 }
 
 /// Includes in a circle, too many, too deep or too large are refused. A file outside the method's folder is refused
-/// unless `--include` allows its folder.
+/// unless `--include` allows its folder, since a method of somebody else could read the user's files.
 #[test]
 fn includes_end_and_stay_where_they_may_be() {
     let render = on_room("render", &["--method", "m", "-o", "x.png"]);
-    let said = |line: &str, files: &[(&str, &str)]| sentence(&including(line, files), &render);
+    let sentence_of = |line: &str, files: &[(&str, &str)]| sentence(&including(line, files), &render);
     // A file that includes itself, directly or through others.
-    let own = said("#include \"march.frag\"", &[]);
-    assert!(own.starts_with("m/march.frag:") && own.ends_with("m/march.frag includes itself"), "{own}");
+    let itself = sentence_of("#include \"march.frag\"", &[]);
+    assert!(itself.starts_with("m/march.frag:") && itself.ends_with("m/march.frag includes itself"), "{itself}");
     let circle = [("m/a.glsl", "#include \"b.glsl\"\n"), ("m/b.glsl", "#include \"a.glsl\"\n")];
-    assert!(said("#include \"a.glsl\"", &circle).ends_with(".glsl includes itself"));
+    assert!(sentence_of("#include \"a.glsl\"", &circle).ends_with(".glsl includes itself"));
     // Each file includes the next one twice, so that there are over four thousand includes after twelve files.
     let twice: Vec<(String, String)> =
         (0..30).map(|n| (format!("m/{n}.glsl"), format!("#include \"{}.glsl\"\n", n + 1).repeat(2))).collect();
     let twice: Vec<(&str, &str)> = twice.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
-    assert!(said("#include \"0.glsl\"", &twice).contains("more than 4096 includes"));
+    assert!(sentence_of("#include \"0.glsl\"", &twice).contains("more than 4096 includes"));
     let deep: Vec<(String, String)> =
         (0..80).map(|n| (format!("m/{n}.glsl"), format!("#include \"{}.glsl\"\n", n + 1))).collect();
     let deep: Vec<(&str, &str)> = deep.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
-    assert!(said("#include \"0.glsl\"", &deep).contains("more than 64 includes"));
+    assert!(sentence_of("#include \"0.glsl\"", &deep).contains("more than 64 includes"));
     let large = format!("// {}\n", "x".repeat(9 << 20));
     let large = [("m/a.glsl", large.as_str()), ("m/b.glsl", &large)];
-    assert!(said("#include \"a.glsl\"\n#include \"b.glsl\"", &large).contains("more than 16777216 bytes together"));
+    assert!(
+        sentence_of("#include \"a.glsl\"\n#include \"b.glsl\"", &large).contains("more than 16777216 bytes together")
+    );
     // Files of other folders are read only where the user allows them.
     let out = "#include \"../shared.glsl\"";
-    let outside = said(out, &[("shared.glsl", "const float SHARED = 1.0;\n")]);
+    let outside = sentence_of(out, &[("shared.glsl", "const float SHARED = 1.0;\n")]);
     assert!(outside.contains("shared.glsl is outside of the method's folder m"), "{outside}");
     let folder = including(out, &[("shared.glsl", "const float SHARED = 1.0;\n")]);
     folder.succeed(&[&render[..], &["--include", "."]].concat());
@@ -307,28 +315,30 @@ fn includes_end_and_stay_where_they_may_be() {
     including("#include \"a.glsl\"\n#include \"a.glsl\"", &guarded).succeed(&render);
 }
 
-/// A symbolic link in the method's folder that leads out of the folder is refused.
+/// A symbolic link in the method's folder that leads out of the folder is refused. A check of the path alone would not
+/// notice it.
 #[cfg(unix)]
 #[test]
 fn a_link_brings_no_file_into_a_method() {
     let folder = including("#include \"a.glsl\"", &[("secret.glsl", "const float SECRET = 1.0;\n")]);
     std::os::unix::fs::symlink("../secret.glsl", folder.path("m/a.glsl")).unwrap();
-    let said = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png"]));
-    assert!(said.contains("m/a.glsl is outside of the method's folder m"), "{said}");
+    let message = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png"]));
+    assert!(message.contains("m/a.glsl is outside of the method's folder m"), "{message}");
 }
 
-/// The preset of the author's values is refused for a method from a folder, whose manifest has its values.
+/// The preset of the author's values is refused for a method from a folder, whose manifest has its values. It would
+/// change nothing, and the user would not know.
 #[test]
 fn a_preset_is_not_for_a_folder() {
     let folder = with_example("ssct");
-    let told = [
+    let commands = [
         on_room("render", &["--method", "./m", "--preset", "author", "-o", "a.png"]),
         on_room("time", &["--preset", "author", "--variant", "ssct", "--variant", "./m", "--samples", "1"]),
     ];
-    for args in told {
+    for args in commands {
         let output = folder.run(&args);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{said}");
-        assert!(said.contains("the preset author does not change") && said.contains("manifest"), "{said}");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("the preset author does not change") && message.contains("manifest"), "{message}");
     }
 }

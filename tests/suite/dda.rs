@@ -1,5 +1,5 @@
-//! `dda` against the exact oracle: where its hits lie, what refinement and jitter do to them, and that no size and no
-//! ray breaks it.
+//! Compares `dda` with the exact oracle: where its hits lie, how refinement and jitter move them, and that no size and
+//! no ray breaks it.
 
 use crate::common::{Builder, camera, clutter, clutter_camera, gpu, show, unfaded};
 use glam::Vec3;
@@ -20,7 +20,7 @@ const WALL_Z: f32 = 6.0;
 /// Size of the image in pixels.
 const EXTENT: [u32; 2] = [321, 239];
 
-/// A mirror floor that ends at a wall. The wall reaches below the floor, so that no gap lies between them.
+/// Returns a mirror floor that ends at a wall. The wall reaches below the floor, so that no gap lies between them.
 fn floor_and_wall() -> Scene {
     let mut b = Builder::new("floor and wall");
     b.light(Vec3::Z);
@@ -31,7 +31,7 @@ fn floor_and_wall() -> Scene {
     b.0
 }
 
-/// A mirror that faces the camera, between a floor and a ceiling: its rays come back towards the camera.
+/// Returns a mirror that faces the camera, between a floor and a ceiling. Its rays come back towards the camera.
 fn facing_mirror() -> Scene {
     let mut b = Builder::new("facing mirror");
     b.light(Vec3::Y);
@@ -43,17 +43,17 @@ fn facing_mirror() -> Scene {
     b.0
 }
 
-/// A camera that looks along the z axis.
+/// Returns a camera that looks along the z axis.
 fn looks_ahead(extent: [u32; 2]) -> Camera {
     camera(EYE, EYE + Vec3::Z, extent)
 }
 
-/// A setup without fade, with changed parameters of `dda`.
+/// Returns a setup without fade, with changed parameters of `dda`.
 fn setup(extent: [u32; 2], change: impl FnOnce(&mut DdaParams)) -> Setup {
     unfaded(extent).with(change)
 }
 
-/// The image of the hits of `dda`, and how they agree with the oracle on the same G-buffer.
+/// Renders a scene by `dda`. Returns the image of the hits, and how they agree with the oracle on the same G-buffer.
 fn judged(scene: &Scene, camera: Camera, setup: &Setup) -> (Pixels, HitAgreement) {
     let gpu = gpu();
     let mut stage = Stage::new(&gpu, scene).unwrap();
@@ -61,11 +61,11 @@ fn judged(scene: &Scene, camera: Camera, setup: &Setup) -> (Pixels, HitAgreement
     let shot = Shot::new(&mut stage, find("dda").unwrap(), setup, Wants::HITS, camera, materials).unwrap();
     let (_, _, output) = stage.output(&shot).unwrap();
     let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
-    let g = gbuffer::read(&mut stage.context, &shot).unwrap();
-    let oracle = Oracle::new(&g);
-    let reflects: Vec<_> = (0..g.depth.len()).map(|i| g.reflects(i)).collect();
-    let truth: Vec<_> = (0..g.depth.len() as u32)
-        .map(|i| match oracle.trace(i % g.width, i / g.width).outcome {
+    let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+    let oracle = Oracle::new(&data);
+    let reflects: Vec<_> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
+    let truth: Vec<_> = (0..data.depth.len() as u32)
+        .map(|i| match oracle.trace(i % data.width, i / data.width).outcome {
             Outcome::Hit { position, .. } => Some([position.x, position.y]),
             _ => None,
         })
@@ -76,7 +76,8 @@ fn judged(scene: &Scene, camera: Camera, setup: &Setup) -> (Pixels, HitAgreement
 }
 
 /// With a stride of 1 and no jitter, over 99 % of the hits agree with the oracle, and half of them lie within 0.75
-/// pixels. Two sizes are tried, with and without refinement.
+/// pixels. An error of the march's start or of its step would shift them. Two sizes are tried, with and without
+/// refinement.
 #[test]
 fn a_sample_a_pixel_ends_where_the_oracle_says() {
     for extent in [[512, 256], EXTENT] {
@@ -105,8 +106,8 @@ fn refinement_brings_hits_nearer() {
     }
 }
 
-/// Two runs with jitter give equal hits. In over 90 % of neighbouring pixels of two columns, jitter moves the hits
-/// apart by more than 1.5 pixels, and without jitter by less than 0.5.
+/// Two runs with jitter give equal hits, so that images do not flicker. In over 90 % of neighbouring pixels of two
+/// columns, jitter moves the hits apart by more than 1.5 pixels; without jitter all are closer than 0.5.
 #[test]
 fn jitter_is_the_same_in_every_frame_and_not_in_neighbours() {
     let hits = |jitter| {
@@ -117,22 +118,22 @@ fn jitter_is_the_same_in_every_frame_and_not_in_neighbours() {
     assert_eq!(jittered, again);
     // The floor's rays go straight up the screen from the middle column on, so that without jitter neighbours in a row
     // end in the same row. With it, they end as far apart as the pattern shifts them: by an eighth of a stride or more.
-    let apart = |hits: &Pixels| {
+    let row_distances = |hits: &Pixels| {
         let x = EXTENT[0] / 2;
         let is_hit = |t: &[f32]| PathCode::from_channel(t[3]).unwrap().is_hit();
         let pairs =
             (0..EXTENT[1]).map(|y| (hits.texel(x, y), hits.texel(x + 1, y))).filter(|(a, b)| is_hit(a) && is_hit(b));
         pairs.map(|(a, b)| (a[1] - b[1]).abs() * EXTENT[1] as f32).collect::<Vec<_>>()
     };
-    let (with, without) = (apart(&jittered), apart(&plain));
-    assert!(with.len() > 50 && without.len() > 50);
-    assert!(without.iter().all(|d| *d < 0.5), "{without:?}");
-    let differ = with.iter().filter(|d| **d > 1.5).count();
-    assert!(differ * 10 > with.len() * 9, "{differ} of {}", with.len());
+    let (jittered_distances, plain_distances) = (row_distances(&jittered), row_distances(&plain));
+    assert!(jittered_distances.len() > 50 && plain_distances.len() > 50);
+    assert!(plain_distances.iter().all(|d| *d < 0.5), "{plain_distances:?}");
+    let differ = jittered_distances.iter().filter(|d| **d > 1.5).count();
+    assert!(differ * 10 > jittered_distances.len() * 9, "{differ} of {}", jittered_distances.len());
 }
 
 /// At tiny and odd sizes, strides and thicknesses, in three scenes, no value is infinite or NaN. No ray exhausts its
-/// steps, and each hit lies on the screen.
+/// steps, and each hit lies on the screen. Rays that run into the camera or along an axis divide by numbers near 0.
 #[test]
 fn no_size_and_no_ray_breaks_the_march() {
     let gpu = gpu();
@@ -149,16 +150,16 @@ fn no_size_and_no_ray_breaks_the_march() {
                         (p.dda_stride, p.dda_jitter, p.dda_refine) = (stride, jitter, refine);
                         p.dda_thickness = thickness;
                     });
-                    let what = format!("{extent:?}, {}, stride {stride}, thickness {thickness}", scene.name);
+                    let case = format!("{extent:?}, {}, stride {stride}, thickness {thickness}", scene.name);
                     let shown = show(&gpu, &scene, view, "dda", &setup, &Globals::default());
                     for name in ["reflection", "hits", "composite"] {
-                        assert!(shown.get(name).texels().flatten().all(|v| v.is_finite()), "{what}: {name}");
+                        assert!(shown.get(name).texels().flatten().all(|v| v.is_finite()), "{case}: {name}");
                     }
                     for t in shown.get("hits").texels() {
                         let code = PathCode::from_channel(t[3]).unwrap();
-                        assert!(!code.is_exhausted(), "{what}");
-                        let place = t[..3].iter().all(|v| (0.0..=1.0).contains(v));
-                        assert!(if code.is_hit() { place } else { t[..3] == [-1.0; 3] }, "{what}: {t:?}");
+                        assert!(!code.is_exhausted(), "{case}");
+                        let is_on_screen = t[..3].iter().all(|v| (0.0..=1.0).contains(v));
+                        assert!(if code.is_hit() { is_on_screen } else { t[..3] == [-1.0; 3] }, "{case}: {t:?}");
                     }
                 }
             }
@@ -166,7 +167,8 @@ fn no_size_and_no_ray_breaks_the_march() {
     }
 }
 
-/// On a mirror that faces the camera, over 90 % of the hits agree with the oracle.
+/// On a mirror that faces the camera, over 90 % of the hits agree with the oracle. Such rays must end before the near
+/// plane, where the projection turns them round.
 #[test]
 fn rays_towards_the_camera_are_traced_and_end_where_the_oracle_says() {
     let exact = setup(EXTENT, |p| (p.dda_stride, p.dda_jitter) = (1, false));
@@ -176,6 +178,7 @@ fn rays_towards_the_camera_are_traced_and_end_where_the_oracle_says() {
 }
 
 /// With 4 steps only, most rays end with the code of an exhausted march and reflect black, while short rays still hit.
+/// An exhausted ray must not pass for a hit or a miss.
 #[test]
 fn a_march_without_enough_steps_says_so_and_misses() {
     let short = setup(EXTENT, |p| (p.dda_stride, p.dda_steps) = (1, 4));

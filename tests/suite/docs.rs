@@ -1,5 +1,5 @@
-//! The pages that people read: they are what `make docs` makes of records and tables, their links lead somewhere, and their
-//! citations name sections that exist.
+//! Tests the pages that people read: they are what `make docs` makes of records and tables, their links lead somewhere,
+//! and their citations name sections that exist.
 
 mod coverage;
 mod errata;
@@ -12,7 +12,7 @@ use ssct_docs::pages::{definitions, outside_code};
 use std::fs;
 use std::path::PathBuf;
 
-/// The greatest number of lines of the README, which fits on a few screens.
+/// The greatest number of lines of the README, so that it fits on a few screens.
 const README_LINES: usize = 150;
 
 /// Files and folders with text that cites the pages.
@@ -33,26 +33,26 @@ const CITING: &[&str] = &[
     "tests",
 ];
 
-/// Folders among `CITING` that no person wrote or reads.
+/// Folders among `CITING` whose files are made by programs.
 const NOT_TEXT: &[&str] = &["benches/runs/2", "fuzz/corpus", "fuzz/target", "tests/golden"];
 
-/// The root of the repository.
+/// Returns the root of the repository.
 fn root() -> PathBuf {
     repository().to_owned()
 }
 
-/// Path below the root and content of every text file that may cite a page.
+/// Returns the path from the root and the content of every text file that may cite a page.
 fn texts() -> Vec<(String, String)> {
     let root = root();
-    let mut left: Vec<PathBuf> = CITING.iter().map(|name| root.join(name)).collect();
+    let mut to_visit: Vec<PathBuf> = CITING.iter().map(|name| root.join(name)).collect();
     let mut found = Vec::new();
-    while let Some(path) = left.pop() {
+    while let Some(path) = to_visit.pop() {
         let name = path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
         if NOT_TEXT.iter().any(|n| name.starts_with(n)) {
             continue;
         }
         if path.is_dir() {
-            left.extend(fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+            to_visit.extend(fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
         } else if let Ok(text) = String::from_utf8(fs::read(path).unwrap()) {
             found.push((name, text));
         }
@@ -61,7 +61,7 @@ fn texts() -> Vec<(String, String)> {
     found
 }
 
-/// The pages in Markdown that link to each other and to the records.
+/// Returns the names and texts of the pages in Markdown that link to each other and to the records.
 fn pages() -> Vec<(String, String)> {
     let is_page = |name: &str| name.ends_with(".md") && name != "src/ARCHITECTURE.md";
     let mut pages: Vec<_> = texts().into_iter().filter(|(name, _)| is_page(name)).collect();
@@ -72,26 +72,29 @@ fn pages() -> Vec<(String, String)> {
     pages
 }
 
-/// A page's headings, without the marks of emphasis and code.
+/// Returns a page's headings, without the marks of emphasis and code.
 fn headings(text: &str) -> Vec<String> {
     let lines = outside_code(text);
     let titles = lines.iter().filter_map(|l| l.strip_prefix('#')).map(|l| l.trim_start_matches('#').trim());
     titles.map(|t| t.replace(['`', '*'], "")).collect()
 }
 
-/// The anchor that GitHub makes of a heading.
+/// Returns the anchor that GitHub makes of a heading.
 fn anchor(heading: &str) -> String {
     let kept = heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || "- _".contains(*c)).collect::<String>();
     kept.replace(' ', "-")
 }
 
+/// The README has at most `README_LINES` lines. It is the page that most readers see alone, and it grows with every
+/// feature.
 #[test]
 fn the_readme_is_short() {
     let lines = fs::read_to_string(root().join("README.md")).unwrap().lines().count();
     assert!(lines <= README_LINES, "README.md has {lines} lines; what is longer belongs into docs/");
 }
 
-/// Each link of a page leads to a file and a heading in the repository, and each label has a definition.
+/// Each link of a page leads to a file and a heading in the repository, and each label has a definition. Renamed files
+/// and headings leave links behind that nothing else checks.
 #[test]
 fn links_lead_to_files_and_headings_that_exist() {
     let (mut links, mut broken) = (0, Vec::new());
@@ -128,7 +131,7 @@ fn links_lead_to_files_and_headings_that_exist() {
     assert!(links > 40, "only {links} links found");
 }
 
-/// Whether a piece of code in a page is the path of a file of the repository.
+/// Returns whether a piece of code in a page is the path of a file of the repository.
 fn is_path(code: &str) -> bool {
     let folders = [
         "benches/",
@@ -166,18 +169,18 @@ fn files_that_pages_name_exist() {
     assert!(named > 5, "only {named} files are named");
 }
 
-/// A text as one line, without the marks that begin comment lines.
+/// Returns a text as one line, without the marks that begin comment lines.
 fn flowing(text: &str) -> String {
-    let bare = |line: &str| {
+    let unmarked = |line: &str| {
         let line = line.trim();
         let line = ["//!", "///", "//", "#", "*"].iter().find_map(|mark| line.strip_prefix(mark)).unwrap_or(line);
         line.trim().to_owned()
     };
-    text.lines().map(bare).collect::<Vec<_>>().join(" ")
+    text.lines().map(unmarked).collect::<Vec<_>>().join(" ")
 }
 
-/// The sections, each with the numbers of its items, that follow a citation of a page: `, "Oracle", items 1 and 2`,
-/// `, "Oracle" and "Image error"`, ` ("Hits", "Gloss")`.
+/// Returns the sections, each with the numbers of its items, that follow a citation of a page. Forms that it reads are
+/// `, "Oracle", items 1 and 2`, `, "Oracle" and "Image error"` and ` ("Hits", "Gloss")`.
 fn cited(after: &str) -> Vec<(String, Vec<usize>)> {
     let mut found: Vec<(String, Vec<usize>)> = Vec::new();
     let mut rest = after;
@@ -201,14 +204,15 @@ fn cited(after: &str) -> Vec<(String, Vec<usize>)> {
     }
 }
 
-/// The numbered items below a heading.
+/// Returns the numbers of the items below a heading.
 fn items(page: &str, heading: &str) -> Vec<usize> {
     let lines = page.lines().skip_while(|l| l.trim_start_matches('#').trim() != heading || !l.starts_with('#'));
     let below = lines.skip(1).take_while(|l| !l.starts_with('#'));
     below.filter_map(|l| l.split_once(". ")?.0.parse().ok()).collect()
 }
 
-/// Examples of citations with the sections and items that are read from them.
+/// Examples of citations give the sections and items that their author means. If too little were read, a wrong citation
+/// would pass.
 #[test]
 fn a_citation_is_read_as_its_author_means_it() {
     let one = |name: &str, items: &[usize]| (name.to_owned(), items.to_vec());
@@ -221,7 +225,8 @@ fn a_citation_is_read_as_its_author_means_it() {
     assert_eq!(items("## A\n1. x\n2. y\n## B\n3. z\n", "A"), [1, 2]);
 }
 
-/// Each section and numbered item of `docs/definitions.md` and `docs/numerics.md` that a text cites is there.
+/// Each section and numbered item of `docs/definitions.md` and `docs/numerics.md` that a text cites exists. Comments
+/// cite them, and renaming a section changes no code.
 #[test]
 fn cited_sections_exist() {
     let (mut citations, mut wrong) = (0, Vec::new());
@@ -236,8 +241,8 @@ fn cited_sections_exist() {
                     if !headings.contains(&section) {
                         wrong.push(format!("{name}: {page} has no section \"{section}\""));
                     }
-                    let there = items(&text, &section);
-                    let missing = numbers.iter().filter(|n| !there.contains(n));
+                    let existing = items(&text, &section);
+                    let missing = numbers.iter().filter(|n| !existing.contains(n));
                     wrong.extend(missing.map(|n| format!("{name}: {page}, \"{section}\", has no item {n}")));
                 }
             }
@@ -247,7 +252,7 @@ fn cited_sections_exist() {
     assert!(citations > 0);
 }
 
-/// No text names three pages that exist only outside of the repository.
+/// No text names three pages that exist only outside of the repository, where a reader cannot look them up.
 #[test]
 fn nothing_cites_a_page_that_is_not_in_the_repository() {
     // The words are written in pieces, so that this file does not contain them.
@@ -268,7 +273,8 @@ fn nothing_cites_a_page_that_is_not_in_the_repository() {
     assert!(wrong.is_empty(), "cited, but not in the repository:\n{}", wrong.join("\n"));
 }
 
-/// Each file that `make docs` writes is as it writes it.
+/// Each file that `make docs` writes has the content that it would write now. A changed record or table otherwise
+/// leaves old numbers on the pages.
 #[test]
 fn pages_are_current() {
     let files = ssct_docs::files(repository()).unwrap();

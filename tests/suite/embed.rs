@@ -1,5 +1,5 @@
-//! The door for other renderers: whatever conventions a renderer has, the image is that which the command makes of the
-//! same G-buffer. Wrong inputs are refused with a sentence before anything is recorded.
+//! Tests the door for other renderers: whatever conventions a renderer has, the image equals that which the command
+//! makes of the same G-buffer. Wrong inputs are refused with a sentence before anything is recorded.
 
 use crate::common::engine::{
     BYTES, Convention, Engine, FLOAT, ForeignGBuffer, HALVES, NATIVE, bits, drawn, halves, info, rmse, view_of_rooms,
@@ -8,9 +8,8 @@ use crate::common::{gpu, own_gpu};
 use ash::vk;
 use glam::Vec3;
 use ssct::gpu::{FrameContext, Gpu, Image};
-use ssct::methods::METHODS;
 use ssct::methods::capture::CaptureImages;
-use ssct::methods::{Setup, Wants};
+use ssct::methods::{METHODS, Setup, Wants};
 use ssct::{
     CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, DeviceHandles, DeviceMemory, FactorInput,
     FrameInput, ImageInput, MemoryBlock, MemoryPlace, NormalEncoding, NormalSpace, Reflections, ReflectionsInfo,
@@ -51,6 +50,7 @@ fn every_screen_space_method_makes_through_the_door_what_it_makes_otherwise() {
     gpu.check_validation().unwrap();
 }
 
+/// A G-buffer in other conventions shows the same within rounding, and one in a wrongly named convention does not.
 #[test]
 fn every_convention_shows_the_same() {
     let gpu = gpu();
@@ -60,7 +60,6 @@ fn every_convention_shows_the_same() {
     let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
     let mut show = |convention| engine.shown(&mut reflections, &data, convention);
     let native = show(NATIVE);
-    // Turned view spaces and clip spaces change nothing.
     for (right_handed, clip_y) in [(true, ClipY::Up), (false, ClipY::Down), (true, ClipY::Down)] {
         let convention = Convention { right_handed, clip_y, ..NATIVE };
         assert!(rmse(&show(convention), &native) < 1e-3, "{convention:?}");
@@ -78,7 +77,6 @@ fn every_convention_shows_the_same() {
     }
     let standard = Convention { standard_depth: true, ..NATIVE };
     assert!(rmse(&show(standard), &native) < 0.02);
-    // A wrong convention shows another image, so that the bounds above mean something.
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let mut input = theirs.input();
     input.normal.space = NormalSpace::World;
@@ -87,7 +85,8 @@ fn every_convention_shows_the_same() {
     gpu.check_validation().unwrap();
 }
 
-/// A shifted G-buffer with its shifted projection gives the shifted image in nine tenths of the pixels.
+/// A shifted G-buffer with its shifted projection gives the shifted image in nine tenths of the pixels. In the others,
+/// rays that leave the image by its sides see more or less of the scene.
 #[test]
 fn a_shifted_projection_shifts_the_image() {
     let gpu = gpu();
@@ -105,7 +104,6 @@ fn a_shifted_projection_shifts_the_image() {
     let recorded = engine.frame(&mut reflections, &aside).unwrap();
     let changed = engine.read(&recorded.composite.unwrap());
     assert!(rmse(&changed, &native) > 0.01, "the shift counts");
-    // A G-buffer that is shifted with its projection shows the shifted image.
     let shift = 8;
     let width = data.width as usize;
     let source = |i: usize| if i % width >= shift { i - shift } else { i };
@@ -130,11 +128,11 @@ fn a_shifted_projection_shifts_the_image() {
         all += 1;
         equal += usize::from(texel.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.02));
     }
-    // In up to a tenth of the pixels, rays that leave the shifted image by its sides see more or less of the scene.
     assert!(equal * 10 > all * 9, "{equal} of {all} pixels are as they were");
     gpu.check_validation().unwrap();
 }
 
+/// A cube map that is handed over as the sky shows in pixels whose rays end in the sky, and changes no other pixel.
 #[test]
 fn a_sky_shows_where_rays_end_in_it() {
     let gpu = gpu();
@@ -170,7 +168,7 @@ fn what_is_not_asked_for_is_not_made() {
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let context = engine.context();
     for method in ["unified", "ssct"] {
-        let mut made = |composite, reflection| {
+        let mut draw = |composite, reflection| {
             let before = context.allocated_bytes();
             let wanted = ReflectionsInfo { composite, reflection, ..info(&data, method) };
             let mut reflections = Reflections::new(&context, &wanted).unwrap();
@@ -180,20 +178,20 @@ fn what_is_not_asked_for_is_not_made() {
             let images = [recorded.composite, recorded.reflection].map(|o| o.map(|o| bits(&engine.read(&o))));
             (images, bytes, recorded.passes)
         };
-        let ([composite, reflection], all, _) = made(true, true);
-        let ([alone, _], fewer, _) = made(true, false);
+        let ([composite, reflection], all, _) = draw(true, true);
+        let ([alone, _], fewer, _) = draw(true, false);
         assert!(alone == composite && fewer <= all, "{method}: {fewer} of {all} bytes");
-        let ([_, alone], fewer, passes) = made(false, true);
+        let ([_, alone], fewer, passes) = draw(false, true);
         assert!(alone == reflection && fewer < all, "{method}: {fewer} of {all} bytes");
         assert!(!passes.iter().any(|pass| pass == "composite"), "{passes:?}");
     }
     gpu.check_validation().unwrap();
 }
 
-/// An allocator of the caller that makes a memory object for each block.
+/// An allocator of the caller's that makes a memory object for each block.
 struct Objects {
     gpu: Gpu,
-    /// The number of blocks that were given, and the number of those that were not taken back.
+    /// The number of blocks that were given out, and the number of those that were not taken back.
     count: Arc<[AtomicUsize; 2]>,
 }
 
@@ -237,7 +235,8 @@ unsafe impl DeviceMemory for Objects {
     }
 }
 
-/// An allocator of the caller gives all memory, gets all of it back, and changes no pixel.
+/// An allocator of the caller's gives all memory, gets all of it back, and changes no pixel. One without memory leads
+/// to an error with its reason.
 #[test]
 fn memory_of_the_callers_is_taken_and_given_back() {
     let gpu = gpu();
@@ -257,9 +256,8 @@ fn memory_of_the_callers_is_taken_and_given_back() {
     let (ours, bytes) = show(engines.context());
     let (theirs, none) = show(with_memory);
     assert!(theirs == ours && bytes > 0 && none == 0, "{bytes} {none}");
-    let [given, held] = count.each_ref().map(|n| n.load(Ordering::SeqCst));
-    assert!(given > 10 && held == 0, "{held} of {given} blocks are held");
-    // An allocator without memory leads to an error with its reason.
+    let [given, kept] = count.each_ref().map(|n| n.load(Ordering::SeqCst));
+    assert!(given > 10 && kept == 0, "{kept} of {given} blocks are held");
     struct Nothing;
     // SAFETY: it gives nothing.
     unsafe impl DeviceMemory for Nothing {
@@ -277,11 +275,13 @@ fn memory_of_the_callers_is_taken_and_given_back() {
     }
     // SAFETY: as above.
     let poor = unsafe { Context::new(DeviceHandles { memory: Some(Box::new(Nothing)), ..engines.handles() }) }.unwrap();
-    let said = Reflections::new(&poor, &info(&data, "unified")).err().unwrap();
-    assert!(matches!(said, ssct::Error::Memory { .. }) && said.to_string().contains("the budget is spent"), "{said}");
+    let why = Reflections::new(&poor, &info(&data, "unified")).err().unwrap();
+    assert!(matches!(why, ssct::Error::Memory { .. }) && why.to_string().contains("the budget is spent"), "{why}");
     gpu.check_validation().unwrap();
 }
 
+/// Captures that the caller draws face by face, whose normals are made of depth, show nearly what the same captures
+/// show as host images. Wrong faces, slots and bounds are refused.
 #[test]
 fn captures_of_the_caller_show_what_those_of_a_file_show() {
     let gpu = gpu();
@@ -313,8 +313,8 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     assert!(refused.contains("bounds"), "{refused}");
     let mut captures = CaptureCubes::new(&context, &captures_info).unwrap();
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
-    let with = ReflectionsInfo { captures: Some(64), ..info(&data, "unified") };
-    let mut reflections = Reflections::new(&context, &with).unwrap();
+    let with_captures = ReflectionsInfo { captures: Some(64), ..info(&data, "unified") };
+    let mut reflections = Reflections::new(&context, &with_captures).unwrap();
     let commands = engine.begin();
     let unfilled = FrameInput { captures: Some(&captures), ..theirs.input() };
     // SAFETY: the command buffer is recording, and is thrown away.
@@ -338,8 +338,8 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
         ] {
             let commands = engine.begin();
             // SAFETY: as above; it is thrown away.
-            let said = unsafe { captures.record_face(commands, slot, &wrong) }.unwrap_err().to_string();
-            assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said}");
+            let message = unsafe { captures.record_face(commands, slot, &wrong) }.unwrap_err().to_string();
+            assert!(words.iter().all(|word| message.contains(word)), "{words:?}: {message}");
         }
         kept.push((color, depth));
     }
@@ -347,7 +347,7 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     let recorded = engine.frame(&mut reflections, &input).unwrap();
     assert!(recorded.passes.iter().any(|p| p.starts_with("follow")), "{:?}", recorded.passes);
     let seen = engine.read(&recorded.composite.unwrap());
-    // The expected image: the same captures from the host, with normals of their own that are not made of depth.
+    // The expected image is made with the same captures from the host, whose normals were drawn.
     let mut host = FrameContext::new(&gpu).unwrap();
     let given = CaptureImages::of_faces(&mut host, &[capture], |_, f| Ok(faces[f].clone())).unwrap();
     let given = given.within(scene.bounds());
@@ -366,6 +366,7 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     gpu.check_validation().unwrap();
 }
 
+/// A wrong input or description is refused with a sentence that names it, and leaves the reflections usable.
 #[test]
 fn what_is_wrong_with_an_input_is_said_with_its_name() {
     let gpu = gpu();
@@ -377,8 +378,8 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
     let mut refused = |change: &dyn Fn(&mut FrameInput<'static>), words: [&str; 2]| {
         let mut input = theirs.input();
         change(&mut input);
-        let said = engine.frame(&mut reflections, &input).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said:?}");
+        let message = engine.frame(&mut reflections, &input).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(words.iter().all(|word| message.contains(word)), "{words:?}: {message:?}");
     };
     refused(&|i| i.depth.view = vk::ImageView::null(), ["depth", "null"]);
     refused(&|i| i.normal.image.format = BYTES, ["normal", "below 0"]);
@@ -393,17 +394,16 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
     refused(&|i| i.outputs.layout = vk::ImageLayout::UNDEFINED, ["outputs", "UNDEFINED"]);
     refused(&|i| i.sky = Some(i.color), ["sky", "6"]);
     refused(&|i| i.depth.part.aspect_mask = vk::ImageAspectFlags::DEPTH, ["depth", "aspects"]);
-    // Wrong descriptions of the reflections that are to be made.
     let wrong = |info: &ReflectionsInfo, word: &str| {
-        let said = Reflections::new(&context, info).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(said.contains(word), "{word}: {said:?}");
+        let message = Reflections::new(&context, info).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(message.contains(word), "{word}: {message:?}");
     };
     let good = info(&data, "unified");
     wrong(&ReflectionsInfo { method: "magic", ..good }, "magic");
     wrong(&ReflectionsInfo { method: "planar", ..good }, "scene");
-    let said = Reflections::new(&context, &ReflectionsInfo { method: "magic", ..good }).err().unwrap().to_string();
-    assert!(said.contains("unified, ") || said.ends_with("unified"), "{said}");
-    assert!(!said.contains("planar"), "{said}");
+    let message = Reflections::new(&context, &ReflectionsInfo { method: "magic", ..good }).err().unwrap().to_string();
+    assert!(message.contains("unified, ") || message.ends_with("unified"), "{message}");
+    assert!(!message.contains("planar"), "{message}");
     wrong(&ReflectionsInfo { method: "pccm", ..good }, "scene");
     wrong(&ReflectionsInfo { parameters: &[("cone-samples", "7")], ..good }, "cone-samples");
     wrong(&ReflectionsInfo { parameters: &[("fade", "maybe")], ..good }, "on, off");
@@ -413,13 +413,14 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
     let mut lacking = engine.handles();
     lacking.enabled.vulkan13.synchronization2 = vk::FALSE;
     // SAFETY: refused before anything is made of it.
-    let said = unsafe { Context::new(lacking) }.err().unwrap().to_string();
-    assert!(said.contains("synchronization2"), "{said}");
+    let message = unsafe { Context::new(lacking) }.err().unwrap().to_string();
+    assert!(message.contains("synchronization2"), "{message}");
     // The refused calls changed nothing: a good frame still works.
     assert!(engine.frame(&mut reflections, &theirs.input()).is_ok());
     gpu.check_validation().unwrap();
 }
 
+/// Constants and images of bytes serve as factors. Passes are timed, and skipping those without pixels changes nothing.
 #[test]
 fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     let gpu = gpu();
@@ -438,8 +439,8 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     assert_eq!(times.iter().map(|t| t.name.clone()).collect::<Vec<_>>(), recorded.passes);
     assert!(times.iter().any(|t| t.counted && t.ms > 0.0) && !times[0].counted);
     assert!(reflections.times(1).unwrap().is_empty());
-    let said = reflections.times(2).unwrap_err().to_string();
-    assert!(said.contains("slot") && said.contains("frames_in_flight"), "{said}");
+    let message = reflections.times(2).unwrap_err().to_string();
+    assert!(message.contains("slot") && message.contains("frames_in_flight"), "{message}");
     let nothing = FrameInput { reflectivity: FactorInput::Constant(0.0), ..input };
     let recorded = engine.frame(&mut reflections, &nothing).unwrap();
     assert!(recorded.reflection.is_none() && recorded.passes.iter().all(|p| p == "import"), "{:?}", recorded.passes);
@@ -453,7 +454,6 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     let reflectors = Reflectors { narrow: false, wide: false, ..Reflectors::UNKNOWN };
     let recorded = engine.frame(&mut reflections, &FrameInput { reflectors, ..mirrors.input() }).unwrap();
     assert!(bits(&engine.read(&recorded.composite.unwrap())) == shown && recorded.passes.len() < all);
-    // Images of bytes are taken for roughness and reflectivity, as images of 16-bit floats are.
     let bytes: Vec<u8> = data.roughness.iter().flat_map(|r| [(r * 255.0).round() as u8, 128, 0, 255]).collect();
     let image = engine.upload(BYTES, [64, 48], &bytes);
     let image_input = ImageInput::color(image.handle(), image.all().view(), BYTES, [64, 48]);
@@ -475,7 +475,7 @@ fn views_come_and_go_in_two_threads_and_leave_nothing() {
         let data = view_of_rooms(&gpu, [33, 21]);
         let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
         let context = engine.context();
-        let mut held = Vec::new();
+        let mut allocated = Vec::new();
         for round in 0..3 {
             for method in ["unified", "ssct", "hzct"] {
                 let mut reflections = Reflections::new(&context, &info(&data, method)).unwrap();
@@ -485,16 +485,16 @@ fn views_come_and_go_in_two_threads_and_leave_nothing() {
                 for frame in 0..4 {
                     engine.frame(&mut reflections, &FrameInput { slot: frame % 2, ..theirs.input() }).unwrap();
                 }
-                held.push((round, context.allocated_bytes()));
+                allocated.push((round, context.allocated_bytes()));
             }
         }
-        assert_eq!(context.allocated_bytes(), 0, "{held:?}");
+        assert_eq!(context.allocated_bytes(), 0, "{allocated:?}");
         drop((theirs, engine));
         gpu.check_validation().unwrap();
     };
     std::thread::scope(|scope| {
-        let one = scope.spawn(run);
+        let thread = scope.spawn(run);
         run();
-        one.join().unwrap();
+        thread.join().unwrap();
     });
 }

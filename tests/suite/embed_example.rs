@@ -1,10 +1,10 @@
-//! `examples/embed` as a user starts it.
+//! Runs `examples/embed` as a user starts it.
 
 use crate::common::images::check_composite;
 use std::process::Command;
 
-/// Runs the example under the validation layers. Its composite equals that which the command makes of the G-buffer that
-/// the example drew.
+/// The example's composite equals that which the command makes of the G-buffer that the example drew, and the
+/// validation layers report nothing. Only here does a program enter by the door that is built apart from the tests.
 #[test]
 fn the_example_shows_what_the_command_makes_of_its_images() {
     let program = std::env::current_exe().unwrap();
@@ -17,7 +17,7 @@ fn the_example_shows_what_the_command_makes_of_its_images() {
         .current_dir(folder.path())
         .output()
         .unwrap_or_else(|e| panic!("{}: {e}", program.display()));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && !said.contains("VUID") && !said.contains("SYNC-"), "{said}");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !text.contains("VUID") && !text.contains("SYNC-"), "{text}");
     check_composite(folder.path(), [640, 360], &[]);
 }

@@ -1,5 +1,5 @@
-//! Motion through the door: with motion given, the history of a mesh that moves is that of the laboratory, which knows
-//! where meshes stand.
+//! Tests motion through the door: if the caller hands over motion, the history of a mesh that moves is that of the
+//! laboratory, which knows where meshes stand.
 
 use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, bits, info, plain_rooms, triangles_of};
 use crate::common::gpu;
@@ -21,10 +21,10 @@ const EXTENT: [u32; 2] = [161, 91];
 /// The format of images of motion: two 32-bit floats a pixel.
 const MOTION_FORMAT: vk::Format = vk::Format::R32G32_SFLOAT;
 
-/// The parameters of the door, the same as those of `setup`.
+/// The parameters that the door gets; `setup` sets the same for the laboratory.
 const PARAMETERS: [(&str, &str); 3] = [("history", "on"), ("history-frames", "8"), ("first", "screen")];
 
-/// The parameters of the laboratory, the same as `PARAMETERS`.
+/// Returns the laboratory's setup, with the same parameters as `PARAMETERS`.
 fn setup() -> Setup {
     Setup::new(EXTENT)
         .with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, 8))
@@ -35,13 +35,13 @@ fn setup() -> Setup {
 /// A frame of a film: the G-buffer and the scene that the laboratory drew, and the reflection that it made of them.
 struct Moment {
     data: GBufferData,
-    /// The bounds of the mesh that moves, and how far it came since the frame before, in metres.
+    /// The bounds of the mesh that moves, and its way since the frame before, in metres.
     moved: (Aabb, Vec3),
     scene: Scene,
     reflection: Vec<[f32; 3]>,
 }
 
-/// The rooms with another colour for each material.
+/// Returns the rooms with another colour for each material.
 fn painted_rooms() -> Scene {
     let mut scene = plain_rooms();
     for (n, material) in scene.materials.iter_mut().enumerate() {
@@ -51,12 +51,13 @@ fn painted_rooms() -> Scene {
     scene
 }
 
-/// The camera by its matrix alone, as the door knows it.
+/// Returns the camera by its matrix alone, as the door knows it.
 fn by_matrix(camera: &Camera) -> Camera {
     Camera::of_projection(camera.world_to_view, camera.projection_numbers())
 }
 
-/// The laboratory's film of a mesh of the rooms that moves by `step` in some frames and then rests.
+/// Renders a film of a mesh of the rooms, by the laboratory. The meshes called `name` move by `step` metres in each of
+/// the first frames and then rest; the last argument has the two numbers of frames.
 fn film(view: &View, name: &str, step: Vec3, [moving, resting]: [u32; 2]) -> Vec<Moment> {
     let gpu = gpu();
     let scene = painted_rooms();
@@ -67,7 +68,7 @@ fn film(view: &View, name: &str, step: Vec3, [moving, resting]: [u32; 2]) -> Vec
     let mut shot =
         Shot::new(&mut stage, find("unified").unwrap(), &setup(), Wants::REFLECTION, camera, materials).unwrap();
     shot.camera = camera;
-    let mut made = Vec::new();
+    let mut moments = Vec::new();
     for n in 0..=moving + resting {
         let offset = step * n.min(moving) as f32;
         stage.scene_mut().place_meshes(name, offset).unwrap();
@@ -76,7 +77,7 @@ fn film(view: &View, name: &str, step: Vec3, [moving, resting]: [u32; 2]) -> Vec
         let mut placed = scene.clone();
         placed.meshes.iter_mut().filter(|m| m.name == name).for_each(|m| m.translate(offset));
         let bounds = placed.meshes.iter().filter(|m| m.name == name).fold(Aabb::default(), |b, m| b.union(m.bounds));
-        made.push(Moment {
+        moments.push(Moment {
             data: gbuffer::read(&mut stage.context, &shot).unwrap(),
             moved: (bounds, if (1..=moving).contains(&n) { step } else { Vec3::ZERO }),
             scene: placed,
@@ -84,15 +85,15 @@ fn film(view: &View, name: &str, step: Vec3, [moving, resting]: [u32; 2]) -> Vec
         });
     }
     gpu.check_validation().unwrap();
-    made
+    moments
 }
 
-/// The colours of an image without the fourth channel.
+/// Returns the colours of an image without the fourth channel.
 fn colors(image: &Pixels) -> Vec<[f32; 3]> {
     image.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }
 
-/// For each pixel, its centre in pixels and the point that it shows, in world space.
+/// Returns, for each pixel, its centre in pixels and the point that it shows, in world space.
 fn places(data: &GBufferData) -> impl Iterator<Item = (Vec2, Vec3)> {
     let to_clip = data.camera.view_to_clip_reversed() * data.camera.world_to_view;
     let place = move |(i, depth): (usize, &f32)| {
@@ -103,19 +104,20 @@ fn places(data: &GBufferData) -> impl Iterator<Item = (Vec2, Vec3)> {
     data.depth.iter().enumerate().map(place)
 }
 
-/// The size of the images as a vector.
+/// Returns the size of the images as a vector.
 fn size() -> Vec2 {
     Vec2::from(EXTENT.map(|side| side as f32))
 }
 
-/// For each pixel, whether it shows the mesh that moves.
+/// Returns, for each pixel, whether it shows the mesh that moves.
 fn shows(moment: &Moment) -> Vec<bool> {
     let inside = moment.moved.0.grown(0.01);
     let is_in = |place: Vec3| place.cmpge(inside.min).all() && place.cmple(inside.max).all();
     places(&moment.data).map(|(_, place)| is_in(place)).collect()
 }
 
-/// For each pixel, the way from where its surface is seen to where it was seen, in pixels.
+/// Returns the motion of each pixel: the way from where its surface is seen to where it was seen in the frame before,
+/// in pixels.
 fn ways(moment: &Moment) -> Vec<Vec2> {
     let to_clip = moment.data.camera.view_to_clip_reversed() * moment.data.camera.world_to_view;
     let way = |((pixel, place), moves): ((Vec2, Vec3), bool)| {
@@ -125,15 +127,17 @@ fn ways(moment: &Moment) -> Vec<Vec2> {
     places(&moment.data).zip(shows(moment)).map(way).collect()
 }
 
-/// The reflections that the door makes of a film, with motion stored in units of `scale` pixels, or without motion.
+/// Returns the reflections that the door makes of a film, with motion stored in units of `scale` pixels, or without
+/// motion.
 fn through_the_door(film: &[Moment], scale: Option<[f32; 2]>) -> Vec<Pixels> {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let context = engine.context();
     let first = triangles_of(&engine, &film[0].scene);
-    let with = ReflectionsInfo { triangles: Some(&first), parameters: &PARAMETERS, ..info(&film[0].data, "unified") };
-    let mut reflections = Reflections::new(&context, &with).unwrap();
-    let mut made = Vec::new();
+    let reflections_info =
+        ReflectionsInfo { triangles: Some(&first), parameters: &PARAMETERS, ..info(&film[0].data, "unified") };
+    let mut reflections = Reflections::new(&context, &reflections_info).unwrap();
+    let mut reflections_made = Vec::new();
     for moment in film {
         let theirs = ForeignGBuffer::new(&mut engine, &moment.data, NATIVE);
         let triangles = triangles_of(&engine, &moment.scene);
@@ -146,47 +150,50 @@ fn through_the_door(film: &[Moment], scale: Option<[f32; 2]>) -> Vec<Pixels> {
         let motion = image.as_ref().zip(scale).map(|(image, scale)| motion(image, scale));
         let input = FrameInput { triangles: Some(&triangles), motion, ..theirs.input() };
         let recorded = engine.frame(&mut reflections, &input).unwrap();
-        made.push(engine.read(&recorded.reflection.unwrap()));
+        reflections_made.push(engine.read(&recorded.reflection.unwrap()));
     }
     gpu.check_validation().unwrap();
-    made
+    reflections_made
 }
 
-/// An image of motion as an input of the door.
+/// Returns an image of motion as an input of the door.
 fn motion(image: &Image, scale: [f32; 2]) -> MotionInput {
     let image = ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
     MotionInput { image, scale, jittered: false }
 }
 
-/// How far the door's reflection is off the laboratory's in a frame, over the pixels that show the moving mesh.
-fn off(film: &[Moment], made: &[Pixels], frame: usize) -> f64 {
+/// Returns the RMSE between the door's reflection and the laboratory's in a frame, over the pixels that show the moving
+/// mesh.
+fn off(film: &[Moment], reflections: &[Pixels], frame: usize) -> f64 {
     let mask = shows(&film[frame]);
     assert!(mask.iter().filter(|m| **m).count() > 30, "nothing that moves is seen");
-    masked_rmse(&film[frame].reflection, &colors(&made[frame]), &mask)
+    masked_rmse(&film[frame].reflection, &colors(&reflections[frame]), &mask)
 }
 
-/// A ball rolls for six frames and rests for six: with motion, the door's reflections are less than half as far off the
-/// laboratory's as without. Another unit of the motion changes no bit.
+/// A ball rolls for six frames and rests for six. With motion, the door's reflections are less than half as far off the
+/// laboratory's as without. Another sign or unit of the motion changes no bit.
 #[test]
 fn a_moved_reflector_with_motion_given_is_what_the_laboratory_makes_of_it() {
     let scene = painted_rooms();
     let view = scene.view("corridor").unwrap().clone();
     let film = film(&view, "ball", Vec3::new(-0.06, 0.0, -0.06), [6, 6]);
-    let [with, without] = [Some([1.0, 1.0]), None].map(|scale| through_the_door(&film, scale));
-    let mean = |made: &[Pixels]| (1..film.len()).map(|n| off(&film, made, n)).sum::<f64>() / (film.len() - 1) as f64;
-    let [off_with, off_without] = [mean(&with), mean(&without)];
+    let [with_motion, without_motion] = [Some([1.0, 1.0]), None].map(|scale| through_the_door(&film, scale));
+    let mean = |reflections: &[Pixels]| {
+        (1..film.len()).map(|n| off(&film, reflections, n)).sum::<f64>() / (film.len() - 1) as f64
+    };
+    let [off_with, off_without] = [mean(&with_motion), mean(&without_motion)];
     println!("{off_with:.4} off with motion, {off_without:.4} without");
     assert!(off_with < 0.5 * off_without, "{off_with} with motion, {off_without} without");
     // In frame 3, the door's reflection in the rolling ball is the laboratory's, but for 0.001.
-    let [rolls, alone] = [&with, &without].map(|made| off(&film, made, 3));
-    assert!(rolls < 1e-3 && alone > 0.05, "{rolls} with motion, {alone} without");
+    let [error_with, error_without] = [&with_motion, &without_motion].map(|reflections| off(&film, reflections, 3));
+    assert!(error_with < 1e-3 && error_without > 0.05, "{error_with} with motion, {error_without} without");
     // Motion may be stored with either sign and in any unit.
     let scaled = through_the_door(&film[..6], Some([-2.0, 0.5]));
-    assert!(bits(&scaled[5]) == bits(&with[5]));
+    assert!(bits(&scaled[5]) == bits(&with_motion[5]));
 }
 
 /// Images of motion of a wrong size, format or scale are refused. Motion of NaN moves nothing, and no value becomes
-/// infinite or NaN.
+/// infinite or NaN, which a history would keep for all later frames.
 #[test]
 fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     let gpu = gpu();
@@ -194,8 +201,8 @@ fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     let data = crate::common::engine::view_of_rooms(&gpu, [32, 24]);
     let context = engine.context();
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
-    let with = ReflectionsInfo { parameters: &PARAMETERS[..1], ..info(&data, "unified") };
-    let mut reflections = Reflections::new(&context, &with).unwrap();
+    let reflections_info = ReflectionsInfo { parameters: &PARAMETERS[..1], ..info(&data, "unified") };
+    let mut reflections = Reflections::new(&context, &reflections_info).unwrap();
     let still = vec![[f32::NAN; 2]; 32 * 24];
     let image = engine.upload(MOTION_FORMAT, [32, 24], bytemuck::cast_slice(&still));
     let good = motion(&image, [1.0, 1.0]);
@@ -203,8 +210,8 @@ fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
         let mut motion = good;
         change(&mut motion);
         let input = FrameInput { motion: Some(motion), ..theirs.input() };
-        let said = engine.frame(&mut reflections, &input).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(said.contains(words), "{words}: {said:?}");
+        let message = engine.frame(&mut reflections, &input).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(message.contains(words), "{words}: {message:?}");
     };
     refused(&|m| m.image.extent = [32, 25], "the input motion is 32x25 pixels; it must be 32x24");
     refused(
@@ -225,8 +232,8 @@ fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     gpu.check_validation().unwrap();
 }
 
-/// The projection is jittered from frame to frame and nothing moves. Motion that holds the jitter and says so gives the
-/// image of motion without jitter, to the bit; motion that holds it silently does not.
+/// The projection is jittered from frame to frame and nothing moves. Motion that includes the jitter and is declared so
+/// gives the image of motion without jitter, to the bit. Motion that includes it undeclared does not.
 #[test]
 fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
     let gpu = gpu();
@@ -248,13 +255,13 @@ fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
         .collect();
     let mut engine = Engine::new(&gpu);
     let context = engine.context();
-    let mut show = |held: bool, jittered: bool| {
-        let with = ReflectionsInfo { parameters: &PARAMETERS[..2], ..info(&frames[0], "unified") };
-        let mut reflections = Reflections::new(&context, &with).unwrap();
+    let mut show = |is_included: bool, jittered: bool| {
+        let reflections_info = ReflectionsInfo { parameters: &PARAMETERS[..2], ..info(&frames[0], "unified") };
+        let mut reflections = Reflections::new(&context, &reflections_info).unwrap();
         let mut last = None;
         for (n, data) in frames.iter().enumerate() {
             let theirs = ForeignGBuffer::new(&mut engine, data, NATIVE);
-            let difference = if held && n > 0 { shifts[n - 1] - shifts[n] } else { Vec2::ZERO };
+            let difference = if is_included && n > 0 { shifts[n - 1] - shifts[n] } else { Vec2::ZERO };
             let ways = vec![difference.to_array(); data.depth.len()];
             let image = engine.upload(MOTION_FORMAT, EXTENT, bytemuck::cast_slice(&ways));
             let motion = MotionInput { jittered, ..motion(&image, [1.0, 1.0]) };
@@ -264,8 +271,9 @@ fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
         }
         bits(&last.unwrap())
     };
-    let [without, with, wrong] = [(false, false), (true, true), (true, false)].map(|(held, said)| show(held, said));
-    assert!(without == with, "the difference of the jitter is taken into account");
+    let [without, reflections_info, wrong] =
+        [(false, false), (true, true), (true, false)].map(|(is_included, is_declared)| show(is_included, is_declared));
+    assert!(without == reflections_info, "the difference of the jitter is taken into account");
     assert!(without != wrong, "and it counts");
     gpu.check_validation().unwrap();
 }

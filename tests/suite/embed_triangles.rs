@@ -1,5 +1,5 @@
-//! Triangles through the door: the image that a method makes of a G-buffer beside the caller's triangles is that beside
-//! the scene itself.
+//! Tests triangles through the door: beside the caller's triangles, a method makes the same image of a G-buffer as
+//! beside the scene itself.
 
 use crate::common::engine::{
     Engine, ForeignGBuffer, NATIVE, bits, info, meshes_of, plain_rooms, rmse, textures_of, triangles_of, upload,
@@ -21,7 +21,8 @@ const EXTENT: [u32; 2] = [97, 61];
 /// Size in pixels of the lit images, which show textures.
 const EXTENT_LIT: [u32; 2] = [320, 180];
 
-/// The reflection that a method makes of a G-buffer beside the scene itself.
+/// Returns the reflection that a method makes of a G-buffer beside the scene itself. The tuple has the G-buffer's
+/// images, its data, and the scene.
 fn in_the_laboratory(
     frames: &mut FrameContext,
     method: &str,
@@ -35,22 +36,23 @@ fn in_the_laboratory(
     gbuffer::reflection(frames, &output).unwrap()
 }
 
-/// The reflection that a method makes of a G-buffer through the door, beside triangles of the caller.
+/// Returns the reflection that a method makes of a G-buffer through the door, beside triangles of the caller. The
+/// tuples have the G-buffer's images with its data, and the method with its parameters.
 fn through_the_door(
     engine: &mut Engine,
     (theirs, data): (&ForeignGBuffer, &GBufferData),
     triangles: &Triangles,
     (method, parameters): (&str, &[(&str, &str)]),
 ) -> Pixels {
-    let with = ReflectionsInfo { triangles: Some(triangles), parameters, ..info(data, method) };
-    let mut reflections = Reflections::new(&engine.context(), &with).unwrap();
+    let reflections_info = ReflectionsInfo { triangles: Some(triangles), parameters, ..info(data, method) };
+    let mut reflections = Reflections::new(&engine.context(), &reflections_info).unwrap();
     let frame = FrameInput { triangles: Some(triangles), ..theirs.input() };
     let recorded = engine.frame(&mut reflections, &frame).unwrap();
     engine.read(&recorded.reflection.unwrap())
 }
 
 /// In five combinations of method and source of hit colours, no bit of the reflection differs between the caller's
-/// triangles and the scene's.
+/// triangles and the scene's. The door builds its own tree, and orders and transforms the meshes itself.
 #[test]
 fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
     let gpu = gpu();
@@ -88,15 +90,16 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
         assert!(bits(&reflection) != bits(&alone.reflection), "{method}, {parameters:?}: rays end on triangles");
     }
     // The caller's device has not enabled ray queries.
-    let asking = [("tracer", "query")];
-    let with = ReflectionsInfo { triangles: Some(&triangles), parameters: &asking, ..info(&data, "unified") };
-    let said = Reflections::new(&context, &with).err().expect("refused").to_string();
-    assert!(said.contains("the tracer must be tree"), "{said}");
+    let query_parameters = [("tracer", "query")];
+    let reflections_info =
+        ReflectionsInfo { triangles: Some(&triangles), parameters: &query_parameters, ..info(&data, "unified") };
+    let message = Reflections::new(&context, &reflections_info).err().expect("refused").to_string();
+    assert!(message.contains("the tracer must be tree"), "{message}");
     gpu.check_validation().unwrap();
 }
 
 /// With textures, the reflection is nearer than 0.004 to that of the scene; without textures it is ten times as far
-/// off. Wrong textures are refused with a sentence.
+/// off. Wrong textures are refused with a sentence, before a shader reads past their texels.
 #[test]
 fn textures_of_the_caller_show_what_those_of_the_scene_show() {
     let gpu = gpu();
@@ -128,9 +131,9 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
 
     let all = meshes_of(&scene, &vertices, true);
     let one = &all[..1];
-    let refused = |meshes: &[TriangleMesh], textures: &[HitTexture], why: &str| {
-        let said = Triangles::with_textures(&context, meshes, textures).err().expect("refused").to_string();
-        assert!(said.contains(why), "{said}");
+    let refused = |meshes: &[TriangleMesh], textures: &[HitTexture], words: &str| {
+        let message = Triangles::with_textures(&context, meshes, textures).err().expect("refused").to_string();
+        assert!(message.contains(words), "{message}");
     };
     let given = MeshTexture { number: 1, places: &vertices[0].places };
     let mesh_with = |texture| [TriangleMesh { texture: Some(texture), ..one[0] }];
@@ -182,9 +185,10 @@ fn what_the_screen_shows_of_a_hit_has_the_color_of_the_screen() {
             let share = of_screen().count() as f64 / reflecting as f64;
             // Single pixels differ: textures are looked up on the screen and not on the surface, lobes are partly
             // black, and windows show a sky on the screen that is not handed over.
-            let mut apart: Vec<f32> = of_screen().map(|(a, b)| (a[1] - b[1]).abs() / b[1].max(0.01)).collect();
-            apart.sort_by(f32::total_cmp);
-            let median = apart[apart.len() / 2];
+            let mut relative_errors: Vec<f32> =
+                of_screen().map(|(a, b)| (a[1] - b[1]).abs() / b[1].max(0.01)).collect();
+            relative_errors.sort_by(f32::total_cmp);
+            let median = relative_errors[relative_errors.len() / 2];
             println!("roughness {roughness}, {first} first: share {share:.3}, median {median:.4} apart");
             assert!(share > 0.5 && median < 0.08, "{roughness}, {first}: {share} of the pixels, {median} apart");
         }

@@ -1,28 +1,30 @@
-//! `ssct error` on a small view: finite figures for every reference, kept cells and files. Also the records of `ssct
-//! time`, whose passes add up to the frame.
+//! Tests `ssct error` on a small view: finite figures for every reference, kept cells and files. It also tests the
+//! records of `ssct time`, whose passes add up to the frame.
 
 use crate::common::repository;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// The records that a command prints.
+/// Runs `ssct`, which must succeed, and returns the records that it prints.
 fn ssct(arguments: &[&str]) -> Vec<Value> {
     let output = Command::new(env!("CARGO_BIN_EXE_ssct")).args(arguments).output().unwrap();
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The records of a small study of errors that is kept in a folder, with a number of rays of the reference.
+/// Returns the records of a small study of errors, with a number of rays for the reference. The study's results are
+/// kept in a folder.
 fn error_study(folder: &Path, rays: &str) -> Vec<Value> {
     let folder = folder.to_str().unwrap();
-    let what = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "ssct,hzct", "--roughness", "0,0.1"];
-    let how = ["--size", "96x54", "--no-sweep", "--samples", "1", "--rays", rays, "--json", "--resume", "-o", folder];
-    ssct(&[&what[..], &how[..]].concat())
+    let subject = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "ssct,hzct", "--roughness", "0,0.1"];
+    let options =
+        ["--size", "96x54", "--no-sweep", "--samples", "1", "--rays", rays, "--json", "--resume", "-o", folder];
+    ssct(&[&subject[..], &options[..]].concat())
 }
 
-/// Two methods at two roughnesses: each record has the figures of its reference, within their ranges. A second run
-/// keeps the results, and another number of rays is measured anew.
+/// For two methods at two roughnesses, each record has the figures of its reference, within their ranges. A second run
+/// keeps the results, and another number of rays is measured anew. Hits and places have a meaning for mirrors alone.
 #[test]
 fn every_reference_has_finite_figures_and_cells_are_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -92,7 +94,7 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
     assert!(other.iter().all(|r| r["against"] != "world" || r["standard_error"].as_f64().unwrap() > 0.0));
 }
 
-/// Two variants of `unified` write two different pictures.
+/// Two variants of `unified` write two different pictures, although they have one method's name.
 #[test]
 fn variants_of_one_method_have_pictures_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -107,7 +109,8 @@ fn variants_of_one_method_have_pictures_of_their_own() {
 }
 
 /// `unified` by either version of the oracle agrees with that version in 99.99 % of the pixels. By version 2, it
-/// disagrees with the triangles in less than 0.8 times as many pixels as by version 1.
+/// disagrees with the triangles in less than 0.8 times as many pixels as by version 1. Judged by the wrong version it
+/// would look inexact.
 #[test]
 fn unified_is_held_against_the_oracle_that_it_follows() {
     let what = ["error", "--scene", "rooms", "--view", "two-cylinders", "--method", "unified", "--roughness", "0"];
@@ -138,7 +141,7 @@ fn unified_is_held_against_the_oracle_that_it_follows() {
 }
 
 /// A method that shows the environment has records against the triangles with the sky, and none against the screen's
-/// reference.
+/// reference, in which rays that leave the screen are black.
 #[test]
 fn what_shows_the_environment_is_held_against_a_world_with_it() {
     // The street lies under the sky, so that a world with the environment differs from one without.
@@ -155,20 +158,20 @@ fn what_shows_the_environment_is_held_against_a_world_with_it() {
     let plain = run(&["--method", "ssct,environment"]);
     assert_eq!(against(&plain, "ssct"), ["oracle", "screen", "world"]);
     assert_eq!(against(&plain, "environment"), ["world"]);
-    let behind = run(&["--method", "ssct", "--fallback", "environment"]);
-    assert_eq!(against(&behind, "ssct"), ["oracle", "world"]);
+    let with_fallback = run(&["--method", "ssct", "--fallback", "environment"]);
+    assert_eq!(against(&with_fallback, "ssct"), ["oracle", "world"]);
     let world = |records: &[Value]| {
         let found = records.iter().find(|r| r["method"] == "ssct" && r["against"] == "world").unwrap();
         (found["setup"]["fallback"].clone(), found["rmse"].as_f64().unwrap(), found["hit_agreement"].clone())
     };
-    let (plain, behind) = (world(&plain), world(&behind));
-    assert_eq!((plain.0, behind.0), ("none".into(), "environment".into()));
-    assert_ne!(plain.1, behind.1);
-    assert_eq!(plain.2, behind.2, "the hits are the method's own");
+    let (plain, with_fallback) = (world(&plain), world(&with_fallback));
+    assert_eq!((plain.0, with_fallback.0), ("none".into(), "environment".into()));
+    assert_ne!(plain.1, with_fallback.1);
+    assert_eq!(plain.2, with_fallback.2, "the hits are the method's own");
 }
 
 /// In a run of `time`, the medians of the passes add up to 0.5 to 1.5 of the median of the frame, and those that count
-/// to as much of the total.
+/// to as much of the total. A pass that is left out, or counted twice, would falsify every time.
 #[test]
 fn the_passes_add_up_to_the_frame() {
     let records = ssct(&["time", "--method", "ssct,hzct", "--size", "640x360", "--samples", "5", "--json"]);
@@ -195,7 +198,8 @@ fn the_passes_add_up_to_the_frame() {
     }
 }
 
-/// In two kept runs from a quiet machine, the medians of the passes add up to 0.9 to 1.1 of the median of the frame.
+/// In two kept runs from a quiet machine, the medians of the passes add up to 0.9 to 1.1 of the median of the frame. On
+/// a busy machine the bound would have to be wider.
 #[test]
 fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
     let runs = repository().join("benches/runs/2026-11-28-lavapipe");
@@ -213,7 +217,7 @@ fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
 }
 
 /// A reference of 64 rays that resumes at 16 is that of a straight run, to the bit. Four times the rays halve the
-/// standard error.
+/// standard error. Samples that were drawn twice would lower neither.
 #[test]
 fn the_reference_is_sampled_on_from_where_it_stopped() {
     let folder = tempfile::tempdir().unwrap();
@@ -228,8 +232,12 @@ fn the_reference_is_sampled_on_from_where_it_stopped() {
     assert_eq!(few[0]["rays"], 16);
     let more = run("64");
     assert_eq!(more[0]["rays"], 64);
-    let (e16, e64) = (few[0]["standard_error"].as_f64().unwrap(), more[0]["standard_error"].as_f64().unwrap());
-    assert!((e16 / e64 - 2.0).abs() < 0.4, "four times the rays, half the error: {e16} {e64}");
+    let (error_of_16, error_of_64) =
+        (few[0]["standard_error"].as_f64().unwrap(), more[0]["standard_error"].as_f64().unwrap());
+    assert!(
+        (error_of_16 / error_of_64 - 2.0).abs() < 0.4,
+        "four times the rays, half the error: {error_of_16} {error_of_64}"
+    );
     let resumed = std::fs::read(&image).unwrap();
     std::fs::remove_dir_all(&cache).unwrap();
     run("64");

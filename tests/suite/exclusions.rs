@@ -1,5 +1,5 @@
-//! The table of requests that an effect refuses: each row is the first match of some request, and names a parameter
-//! that exists.
+//! Tests the table of requests that an effect refuses: each row is the first match of some request, and names a
+//! parameter that exists.
 
 use ssct::methods::exclusions::{Asked, Brought, EXCLUSIONS, Exclusion, check};
 use ssct::methods::layers::LayerParams;
@@ -8,21 +8,22 @@ use ssct::methods::{EffectParams, Fallback, Setup, find, parameters};
 use ssct::passes::trace_normals::TraceNormals;
 use ssct_ground::scene::ProjectionKind;
 
-/// A request for a method beside the scene.
+/// Returns a request for a method beside the scene.
 fn with_scene<'a>(method: &'static str, setup: &'a Setup) -> Asked<'a> {
     let info = find(method).unwrap();
     let (effect, brought) = (setup.effect(), None);
     Asked { info, setup, effect, has_scene: true, has_captures: false, has_triangles: false, brought }
 }
 
-/// A request for a method on a G-buffer without the scene, with captures, triangles or nothing brought along.
+/// Returns a request for a method on a G-buffer without the scene, beside the captures or triangles that the caller
+/// brought, if any.
 fn without_scene<'a>(method: &'static str, setup: &'a Setup, brought: Option<Brought>) -> Asked<'a> {
     let [has_captures, has_triangles] = [Brought::Captures, Brought::Triangles].map(|part| brought == Some(part));
     Asked { has_scene: false, has_captures, has_triangles, brought, ..with_scene(method, setup) }
 }
 
-/// One request for each row of the table, in order: that row is the first which matches the request, and its refusal is
-/// a sentence. A plain request is not refused.
+/// For each row of the table in order, one request is refused by that row first, in a sentence. A row that an earlier
+/// one covers would never be used. A plain request is not refused.
 #[test]
 fn each_is_the_first_that_some_request_asks_for() {
     let plain = Setup::new([8, 8]);
@@ -61,15 +62,16 @@ fn each_is_the_first_that_some_request_asks_for() {
         with_scene("pccm", &over_maps),
         without_scene("ssct", &over_maps, None),
     ];
-    let first = |asked: &Asked| EXCLUSIONS.iter().position(|exclusion| (exclusion.applies)(asked));
+    let first = |request: &Asked| EXCLUSIONS.iter().position(|exclusion| (exclusion.applies)(request));
     assert_eq!(requests.iter().filter_map(first).collect::<Vec<_>>(), (0..EXCLUSIONS.len()).collect::<Vec<_>>());
-    for asked in &requests {
-        assert!(check(asked).is_err_and(|e| e.to_string().len() > 40));
+    for request in &requests {
+        assert!(check(request).is_err_and(|e| e.to_string().len() > 40));
     }
     assert!(check(&with_scene("unified", &plain)).is_ok());
 }
 
-/// The parameter of each row is one of the parameters of the methods, or the method itself.
+/// Each row names a parameter of the methods, or the method itself, since the window shows the refusal beside that
+/// parameter.
 #[test]
 fn each_names_a_parameter_that_there_is() {
     let named: Vec<&str> = parameters().into_iter().map(|(parameter, _)| parameter.name).collect();

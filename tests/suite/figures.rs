@@ -1,34 +1,35 @@
-//! `ssct figures`: the files that it makes, which figures are left out and why, and its page, in small pictures. A
-//! headless Chromium shows the page where there is one.
+//! Tests `ssct figures` in small pictures: the files that it makes, which figures are left out and why, and its page. A
+//! headless Chromium shows the page if it is installed.
 
 use crate::common::folder::Folder;
 use crate::common::html::{attributes, probe};
 use image::RgbImage;
 use std::path::Path;
 
-/// The mean of the three channels in a part of a picture, given by its left, top, right and bottom in pixels.
+/// Returns the mean of the three channels (0 to 255) in a part of a picture, given by its left, top, right and bottom
+/// in pixels.
 fn mean(image: &RgbImage, [left, top, right, bottom]: [u32; 4]) -> f64 {
     let pixels = (top..bottom).flat_map(|y| (left..right).map(move |x| image.get_pixel(x, y).0));
     let values: Vec<f64> = pixels.flat_map(|p| p.map(f64::from)).collect();
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Each figure of both documents is on the page and has a file, or says that a method is missing. The page needs
-/// nothing from elsewhere.
+/// Each figure of both documents is on the page and has a file, or says that a method is missing. The page loads
+/// nothing from other places, so that it can be sent as one file.
 #[test]
 fn every_figure_is_made_or_says_what_it_lacks() {
     let folder = Folder::new();
-    let said = folder.succeed(&["figures", "--size", "48x27", "--validation", "-o", "f"]);
+    let printed = folder.succeed(&["figures", "--size", "48x27", "--validation", "-o", "f"]);
     let page = folder.text("f/index.html");
     let ids = attributes(&page, "id");
-    let early = ["2.3", "2.4", "3.1", "3.2", "3.7"].map(|n| format!("thesis-{n}"));
+    let early_chapters = ["2.3", "2.4", "3.1", "3.2", "3.7"].map(|n| format!("thesis-{n}"));
     let thesis = (1..=10).map(|n| format!("thesis-4.{n}")).chain((1..=9).map(|n| format!("thesis-5.{n}")));
-    let thesis: Vec<String> = early.into_iter().chain(thesis).collect();
+    let thesis: Vec<String> = early_chapters.into_iter().chain(thesis).collect();
     let schmidt = [27, 28, 29, 32, 33, 39, 40, 41, 47, 48, 49, 50, 51].map(|n| format!("schmidt-{n}"));
     for stem in thesis.iter().chain(&schmidt) {
         assert!(ids.contains(&stem.as_str()), "{stem} stands on the page");
         let line =
-            said.lines().find(|l| l.starts_with(&format!("{stem}.")) || l.starts_with(&format!("{stem} "))).unwrap();
+            printed.lines().find(|l| l.starts_with(&format!("{stem}.")) || l.starts_with(&format!("{stem} "))).unwrap();
         match line.split_once(" left out: ") {
             // A figure may be left out only because its method does not exist.
             Some((_, why)) => assert!(why.starts_with("there is no method"), "{line}"),
@@ -42,9 +43,9 @@ fn every_figure_is_made_or_says_what_it_lacks() {
     for stem in
         ["thesis-4.1.svg", "thesis-4.4.png", "thesis-4.6.svg", "thesis-5.1.png", "thesis-5.9.png", "schmidt-27.png"]
     {
-        assert!(said.lines().any(|l| l.starts_with(stem)), "{stem}\n{said}");
+        assert!(printed.lines().any(|l| l.starts_with(stem)), "{stem}\n{printed}");
     }
-    let left_out = said.lines().filter(|l| l.contains(" left out: ")).count();
+    let left_out = printed.lines().filter(|l| l.contains(" left out: ")).count();
     assert_eq!(page.matches("Left out: ").count(), left_out);
     for word in ["http:", "https:", "url(", "@import", "<script"] {
         assert!(!page.contains(word), "the page needs nothing from elsewhere: {word}");
@@ -54,7 +55,8 @@ fn every_figure_is_made_or_says_what_it_lacks() {
     shown(&folder);
 }
 
-/// Shows the page in a browser as wide as a phone: nothing is wider than the screen, and every picture is there.
+/// Shows the page in a browser as wide as a phone, and checks that nothing is wider than the screen and that every
+/// picture is there.
 fn shown(folder: &Folder) {
     let script = r#"
   const d = (await show("f/index.html", 390, false)).contentDocument, r = d.documentElement;
@@ -66,7 +68,7 @@ fn shown(folder: &Folder) {
 }
 
 /// Five figures have the content that their captions name: lost minima in bold, brighter floors without fade, more
-/// reflections by SSCT, and a grey picture of the reflectance.
+/// reflections by SSCT, and a grey picture of the reflectance. A figure with a wrong option would show something else.
 #[test]
 fn figures_show_what_their_captions_say() {
     let folder = Folder::new();
@@ -110,12 +112,12 @@ fn wrong_numbers_are_told() {
     let folder = Folder::new();
     let output = folder.run(&["figures", "--only", "9.9"]);
     assert_eq!(output.status.code(), Some(2));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("--only 9.9: there is no such figure") && said.contains("5.2"), "{said}");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("--only 9.9: there is no such figure") && message.contains("5.2"), "{message}");
     assert!(!Path::exists(&folder.path("figures")));
 }
 
-/// A scene file of two boards with the views of Sponza, in a folder whose name has a space.
+/// Writes a scene file of two boards with the views of Sponza, in a folder whose name has a space.
 fn boards(folder: &Folder) {
     std::fs::create_dir(folder.path("a scene")).unwrap();
     let board =
@@ -128,8 +130,8 @@ fn boards(folder: &Folder) {
     std::fs::write(folder.path("a scene/boards.scene.toml"), scene).unwrap();
 }
 
-/// With a scene file that has the views of Sponza, the four figures of that scene are drawn in it. Other figures and
-/// other scenes are refused.
+/// With a scene file that has the views of Sponza, the four figures of that scene are drawn in it, and the page says
+/// so. Other figures and other scenes are refused.
 #[test]
 fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
     let folder = Folder::new();
@@ -156,8 +158,8 @@ fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
     assert!(!folder.path("g").exists());
 }
 
-/// In the Cornell box, the ceiling is black without diffuse bounces and bright with four. A scene without a rectangular
-/// light and another method are refused.
+/// In the Cornell box, the ceiling is black without diffuse bounces and bright with four, since only indirect light
+/// reaches it. A scene without a rectangular light and another method are refused.
 #[test]
 fn indirect_light_comes_from_area_lights_alone() {
     let folder = Folder::new();
@@ -167,12 +169,11 @@ fn indirect_light_comes_from_area_lights_alone() {
     };
     assert!(bounced("cornell-box", "0", "direct.png").status.success());
     assert!(bounced("cornell-box", "4", "both.png").status.success());
-    // Nothing but indirect light reaches the ceiling.
     let ceiling = |file: &str| mean(&folder.image(file), [8, 2, 24, 4]);
     assert!(ceiling("direct.png") < 4.0 && ceiling("both.png") > 20.0);
     let refused = bounced("atrium", "1", "none.png");
-    let said = String::from_utf8(refused.stderr).unwrap();
-    assert!(refused.status.code() == Some(2) && said.contains("has no rectangular area light"), "{said}");
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert!(refused.status.code() == Some(2) && message.contains("has no rectangular area light"), "{message}");
     let refused = folder.run(&["render", "--method", "ssct", "--diffuse-bounces", "1", "-o", "x.png"]);
     assert!(String::from_utf8(refused.stderr).unwrap().contains("--diffuse-bounces is for --method reference"));
 }

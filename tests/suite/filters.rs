@@ -1,5 +1,5 @@
-//! The filters of SSLR and of the poster equal their twins on the CPU: the mask-weighted chain, the mip level of the
-//! reflection, the Gaussian volumes, and the edge-aware chain.
+//! Compares the filters of SSLR and of the poster with their twins on the CPU: the mask-weighted chain, the mip level
+//! of the reflection, the Gaussian volumes, and the edge-aware chain.
 
 use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, show};
 use ssct::gpu::{Gpu, Pixels};
@@ -10,24 +10,24 @@ use ssct_ground::math::linear_to_srgb;
 use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
-/// The cluttered scene with `sslr` and all intermediates.
+/// Renders the cluttered scene by `sslr`, with all intermediate images.
 fn sslr(gpu: &Gpu, extent: [u32; 2], preset: Preset, roughness: f32) -> Shown {
     let globals = Globals { roughness: Some(roughness), ..Globals::default() };
     let setup = Setup::new(extent).of_preset(preset);
     show(gpu, &clutter(), clutter_camera(extent), "sslr", &setup, &globals)
 }
 
-/// A linear value in sRGB, from 0 to 255.
+/// Returns a linear value in sRGB, from 0 to 255.
 fn encoded(v: f32) -> f32 {
     linear_to_srgb(v) * 255.0
 }
 
-/// One direction of the blur of thesis 4.3.2, of colour and mask, into a size in texels. Where the mask reads 0 at a
-/// tap, the central pixel is taken. `step` is the distance of taps in texture coordinates.
-fn masked_blur(color: &Pixels, mask: &Pixels, [w, h]: [u32; 2], step: [f32; 2]) -> (Pixels, Pixels) {
+/// Blurs a colour and its mask in one direction, as thesis 4.3.2 does, and returns both at a size in texels. Where the
+/// mask reads 0 at a tap, the central pixel is taken. `step` is the distance of taps in texture coordinates.
+fn masked_blur(color: &Pixels, mask: &Pixels, [width, height]: [u32; 2], step: [f32; 2]) -> (Pixels, Pixels) {
     let (mut colors, mut masks) = (Vec::new(), Vec::new());
-    for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
-        let (u, v) = ((x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
+    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        let (u, v) = ((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
         let central = bilinear(color, u, v);
         let (mut sum, mut share) = ([0.0; 3], 0.0);
         for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
@@ -40,20 +40,18 @@ fn masked_blur(color: &Pixels, mask: &Pixels, [w, h]: [u32; 2], step: [f32; 2]) 
         colors.extend(sum);
         masks.push(share);
     }
-    (
-        Pixels { width: w, height: h, channels: 3, values: colors },
-        Pixels { width: w, height: h, channels: 1, values: masks },
-    )
+    (Pixels { width, height, channels: 3, values: colors }, Pixels { width, height, channels: 1, values: masks })
 }
 
-/// A colour and a mask rounded to 8 bits and back, as the images between the passes store them.
+/// Rounds a colour and a mask to 8 bits and back, as the images between the passes store them.
 fn rounded(mut color: Pixels, mut mask: Pixels) -> (Pixels, Pixels) {
     color.values.iter_mut().for_each(|v| *v = ssct_ground::math::srgb_to_linear(encoded(*v).round() / 255.0));
     mask.values.iter_mut().for_each(|v| *v = (*v * 255.0).round() / 255.0);
     (color, mask)
 }
 
-/// At five sizes, at most 1 % of the texels of `sslr`'s chain differ from the twin's blur of the level below.
+/// At five sizes, at most 1 % of the texels of `sslr`'s chain differ from the twin's blur of the level below. If misses
+/// were blurred in, reflections would darken towards them.
 #[test]
 fn masked_chains_equal_their_twin() {
     let gpu = gpu();
@@ -73,11 +71,11 @@ fn masked_chains_equal_their_twin() {
             for i in 0..masks[n].values.len() {
                 texels += 1;
                 let gpu_color = &colors[n].values[4 * i..4 * i + 3];
-                let off = (0..3).map(|c| (encoded(gpu_color[c]) - encoded(color.values[3 * i + c])).abs());
-                let off = off.fold((masks[n].values[i] - mask.values[i]).abs() * 255.0, f32::max);
+                let difference = (0..3).map(|c| (encoded(gpu_color[c]) - encoded(color.values[3 * i + c])).abs());
+                let difference = difference.fold((masks[n].values[i] - mask.values[i]).abs() * 255.0, f32::max);
                 // The bound in steps of 8 bits: two roundings of half a step, and the filter's weights, which have 8
                 // bits, too.
-                differing += usize::from(off > 2.5);
+                differing += usize::from(difference > 2.5);
             }
         }
         println!("{extent:?}: {differing} of {texels} texels differ");
@@ -125,7 +123,7 @@ fn the_reflection_is_the_level_that_roughness_and_length_ask_for() {
 }
 
 /// Each slice of the poster's volume is the twin's Gaussian of the slice before. From slice to slice the contrast
-/// falls, and the mean stays.
+/// falls, and the mean stays; a kernel whose weights do not sum to 1 would change the mean.
 #[test]
 fn slices_of_the_volumes_are_gaussians_of_each_other() {
     let gpu = gpu();
@@ -134,20 +132,23 @@ fn slices_of_the_volumes_are_gaussians_of_each_other() {
         let shown = show(&gpu, &clutter(), clutter_camera(extent), "poster", &setup, &Globals::default());
         let slices = shown.levels("filtered-color");
         assert_eq!(slices[0], shown.get("color"), "slice 0 is the lit colour");
-        let [w, h] = extent;
+        let [width, height] = extent;
         for n in 1..slices.len() {
             // The taps' variance is 0.726 squares of their distance; slice n adds 4^(n-1) / 4 square pixels.
             let distance = 2_f32.powi(n as i32 - 2) / 0.726_f32.sqrt();
-            let across = blur(slices[n - 1], w, h, [distance / w as f32, 0.0]);
-            let twin = blur(&across, w, h, [0.0, distance / h as f32]);
-            for (i, (g, c)) in slices[n].texels().zip(twin.texels()).enumerate() {
-                for (g, c) in g.iter().zip(c) {
+            let across = blur(slices[n - 1], width, height, [distance / width as f32, 0.0]);
+            let twin = blur(&across, width, height, [0.0, distance / height as f32]);
+            for (i, (gpu_texel, cpu_texel)) in slices[n].texels().zip(twin.texels()).enumerate() {
+                for (gpu_texel, cpu_texel) in gpu_texel.iter().zip(cpu_texel) {
                     // The bound has two roundings to 16-bit floats, and filter weights of 8 bits in three dimensions.
-                    assert!((g - c).abs() < 0.012, "{extent:?}, slice {n}, texel {i}: {g} against {c}");
+                    assert!(
+                        (gpu_texel - cpu_texel).abs() < 0.012,
+                        "{extent:?}, slice {n}, texel {i}: {gpu_texel} against {cpu_texel}"
+                    );
                 }
             }
         }
-        // Contrast falls from slice to slice, and the mean stays.
+        // Returns the mean and the variance of the red channel.
         let moments = |p: &Pixels| {
             let n = f64::from(p.width * p.height);
             let mean = p.texels().map(|t| f64::from(t[0])).sum::<f64>() / n;
@@ -161,28 +162,28 @@ fn slices_of_the_volumes_are_gaussians_of_each_other() {
     }
 }
 
-/// The twin of a level of depth in the edge-aware chain, from the level below: the mean of the depths that agree,
-/// within the tolerance, with the depth which most others agree with.
+/// Computes a level of depth in the edge-aware chain from the level below. Each texel is the mean of the depths that
+/// agree, within the tolerance, with the depth that most others agree with.
 fn edge_aware(below: &Pixels, tolerance: f32) -> Vec<f32> {
     let half = |n: u32| (n / 2).max(1);
     let (w, h) = (half(below.width), half(below.height));
     let range =
         |index: u32, small: u32, large: u32| 2 * index..=if index + 1 == small { large - 1 } else { 2 * index + 1 };
-    let same = |a: f32, b: f32| (a - b).abs() <= tolerance * a.min(b);
+    let agrees = |a: f32, b: f32| (a - b).abs() <= tolerance * a.min(b);
     let texel = |(x, y): (u32, u32)| {
         let places = range(y, h, below.height).flat_map(|j| range(x, w, below.width).map(move |i| (i, j)));
         let depths: Vec<f32> = places.map(|(i, j)| below.texel(i, j)[0]).collect();
-        let agree = |d: f32| depths.iter().filter(|other| same(d, **other)).count();
+        let agreeing = |d: f32| depths.iter().filter(|other| agrees(d, **other)).count();
         let mut sorted = depths.clone();
-        sorted.sort_by(|a, b| agree(*b).cmp(&agree(*a)).then(a.total_cmp(b)));
-        let members: Vec<f32> = depths.iter().copied().filter(|d| same(*d, sorted[0])).collect();
+        sorted.sort_by(|a, b| agreeing(*b).cmp(&agreeing(*a)).then(a.total_cmp(b)));
+        let members: Vec<f32> = depths.iter().copied().filter(|d| agrees(*d, sorted[0])).collect();
         members.iter().sum::<f32>() / members.len() as f32
     };
     (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(texel).collect()
 }
 
 /// Each level of the edge-aware chain is the twin's, but for 1e-5 of a depth, and differs from plain means in more than
-/// 20 texels.
+/// 20 texels. A mean over an edge is a depth at which nothing stands.
 #[test]
 fn the_edge_aware_chain_keeps_to_one_surface() {
     let gpu = gpu();
@@ -196,8 +197,11 @@ fn the_edge_aware_chain_keeps_to_one_surface() {
         assert_eq!(levels[0], mip[0], "level 0 is the depth of the frame");
         let mut differ = 0;
         for n in 1..levels.len() {
-            for (i, (found, right)) in levels[n].texels().zip(edge_aware(levels[n - 1], 0.1)).enumerate() {
-                assert!((found[0] - right).abs() <= 1e-5 * right, "{extent:?}, level {n}, {i}: {found:?}, not {right}");
+            for (i, (found, expected)) in levels[n].texels().zip(edge_aware(levels[n - 1], 0.1)).enumerate() {
+                assert!(
+                    (found[0] - expected).abs() <= 1e-5 * expected,
+                    "{extent:?}, level {n}, {i}: {found:?}, not {expected}"
+                );
             }
             differ += levels[n].texels().zip(mip[n].texels()).filter(|(a, b)| (a[0] - b[0]).abs() > 0.1 * b[0]).count();
         }

@@ -1,6 +1,6 @@
-//! Nothing foreign is trusted: shards that somebody else measured, folders that somebody else made, and names that
-//! somebody else gave. Impossible content is refused with its place, nothing is written outside of a folder, and no
-//! command waits without end.
+//! Tests input of others that nobody vouches for: shards that somebody else measured, folders that somebody else made,
+//! and names that somebody else gave. Impossible content is refused with its place, nothing is written outside of a
+//! folder, and no command waits without end.
 
 mod names;
 
@@ -11,20 +11,20 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The content of files beside the folders of runs, which no command may write over.
+/// The content of files beside the folders of runs, which no command may overwrite.
 const PRECIOUS: &str = "nobody may write over this";
 
-/// The one sentence of a command that must fail with status 1 or 2.
+/// Runs a command that must fail with status 1 or 2, and returns its one sentence.
 fn refused(folder: &Folder, args: &[&str]) -> String {
     let output = folder.run(args);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(matches!(output.status.code(), Some(1 | 2)), "{args:?}: {said}");
-    assert_eq!(said.lines().count(), 1, "{args:?}: {said}");
-    said
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(matches!(output.status.code(), Some(1 | 2)), "{args:?}: {message}");
+    assert_eq!(message.lines().count(), 1, "{args:?}: {message}");
+    message
 }
 
-/// A small run of a study in the folder `part`, whose journal a test then changes, and four files that must stay as
-/// they are.
+/// Makes a small run of a study in the folder `part`, whose journal a test then changes, and four files outside of it
+/// that must stay as they are.
 fn run_of(study: &[&str]) -> Folder {
     let folder = Folder::new();
     std::fs::create_dir(folder.path("home")).unwrap();
@@ -35,12 +35,12 @@ fn run_of(study: &[&str]) -> Folder {
     folder
 }
 
-/// A run of `ssct figures` with one figure.
+/// Makes a run of `ssct figures` with one figure.
 fn figures() -> Folder {
     run_of(&["figures", "--only", "4.1", "--size", "48x27"])
 }
 
-/// A run of `ssct error` with one method.
+/// Makes a run of `ssct error` with one method.
 fn errors() -> Folder {
     let place = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--no-sweep"];
     run_of(
@@ -48,7 +48,7 @@ fn errors() -> Folder {
     )
 }
 
-/// Changes every entry of the journal in a folder.
+/// Applies `change` to every entry of a journal that has a key.
 fn change(folder: &Folder, file: &str, change: impl Fn(&mut Value)) {
     let lines = folder.text(file);
     let changed = lines.lines().map(|line| {
@@ -61,7 +61,7 @@ fn change(folder: &Folder, file: &str, change: impl Fn(&mut Value)) {
     folder.write(file, changed.collect::<String>());
 }
 
-/// Holds that the precious files are as before, and that the merge wrote no page.
+/// Checks that the precious files are as before, and that the merge wrote no page.
 fn assert_untouched(folder: &Folder) {
     for file in ["x.svg", "home/x.svg", "escaped.svg", "home/escaped.svg"] {
         assert_eq!(folder.text(file), PRECIOUS, "{file}");
@@ -70,7 +70,7 @@ fn assert_untouched(folder: &Folder) {
 }
 
 /// A journal that names a picture outside its folder, a hidden file, a page or nothing is refused with its line and the
-/// name.
+/// name. A merge copies pictures, and could copy or overwrite any file of the user.
 #[test]
 fn a_figure_that_is_no_picture_of_its_folder_is_refused() {
     for name in
@@ -78,24 +78,29 @@ fn a_figure_that_is_no_picture_of_its_folder_is_refused() {
     {
         let folder = figures();
         change(&folder, "part/journal.jsonl", |entry| entry["value"]["file"] = json!({ "Ok": name }));
-        let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
-        assert!(said.contains("part/journal.jsonl:1") && said.contains(&format!("{name:?}")), "{name}: {said}");
+        let message = refused(&folder, &["merge", "part", "-o", "home/all"]);
+        assert!(
+            message.contains("part/journal.jsonl:1") && message.contains(&format!("{name:?}")),
+            "{name}: {message}"
+        );
         assert_untouched(&folder);
     }
 }
 
-/// An SVG drawing with a script element is refused when runs are merged.
+/// An SVG drawing with a script element is refused when runs are merged, since the page would run the script in a
+/// reader's browser.
 #[test]
 fn a_drawing_with_a_script_is_not_copied() {
     let folder = figures();
-    let drawn = folder.list("part").into_iter().find(|name| name.ends_with(".svg")).unwrap();
-    folder.write(&format!("part/{drawn}"), "<svg xmlns=\"http://www.w3.org/2000/svg\"><script>alert(1)</script></svg>");
-    let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
-    assert!(said.contains(&drawn) && said.contains("the element \"script\""), "{said}");
+    let drawing = folder.list("part").into_iter().find(|name| name.ends_with(".svg")).unwrap();
+    folder
+        .write(&format!("part/{drawing}"), "<svg xmlns=\"http://www.w3.org/2000/svg\"><script>alert(1)</script></svg>");
+    let message = refused(&folder, &["merge", "part", "-o", "home/all"]);
+    assert!(message.contains(&drawing) && message.contains("the element \"script\""), "{message}");
     assert_untouched(&folder);
 }
 
-/// A journal whose method is a path is refused with its line.
+/// A journal whose method is a path is refused with its line. Names of methods become names of files.
 #[test]
 fn a_method_that_is_a_path_is_refused() {
     let place = ["precision", "--scene", "corridor", "--view", "corridor", "--size", "32x18", "--rays", "2"];
@@ -103,13 +108,13 @@ fn a_method_that_is_a_path_is_refused() {
     change(&folder, "part/journal.jsonl", |entry| {
         entry["value"].as_array_mut().unwrap().iter_mut().for_each(|r| r["method"] = json!("x/../../../escaped"));
     });
-    let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
-    assert!(said.contains("part/journal.jsonl:1") && said.contains("no name of a method"), "{said}");
+    let message = refused(&folder, &["merge", "part", "-o", "home/all"]);
+    assert!(message.contains("part/journal.jsonl:1") && message.contains("no name of a method"), "{message}");
     assert_untouched(&folder);
 }
 
 /// A journal with a negative error, an image without width, no list of records, or an agreement above 1 is refused with
-/// its line.
+/// its line. Merged, such numbers would pass for measurements.
 #[test]
 fn figures_that_cannot_be_are_refused_with_their_line() {
     type Change = fn(&mut Value);
@@ -121,7 +126,7 @@ fn figures_that_cannot_be_are_refused_with_their_line() {
     ];
     let sound = errors();
     let journal = sound.text("part/journal.jsonl");
-    for (bad, why) in changes {
+    for (bad, words) in changes {
         sound.write("part/journal.jsonl", &journal);
         let line = 1 + journal.lines().position(|line| line.contains("\"rmse\"")).unwrap();
         change(&sound, "part/journal.jsonl", |entry| {
@@ -129,8 +134,11 @@ fn figures_that_cannot_be_are_refused_with_their_line() {
                 bad(entry);
             }
         });
-        let said = refused(&sound, &["merge", "part", "-o", "home/all"]);
-        assert!(said.contains(&format!("part/journal.jsonl:{line}")) && said.contains(why), "{why}: {said}");
+        let message = refused(&sound, &["merge", "part", "-o", "home/all"]);
+        assert!(
+            message.contains(&format!("part/journal.jsonl:{line}")) && message.contains(words),
+            "{words}: {message}"
+        );
         assert_untouched(&sound);
     }
 }
@@ -149,9 +157,9 @@ fn what_a_journal_lost_is_measured_again_and_said() {
     let place = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--no-sweep"];
     let what = ["--samples", "1", "--rays", "4", "--method", "ssct", "--roughness", "0", "--resume", "-o", "part"];
     let output = folder.run(&[&["error"], &place[..], &what].concat());
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(said.contains("1 result(s) of the journal cannot be read and are measured again"), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    assert!(message.contains("1 result(s) of the journal cannot be read and are measured again"), "{message}");
     let [a, b] = [&before, &folder.text("part/error.json")].map(|text| serde_json::from_str::<Value>(text).unwrap());
     let rmse = |records: &Value| records.as_array().unwrap().iter().map(|r| r["rmse"].clone()).collect::<Vec<_>>();
     assert!(!rmse(&a).is_empty() && rmse(&a) == rmse(&b), "{b}");
@@ -172,24 +180,25 @@ fn a_broken_merge_goes_on_and_nothing_is_written_over_that_is_not_merged() {
     for end in ["", "{\"finished\":true}\n"] {
         let other = format!("{{\"key\":\"error other\",\"value\":[]}}\n{end}");
         folder.write("all/journal.jsonl", &other);
-        let said = refused(&folder, &["merge", "part", "-o", "all"]);
-        assert!(said.contains("1 result(s)") && said.contains("remove all/journal.jsonl"), "{said}");
-        assert!(!said.contains("--resume"), "merge has no such flag: {said}");
+        let message = refused(&folder, &["merge", "part", "-o", "all"]);
+        assert!(message.contains("1 result(s)") && message.contains("remove all/journal.jsonl"), "{message}");
+        assert!(!message.contains("--resume"), "merge has no such flag: {message}");
         assert_eq!(folder.text("all/journal.jsonl"), other);
     }
 }
 
-/// A list of cells that claims 10^18 samples is refused with a limit.
+/// A list of cells that claims 10^18 samples is refused with a limit, before a merge allocates memory for them.
 #[test]
 fn samples_without_number_are_refused_before_memory_is_taken() {
     let folder = run_of(&["time", "--scene", "corridor", "--size", "32x18", "--samples", "1", "--method", "ssct"]);
     let text = folder.text("part/cells.json").replace("\"samples\": 1", "\"samples\": 1000000000000000000");
     folder.write("part/cells.json", text);
-    let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
-    assert!(said.contains("part/cells.json") && said.contains("at most"), "{said}");
+    let message = refused(&folder, &["merge", "part", "-o", "home/all"]);
+    assert!(message.contains("part/cells.json") && message.contains("at most"), "{message}");
 }
 
-/// A share of a reference whose fingerprint is a path out of its folder is refused, and no file is made there.
+/// A share of a reference whose fingerprint is a path out of its folder is refused, and no file is made there. The
+/// fingerprint becomes a file's name.
 #[test]
 fn a_share_of_a_reference_names_no_other_file() {
     let folder = Folder::new();
@@ -199,12 +208,12 @@ fn a_share_of_a_reference_names_no_other_file() {
     let mut share: Value = serde_json::from_str(&folder.text(&format!("part/{part}"))).unwrap();
     share["fingerprint"] = json!("../../escaped");
     folder.write(&format!("part/{part}"), share.to_string());
-    let said = refused(&folder, &["merge", "part", "-o", "all"]);
-    assert!(said.contains(&part) && said.contains("../../escaped"), "{said}");
+    let message = refused(&folder, &["merge", "part", "-o", "all"]);
+    assert!(message.contains(&part) && message.contains("../../escaped"), "{message}");
     assert!(!folder.path("escaped.world").exists() && !folder.path("all").exists());
 }
 
-/// What a command prints; a limit ends the test if the command waits without end.
+/// Runs a command and returns all that it prints. A limit ends the test if the command waits without end.
 #[cfg(unix)]
 fn at_once(folder: &Folder, args: &[&str]) -> String {
     let mut child = Command::new(env!("CARGO_BIN_EXE_ssct"))
@@ -216,9 +225,9 @@ fn at_once(folder: &Folder, args: &[&str]) -> String {
         .unwrap();
     wait_until(|| format!("{args:?}"), || child.try_wait().unwrap().is_some());
     let output = child.wait_with_output().unwrap();
-    let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
-    assert!(!said.contains("panicked"), "{said}");
-    format!("{out}{said}")
+    let [printed, errors] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(!errors.contains("panicked"), "{errors}");
+    format!("{printed}{errors}")
 }
 
 /// Makes a named pipe.
@@ -227,8 +236,8 @@ fn pipe(path: &Path) {
     assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
 }
 
-/// A pipe or a link to `/dev/zero` in the place of a file is named in a sentence at once, and no command reads it
-/// without end.
+/// If a pipe or a link to `/dev/zero` stands in the place of a file, the command names it in a sentence at once.
+/// Reading it would never end.
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_no_files() {
@@ -253,9 +262,10 @@ fn pipes_and_devices_are_no_files() {
             } else {
                 symlink("/dev/zero", folder.path(file)).unwrap()
             };
-            let said = at_once(&folder, command);
-            let named = ["is no file", "leads out of its folder", "is no picture"].iter().any(|why| said.contains(why));
-            assert!(named && said.contains(file.rsplit('/').next().unwrap()), "{file}, {command:?}: {said}");
+            let message = at_once(&folder, command);
+            let named =
+                ["is no file", "leads out of its folder", "is no picture"].iter().any(|why| message.contains(why));
+            assert!(named && message.contains(file.rsplit('/').next().unwrap()), "{file}, {command:?}: {message}");
         }
         std::fs::remove_file(folder.path(file)).unwrap();
         if let Some(bytes) = before {
@@ -267,7 +277,7 @@ fn pipes_and_devices_are_no_files() {
 }
 
 /// A link out of a run's folder is not read, and a link inside is. In the folder that is written, no link leads the
-/// program to a file outside.
+/// program to a file outside, which it would overwrite.
 #[cfg(unix)]
 #[test]
 fn links_that_lead_out_are_neither_read_nor_written_through() {
@@ -279,8 +289,8 @@ fn links_that_lead_out_are_neither_read_nor_written_through() {
     let own = std::fs::read(folder.path(&place)).unwrap();
     std::fs::remove_file(folder.path(&place)).unwrap();
     symlink("../../secret.png", folder.path(&place)).unwrap();
-    let said = refused(&folder, &["merge", "part", "-o", "home/all"]);
-    assert!(said.contains(&picture) && said.contains("leads out of its folder"), "{said}");
+    let message = refused(&folder, &["merge", "part", "-o", "home/all"]);
+    assert!(message.contains(&picture) && message.contains("leads out of its folder"), "{message}");
     assert_untouched(&folder);
     // A link that stays in the run's folder is read as the file itself.
     std::fs::remove_file(folder.path(&place)).unwrap();
@@ -297,18 +307,19 @@ fn links_that_lead_out_are_neither_read_nor_written_through() {
     assert!(folder.text("home/linked/index.html").contains("<html"));
     std::fs::create_dir_all(folder.path("home/away")).unwrap();
     symlink("../..", folder.path("home/away/images")).unwrap();
-    let said = refused(&folder, &["merge", "part", "-o", "home/away"]);
-    assert!(said.contains("leads out of its folder"), "{said}");
+    let message = refused(&folder, &["merge", "part", "-o", "home/away"]);
+    assert!(message.contains("leads out of its folder"), "{message}");
     assert!(!folder.path(&picture).exists());
     // A journal is appended to, and through a link the program would append to a file outside.
     std::fs::create_dir_all(folder.path("home/behind")).unwrap();
     symlink("../../x.svg", folder.path("home/behind/journal.jsonl")).unwrap();
-    let said = refused(&folder, &["merge", "part", "-o", "home/behind"]);
-    assert!(said.contains("journal.jsonl") && said.contains("link"), "{said}");
+    let message = refused(&folder, &["merge", "part", "-o", "home/behind"]);
+    assert!(message.contains("journal.jsonl") && message.contains("link"), "{message}");
     assert_untouched(&folder);
 }
 
-/// `ssct index` leaves out a run whose records are a link to another folder, and says so.
+/// `ssct index` leaves out a run whose records are a link to another folder, and says so. The page could otherwise
+/// publish any file of the user.
 #[cfg(unix)]
 #[test]
 fn a_page_over_runs_shows_no_file_that_a_link_brings() {
@@ -317,14 +328,15 @@ fn a_page_over_runs_shows_no_file_that_a_link_brings() {
     std::fs::create_dir_all(folder.path("runs/a")).unwrap();
     symlink("../../part/error.json", folder.path("runs/a/error.json")).unwrap();
     folder.succeed(&["merge", "part", "-o", "runs/b"]);
-    let out = folder.succeed(&["index", "runs", "-o", "page"]);
+    let printed = folder.succeed(&["index", "runs", "-o", "page"]);
     assert!(
-        out.contains("left out: a: ") && out.contains("leads out of its folder") && out.contains("1 runs"),
-        "{out}"
+        printed.contains("left out: a: ") && printed.contains("leads out of its folder") && printed.contains("1 runs"),
+        "{printed}"
     );
 }
 
-/// Help, version and lists that cannot be printed, since the device is full, end with status 1.
+/// If the device to which help, version or lists are printed is full, the command ends with status 1. A script would
+/// otherwise go on with half a text.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_help_that_finds_no_room_fails() {
@@ -332,47 +344,51 @@ fn a_help_that_finds_no_room_fails() {
         let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
         let output =
             Command::new(env!("CARGO_BIN_EXE_ssct")).args(args).stdout(full).stderr(Stdio::piped()).output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
-        assert!(said.contains("cannot print"), "{args:?}: {said}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {message}");
+        assert!(message.contains("cannot print"), "{args:?}: {message}");
     }
 }
 
-/// Under a limit of 200 000 KiB of address space, `render` says that memory is short, with the limit.
+/// Under a limit of 200 000 KiB of address space, `render` says that memory is short, and names the limit. The driver's
+/// own error names neither.
 #[cfg(target_os = "linux")]
 #[test]
 fn little_memory_is_called_that() {
     let program = env!("CARGO_BIN_EXE_ssct");
-    let limited = |kib: u32| {
+    let run_limited = |kib: u32| {
         let command = format!("ulimit -v {kib}; exec \"{program}\" render --scene corridor --size 16x9 -o x.png");
         Command::new("bash").args(["-c", &command]).current_dir(std::env::temp_dir()).output().unwrap()
     };
-    let output = limited(200_000);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("memory is short") && said.contains("195 MiB") && said.contains("ulimit -v"), "{said}");
+    let output = run_limited(200_000);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        message.contains("memory is short") && message.contains("195 MiB") && message.contains("ulimit -v"),
+        "{message}"
+    );
 }
 
-/// A study on a disk without room ends with a sentence, keeps what it measured, and goes on once there is room.
+/// A study on a disk without room ends with a sentence, keeps what it measured, and continues once there is room.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_study_on_a_full_disk_keeps_what_it_measured() {
-    if let [why, ..] = &expected_failures("file-limit", &gpu())[..] {
-        println!("skipped: the driver does not live under {why} (tests/expected_failures.toml)");
+    if let [expected_failure, ..] = &expected_failures("file-limit", &gpu())[..] {
+        println!("skipped: the driver does not live under {expected_failure} (tests/expected_failures.toml)");
         return;
     }
     let folder = Folder::new();
     let program = env!("CARGO_BIN_EXE_ssct");
-    // A process that may not write larger files sees what a full disk says: a write that does not fit.
+    // A limit on the size of files makes writes fail as a full disk does.
     let study = "time --scene corridor --size 32x18 --samples 40 --method ssct -o t --resume";
     let run = |limit: &str| {
         let command = format!("trap '' XFSZ; {limit} exec \"{program}\" {study}");
         Command::new("bash").args(["-c", &command]).current_dir(folder.root()).output().unwrap()
     };
     let output = run("ulimit -f 8;");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("cannot write") && said.contains("journal.jsonl"), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("cannot write") && message.contains("journal.jsonl"), "{message}");
     let kept = folder.text("t/journal.jsonl");
     let whole = kept.lines().filter(|line| serde_json::from_str::<Value>(line).is_ok()).count();
     assert!(whole > 2, "{kept}");
@@ -382,11 +398,12 @@ fn a_study_on_a_full_disk_keeps_what_it_measured() {
     let keys: Vec<String> =
         journal.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["key"].to_string()).collect();
     let first: Vec<&str> = kept.lines().take(whole).collect();
-    assert!(journal.lines().zip(first).all(|(now, then)| now == then), "nothing is measured twice");
+    assert!(journal.lines().zip(first).all(|(new_line, old_line)| new_line == old_line), "nothing is measured twice");
     assert!(keys.len() > 40);
 }
 
-/// An EXR file of less than 3 MB with 16000×4200 pixels is refused by its number of pixels.
+/// An EXR file of less than 3 MB with 16000×4200 pixels is refused by its number of pixels. Decoded, it would take many
+/// times its size.
 #[test]
 fn a_large_image_that_a_small_file_claims_is_refused_before_memory_is_taken() {
     use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
@@ -397,6 +414,9 @@ fn a_large_image_that_a_small_file_claims_is_refused_before_memory_is_taken() {
     let layer = Layer::new((width, height), LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
     Image::from_layer(layer).write().to_file(folder.path("large.exr")).unwrap();
     assert!(std::fs::metadata(folder.path("large.exr")).unwrap().len() < 3_000_000);
-    let said = refused(&folder, &["compare", "large.exr", "large.exr"]);
-    assert!(said.contains("large.exr") && said.contains("16000x4200") && said.contains("67108864"), "{said}");
+    let message = refused(&folder, &["compare", "large.exr", "large.exr"]);
+    assert!(
+        message.contains("large.exr") && message.contains("16000x4200") && message.contains("67108864"),
+        "{message}"
+    );
 }

@@ -1,5 +1,5 @@
-//! A G-buffer that goes to a file and comes back gives the same image as the direct run, to the bit. The same holds for
-//! captures beside the file.
+//! Tests that a G-buffer that goes to a file and comes back gives the same image as the direct run, to the bit. The
+//! same holds for captures beside the file.
 
 use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, info, view_of_rooms};
 use crate::common::folder::Folder;
@@ -14,8 +14,9 @@ use ssct_scenes::{GBufferData, gbuffer_file};
 use std::path::Path;
 use std::process::Command;
 
-/// For every screen-space method at two sizes: the G-buffer from the file equals the one that was written, and the
-/// reflection and the finished image of both are equal, to the bit.
+/// For every screen-space method at two sizes, the G-buffer from the file equals the one that was written, and the
+/// reflection and the finished image of both are equal, to the bit. A value that is rounded or mapped twice would
+/// differ.
 #[test]
 fn export_and_reflect_are_the_direct_run_to_the_bit() {
     let gpu = gpu();
@@ -64,13 +65,16 @@ fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
         let data = gbuffer::read(&mut stage.context, &shot).unwrap();
         let beside = gbuffer::reflect_in(&gpu, &scene, &data, unified, &setup).unwrap().composite;
         let alone = gbuffer::reflect(&gpu, &data, None, unified, &setup).unwrap().composite;
-        let off = |made: &ssct::gpu::Pixels| {
+        let rmse_of = |made: &ssct::gpu::Pixels| {
             let squares = made.values.iter().zip(&direct.values).map(|(a, b)| f64::from(a - b).powi(2));
             (squares.sum::<f64>() / made.values.len() as f64).sqrt()
         };
         // Rays that begin at the point that a depth gives, and not on the pixel's triangle, may end elsewhere at edges.
-        let [near, far] = [off(&beside), off(&alone)];
-        assert!(near < 0.1 * far && far > 0.005, "roughness {roughness}: {near} and {far}");
+        let [error_beside, error_alone] = [rmse_of(&beside), rmse_of(&alone)];
+        assert!(
+            error_beside < 0.1 * error_alone && error_alone > 0.005,
+            "roughness {roughness}: {error_beside} and {error_alone}"
+        );
     }
     // Methods that need the scene find it beside the G-buffer.
     let (camera, materials) = (view.camera(&scene, extent), scene.materials.clone());
@@ -84,7 +88,8 @@ fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
     gpu.check_validation().unwrap();
 }
 
-/// `gbuffer reflect --triangles` takes a built-in scene; an unknown scene, or captures beside it, are refused.
+/// `gbuffer reflect --triangles` takes a built-in scene. An unknown scene, captures beside it, and a method that lacks
+/// its scene are refused.
 #[test]
 fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
     let folder = Folder::new();
@@ -103,7 +108,8 @@ fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
     }
 }
 
-/// By default, `gbuffer reflect` gives pixels in doubt 16 own rays, and with `auto` none.
+/// By default, `gbuffer reflect` gives pixels in doubt 16 own rays, and with `auto` none. An image of a file takes its
+/// time, while the default of methods is meant for frames.
 #[test]
 fn an_image_of_a_file_gets_the_most_own_rays_unless_a_number_is_given() {
     let folder = Folder::new();
@@ -119,8 +125,8 @@ fn an_image_of_a_file_gets_the_most_own_rays_unless_a_number_is_given() {
     assert!(image(&["--own-rays", "auto"]) == image(&["--own-rays", "none"]));
 }
 
-/// Scenes with their views, numbers of captures and roughness values. The rooms have windows that show the sky; their three values run the
-/// programs of mirrors, narrow lobes and wide lobes. The atrium adds sky beyond its roof.
+/// Scenes with a view, a number of captures and roughness values. The rooms have windows that show the sky; their three
+/// values run the programs of mirrors, narrow lobes and wide lobes. The atrium adds sky above its roof.
 const CAPTURED: [(&str, &str, CaptureCount, &[f32]); 2] = [
     ("rooms", "window", CaptureCount::Number(2), &[0.0, 0.1, 0.6]),
     ("atrium", "hall", CaptureCount::Number(1), &[0.1]),
@@ -132,8 +138,8 @@ const SIDE: CaptureSide = CaptureSide::Side128;
 /// The environment variable by which [`child`] learns the folder with the captures of each scene.
 const CUBES: &str = "SSCT_TEST_CUBES";
 
-/// By the command, the image of a G-buffer beside a folder of captures equals that of the scene with the same captures, byte by
-/// byte. [`child`] tries the other methods, fallbacks and roughness values without the command.
+/// By the command, the image of a G-buffer beside a folder of captures equals that of the scene with the same captures,
+/// byte by byte. [`child`] tries the other methods, fallbacks and roughness values without the command.
 #[test]
 fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     let folder = Folder::new();
@@ -141,8 +147,8 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     // on its neighbours in the list, in the last bit. Other drivers than lavapipe do not read the variable.
     let succeed = |mut command: Command| {
         let output = command.current_dir(folder.root()).env("LP_NUM_THREADS", "1").output().unwrap();
-        let said = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
-        assert!(output.status.success(), "{command:?}: {said}");
+        let text = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+        assert!(output.status.success(), "{command:?}: {text}");
     };
     let run = |args: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
@@ -156,7 +162,7 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
             run(&["captures", scene, "--captures", captures, "--capture-side", side, "--view", view, "-o", cubes]);
         }
     }
-    // The command tries the scene's own materials, and `child` tries even ones.
+    // The command draws the scene's own materials, and `child` gives all of them one roughness.
     let (scene, view, captures, _) = CAPTURED[1];
     let place = ["--scene", scene, "--view", view, "--size", "97x61"];
     run(&[&["gbuffer", "export", "g.exr"], &place[..]].concat());
@@ -180,8 +186,9 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     assert_eq!(folder.image("cubes/1/color.png").dimensions(), (512, 384));
 }
 
-/// In a process of one thread: for every scene of [`CAPTURED`] with each of its roughness values, and for four pairs of method and
-/// fallback, a G-buffer beside captures from files gives the direct image, to the bit.
+/// For every scene of [`CAPTURED`] with each of its roughness values, and for four pairs of method and fallback, a
+/// G-buffer beside captures from files gives the direct image, to the bit. The driver has one thread in this process,
+/// so that rays are listed in one order.
 #[test]
 #[ignore = "a process that the test above starts"]
 fn child() {
@@ -199,7 +206,7 @@ fn child() {
                 ("ssct", Fallback::Captures),
                 ("unified", Fallback::Captures),
             ] {
-                let what = format!("{name}, {method} before {fallback:?}, roughness {roughness}");
+                let case = format!("{name}, {method} before {fallback:?}, roughness {roughness}");
                 let method = methods::find(method).unwrap();
                 let setup = Setup::new([97, 61]).with(|p: &mut EffectParams| {
                     p.fallback = fallback;
@@ -215,11 +222,11 @@ fn child() {
                 let data = gbuffer_file::load(&path).unwrap();
                 let beside = gbuffer::reflect(&gpu, &data, Some(&cubes), method, &setup).unwrap();
                 let bits = |p: &ssct::gpu::Pixels| p.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-                assert!(bits(&beside.composite) == bits(&direct.composite), "{what}: composite");
-                assert!(bits(&beside.reflection) == bits(&direct.reflection), "{what}: reflection");
+                assert!(bits(&beside.composite) == bits(&direct.composite), "{case}: composite");
+                assert!(bits(&beside.reflection) == bits(&direct.reflection), "{case}: reflection");
                 if method.is_screen_space() && fallback == Fallback::None {
                     let alone = gbuffer::reflect(&gpu, &data, None, method, &Setup::new([97, 61])).unwrap();
-                    assert!(bits(&beside.composite) != bits(&alone.composite), "{what}: the captures show something");
+                    assert!(bits(&beside.composite) != bits(&alone.composite), "{case}: the captures show something");
                 }
             }
         }
@@ -228,7 +235,7 @@ fn child() {
 }
 
 /// A folder of captures that does not exist, lacks a face, or has a broken file is refused with a sentence, and so is a
-/// method that reads no captures.
+/// method that reads no captures. No image is written.
 #[test]
 fn captures_beside_a_gbuffer_that_cannot_be_are_refused_in_a_sentence() {
     let folder = Folder::new();
@@ -237,37 +244,45 @@ fn captures_beside_a_gbuffer_that_cannot_be_are_refused_in_a_sentence() {
     folder.succeed(&["captures", "rooms", "--captures", "1", "--capture-side", "4", "-o", "cubes"]);
     let eye = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "16x16"];
     folder.succeed(&[&["gbuffer", "export", "g.exr"], &eye[..]].concat());
-    let said = |args: &[&str]| {
+    let reflect = |args: &[&str]| {
         let output = folder.run(&[&["gbuffer", "reflect", "g.exr", "-o", "x.png"], args].concat());
         let errors = String::from_utf8(output.stderr).unwrap();
         (output.status.code().unwrap(), errors)
     };
     let refused = |args: &[&str], status: i32, words: &str| {
-        let (code, errors) = said(args);
+        let (code, errors) = reflect(args);
         assert!(code == status && errors.contains(words), "{args:?}: {code}, {errors}");
         assert!(!Path::new(&folder.path("x.png")).exists(), "{args:?}");
     };
     let unified = ["--method", "unified", "--captures"];
-    let with = |folder: &'static str| [&unified[..], &[folder]].concat();
+    let with_captures = |folder: &'static str| [&unified[..], &[folder]].concat();
     for wrong in ["auto", "2", "nowhere", "g.exr"] {
-        refused(&with(wrong), 2, &format!("--captures {wrong}: there is no such folder; a G-buffer has no scene"));
+        refused(
+            &with_captures(wrong),
+            2,
+            &format!("--captures {wrong}: there is no such folder; a G-buffer has no scene"),
+        );
     }
     refused(&["--captures", "cubes"], 2, "the method ssct follows no rays in captures");
-    refused(&[&with("cubes")[..], &["--capture-side", "128"]].concat(), 2, "have the side that they have");
+    refused(&[&with_captures("cubes")[..], &["--capture-side", "128"]].concat(), 2, "have the side that they have");
     refused(&["--method", "captures"], 2, "captures need the scene");
     std::fs::remove_file(folder.path("cubes/1/ny.exr")).unwrap();
-    refused(&with("cubes"), 1, "cubes/1/ny.exr: there is no such file, and capture 1 needs all of its six faces");
+    refused(
+        &with_captures("cubes"),
+        1,
+        "cubes/1/ny.exr: there is no such file, and capture 1 needs all of its six faces",
+    );
     folder.write("cubes/1/ny.exr", "hello");
-    refused(&with("cubes"), 1, "cubes/1/ny.exr: cannot be read as an OpenEXR image");
+    refused(&with_captures("cubes"), 1, "cubes/1/ny.exr: cannot be read as an OpenEXR image");
     folder.write("cubes/captures.toml", "[[capture]]\nplace = [0, 0, 0]\nside = 4\n");
-    refused(&with("cubes"), 1, "cubes/captures.toml:3: unknown field `side`");
+    refused(&with_captures("cubes"), 1, "cubes/captures.toml:3: unknown field `side`");
     std::fs::remove_file(folder.path("cubes/captures.toml")).unwrap();
-    refused(&with("cubes"), 1, "cannot read cubes/captures.toml");
-    let (code, errors) = said(&[&unified[..], &["none"]].concat());
+    refused(&with_captures("cubes"), 1, "cannot read cubes/captures.toml");
+    let (code, errors) = reflect(&[&unified[..], &["none"]].concat());
     assert!(code == 0 && errors.is_empty(), "{errors}");
 }
 
-/// A small G-buffer of the corridor.
+/// Draws a small G-buffer of the corridor.
 fn corridor(gpu: &ssct::gpu::Gpu) -> GBufferData {
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
@@ -281,15 +296,15 @@ fn corridor(gpu: &ssct::gpu::Gpu) -> GBufferData {
     gbuffer::read(&mut stage.context, &shot).unwrap()
 }
 
-/// A third of the pixels have colours of up to the greatest 32-bit float; every screen-space method still makes finite
-/// images.
+/// A third of the pixels have colours of up to the greatest 32-bit float, and every screen-space method still makes
+/// finite images. A 16-bit float of such a colour is infinite, and infinity times a weight of 0 is NaN.
 #[test]
 fn no_method_makes_infinity_of_colours_beyond_half_floats() {
     let gpu = gpu();
     let mut data = corridor(&gpu);
-    for (k, colour) in data.color.iter_mut().enumerate() {
+    for (index, colour) in data.color.iter_mut().enumerate() {
         // A third of the pixels are lamps, as bright as 32-bit floats allow.
-        if k % 3 == 0 {
+        if index % 3 == 0 {
             *colour = Vec3::new(7e4, 1e9, f32::MAX);
         }
     }
@@ -297,23 +312,24 @@ fn no_method_makes_infinity_of_colours_beyond_half_floats() {
     for method in METHODS.iter().filter(|m| m.is_screen_space()) {
         let setup = Setup::new([data.width, data.height]);
         let made = gbuffer::reflect(&gpu, &data, None, method, &setup).unwrap();
-        for (what, pixels) in [("reflection", &made.reflection), ("composite", &made.composite)] {
+        for (image_name, pixels) in [("reflection", &made.reflection), ("composite", &made.composite)] {
             let bad = pixels.values.iter().filter(|v| !v.is_finite()).count();
-            assert_eq!(bad, 0, "{}: {what}", method.name);
+            assert_eq!(bad, 0, "{}: {image_name}", method.name);
         }
     }
 }
 
 /// Very bright colours of either sign, handed over in 32-bit floats through the door, lead to finite images of every
-/// screen-space method.
+/// screen-space method. The import converts them, and not the upload of a file.
 #[test]
 fn no_method_makes_infinity_of_them_behind_the_door() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [97, 61]);
     let mut theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
-    let bright = |k: usize, v: f32| if k.is_multiple_of(3) { [1e9, -1e9, f32::MAX][k / 3 % 3] } else { v };
-    let texels = data.color.iter().enumerate().flat_map(|(k, c)| c.extend(1.0).to_array().map(|v| bright(k, v)));
+    let bright = |index: usize, v: f32| if index.is_multiple_of(3) { [1e9, -1e9, f32::MAX][index / 3 % 3] } else { v };
+    let texels =
+        data.color.iter().enumerate().flat_map(|(index, c)| c.extend(1.0).to_array().map(|v| bright(index, v)));
     let texels: Vec<f32> = texels.collect();
     theirs.color = engine.upload(ash::vk::Format::R32G32B32A32_SFLOAT, [97, 61], bytemuck::cast_slice(&texels));
     let context = engine.context();
@@ -341,30 +357,34 @@ fn files_in_our_own_conventions_are_checked_pixel_by_pixel() {
     // A colour beyond the range of 16-bit floats is no mistake in a file.
     assert_eq!(read(&|d| d.color[3].x = 7e4).unwrap().color[3].x, 7e4);
     let pixel = 64 * 5 + 7;
-    let said = |change: &dyn Fn(&mut GBufferData)| read(change).unwrap_err().to_string();
+    let message = |change: &dyn Fn(&mut GBufferData)| read(change).unwrap_err().to_string();
     let colour = "it must be a finite number from 0 on";
     let unit = "it must be a number from 0 to 1";
-    for (said, expected) in [
-        (said(&|d| d.color[pixel].x = f32::NAN), format!("a.exr: channel R is NaN at pixel 7, 5; {colour}")),
-        (said(&|d| d.color[pixel].y = f32::INFINITY), format!("a.exr: channel G is inf at pixel 7, 5; {colour}")),
-        (said(&|d| d.color[pixel].z = -1.0), format!("a.exr: channel B is -1 at pixel 7, 5; {colour}")),
-        (said(&|d| d.depth[pixel] = f32::NAN), format!("a.exr: channel depth is NaN at pixel 7, 5; {unit}")),
-        (said(&|d| d.depth[pixel] = 1.5), format!("a.exr: channel depth is 1.5 at pixel 7, 5; {unit}")),
-        (said(&|d| d.depth[pixel] = -0.5), format!("a.exr: channel depth is -0.5 at pixel 7, 5; {unit}")),
-        (said(&|d| d.roughness[pixel] = f32::NAN), format!("a.exr: channel roughness is NaN at pixel 7, 5; {unit}")),
-        (said(&|d| d.roughness[pixel] = 2.0), format!("a.exr: channel roughness is 2 at pixel 7, 5; {unit}")),
-        (said(&|d| d.reflectivity[pixel] = -0.1), format!("a.exr: channel reflectivity is -0.1 at pixel 7, 5; {unit}")),
+    for (message, expected) in [
+        (message(&|d| d.color[pixel].x = f32::NAN), format!("a.exr: channel R is NaN at pixel 7, 5; {colour}")),
+        (message(&|d| d.color[pixel].y = f32::INFINITY), format!("a.exr: channel G is inf at pixel 7, 5; {colour}")),
+        (message(&|d| d.color[pixel].z = -1.0), format!("a.exr: channel B is -1 at pixel 7, 5; {colour}")),
+        (message(&|d| d.depth[pixel] = f32::NAN), format!("a.exr: channel depth is NaN at pixel 7, 5; {unit}")),
+        (message(&|d| d.depth[pixel] = 1.5), format!("a.exr: channel depth is 1.5 at pixel 7, 5; {unit}")),
+        (message(&|d| d.depth[pixel] = -0.5), format!("a.exr: channel depth is -0.5 at pixel 7, 5; {unit}")),
+        (message(&|d| d.roughness[pixel] = f32::NAN), format!("a.exr: channel roughness is NaN at pixel 7, 5; {unit}")),
+        (message(&|d| d.roughness[pixel] = 2.0), format!("a.exr: channel roughness is 2 at pixel 7, 5; {unit}")),
         (
-            said(&|d| d.normal[pixel].y = f32::NEG_INFINITY),
+            message(&|d| d.reflectivity[pixel] = -0.1),
+            format!("a.exr: channel reflectivity is -0.1 at pixel 7, 5; {unit}"),
+        ),
+        (
+            message(&|d| d.normal[pixel].y = f32::NEG_INFINITY),
             "a.exr: channel N.Y is -inf at pixel 7, 5; it must be a finite number".to_owned(),
         ),
     ] {
-        assert_eq!(said, expected);
+        assert_eq!(message, expected);
     }
 }
 
 /// A file that holds a part of its image is refused, pixels beyond 16-bit floats are counted in a warning, and a
-/// compression that the program does not know is named.
+/// compression that the program does not know is named. Such files come from renderers and from later versions of
+/// OpenEXR.
 #[test]
 fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
     let mut data = corridor(&gpu());
@@ -377,15 +397,15 @@ fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
     piece[column_offset..column_offset + 4].copy_from_slice(&64_i32.to_le_bytes());
     folder.write("piece.exr", &piece);
     let output = folder.run(&["gbuffer", "reflect", "piece.exr", "--method", "linear", "-o", "o.exr"]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
     let expected = "ssct: piece.exr: it has 64x36 pixels from 0, 0 on, and its image has 65x36 from 0, 0 on; only whole images \
                     can be read\n";
-    assert_eq!(said, expected);
+    assert_eq!(message, expected);
     data.color[..5].fill(Vec3::splat(1e6));
     folder.write("bright.exr", gbuffer_file::encode(&data, Path::new("a.exr")).unwrap());
     let output = folder.run(&["gbuffer", "reflect", "bright.exr", "--method", "linear", "-o", "o.exr"]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(said, "ssct: warning: bright.exr: 5 pixels are brighter than 65504 and were clamped to it\n");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(message, "ssct: warning: bright.exr: 5 pixels are brighter than 65504 and were clamped to it\n");
     assert_eq!(output.status.code(), Some(0));
     // A compression that is younger than the program is named.
     for (number, compression) in

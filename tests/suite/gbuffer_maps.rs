@@ -1,5 +1,5 @@
-//! G-buffers in the conventions of other renderers, read by maps. The tests write a G-buffer of this program in other
-//! conventions, read it back, and compare it and its images with the original. They must be equal to the bit where
+//! Tests G-buffers in the conventions of other renderers, read by maps. The tests write a G-buffer of this program in
+//! other conventions, read it back, and compare it and its images with the original. They must be equal to the bit if
 //! nothing was rounded, else within the rounding of the format. The example maps read files of the layouts that they
 //! are for.
 
@@ -37,7 +37,7 @@ const ROUNDS_32: f64 = 1.0 / (1 << 24) as f64;
 /// Half the distance from 1 to the next larger 16-bit float.
 const ROUNDS_16: f64 = 1.0 / (1 << 11) as f64;
 
-/// The corridor of the rooms with its own materials, and with sky in the uppermost rows.
+/// Returns the corridor of the rooms with its own materials, and with sky in the uppermost rows. It is drawn once.
 fn original() -> &'static GBufferData {
     static DATA: OnceLock<GBufferData> = OnceLock::new();
     DATA.get_or_init(|| {
@@ -63,43 +63,43 @@ fn original() -> &'static GBufferData {
     })
 }
 
-/// Reads a file by the text of a map.
+/// Reads the file `main` by the text of a map.
 fn read(folder: &Folder, map: &str, main: &str) -> GBufferData {
     folder.write("map.toml", map);
     GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(main)).unwrap()
 }
 
-/// A number for each value.
+/// Returns a number for each value.
 fn each<'a, T>(values: &'a [T], value: impl Fn(&T) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
     values.iter().map(value)
 }
 
-/// One component of each vector.
-fn axis(values: &[Vec3], k: usize) -> impl Iterator<Item = f64> + '_ {
-    each(values, move |v| f64::from(v[k]))
+/// Returns component `component` (0 to 2) of each vector.
+fn axis(values: &[Vec3], component: usize) -> impl Iterator<Item = f64> + '_ {
+    each(values, move |v| f64::from(v[component]))
 }
 
-/// Pairs of a channel's name and its samples.
+/// Pairs names of channels with their samples.
 fn named(names: &[&str], samples: impl IntoIterator<Item = FlatSamples>) -> Vec<(String, FlatSamples)> {
     names.iter().map(|name| (*name).to_owned()).zip(samples).collect()
 }
 
-/// The numbers of a matrix, column after column.
-fn numbers(m: &DMat4) -> String {
-    format!("{:?}", m.to_cols_array())
+/// Returns the numbers of a matrix, column after column, as a list of TOML.
+fn numbers(matrix: &DMat4) -> String {
+    format!("{:?}", matrix.to_cols_array())
 }
 
-/// View-space z of a reversed depth.
+/// Returns the view-space z, in metres, of a reversed depth.
 fn view_z(depth: f32, data: &GBufferData) -> f64 {
-    let [n, f] = [data.camera.lens.near_m, data.camera.lens.far_m].map(f64::from);
-    n * f / (n + f64::from(depth) * (f - n))
+    let [near, far] = [data.camera.lens.near_m, data.camera.lens.far_m].map(f64::from);
+    near * far / (near + f64::from(depth) * (far - near))
 }
 
-/// The differences of the reflections that methods make of two G-buffers: for each method its name, the root mean
+/// Compares the reflections that methods make of two G-buffers. Returns, for each method, its name, the root mean
 /// square difference, and the share of values that differ by more than a step of a display.
 fn reflections(a: &GBufferData, b: &GBufferData) -> Vec<(&'static str, f64, f64)> {
     let gpu = gpu();
-    let made = ["unified", "ssct"].map(|name| {
+    let compared = ["unified", "ssct"].map(|name| {
         let method = methods::find(name).unwrap();
         let setup = Setup::new(SIZE);
         let [a, b] = [a, b].map(|data| gbuffer::reflect(&gpu, data, None, method, &setup).unwrap().reflection);
@@ -110,22 +110,24 @@ fn reflections(a: &GBufferData, b: &GBufferData) -> Vec<(&'static str, f64, f64)
         (name, rmse, differences.iter().filter(|d| **d > 1.0 / 255.0).count() as f64 / count)
     });
     gpu.check_validation().unwrap();
-    made.to_vec()
+    compared.to_vec()
 }
 
-/// Checks the images of `read`, a G-buffer that a map read, against those of `held`, the content of the same files as
-/// the test itself decodes it. Both are the same but for rays that graze an edge: their difference is bounded by 0.005
-/// and half of the difference that the format's own rounding makes between `held` and the original.
-fn same_images(read: &GBufferData, held: &GBufferData) {
-    let rounding = reflections(held, original());
-    for ((name, rmse, differing), (_, of_format, _)) in reflections(read, held).into_iter().zip(rounding) {
+/// Checks that methods make nearly the same images of `read`, a G-buffer that a map read, and of `expected`, the
+/// content of the same files as the test itself decodes it.
+///
+/// Rays that graze an edge may differ. Their difference is bounded by 0.005 and half of the difference that the
+/// format's own rounding makes between `expected` and the original.
+fn same_images(read: &GBufferData, expected: &GBufferData) {
+    let rounding = reflections(expected, original());
+    for ((name, rmse, differing), (_, format_rmse, _)) in reflections(read, expected).into_iter().zip(rounding) {
         assert!(differing < 0.005, "{name}: {differing} of all values differ, by {rmse}");
-        assert!(rmse < 0.005 + 0.5 * of_format, "{name}: {rmse} apart, where the format alone gives {of_format}");
+        assert!(rmse < 0.005 + 0.5 * format_rmse, "{name}: {rmse} apart, where the format alone gives {format_rmse}");
     }
 }
 
 /// A frame with other names, in two files and several parts, in tiles, with rows from the bottom up and in two kinds of
-/// floats, is the original to the bit.
+/// floats, is the original to the bit. Nothing in it is rounded, so that any difference is a mistake.
 #[test]
 fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     let data = original();
@@ -151,13 +153,14 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
                 (camera.world_to_view * Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0))).to_cols_array(),
             ),
         );
-    let colour = named(&["R", "G", "B"], [0, 1, 2].map(|k| up(halves(axis(&data.color, k)))));
+    let colour = named(&["R", "G", "B"], [0, 1, 2].map(|component| up(halves(axis(&data.color, component)))));
     let material =
         named(&["R", "G"], [&data.roughness, &data.reflectivity].map(|v| up(floats(each(v, |v| f64::from(*v))))));
     let colour = Part::new(colour).named("lit").compressed(Compression::RLE);
     write_exr(&folder.path("frame.exr"), SIZE, vec![main, colour, Part::new(material).named("material")]);
     // In the right-handed view space, z has the other sign.
-    let normal = [0, 1, 2].map(|k| up(halves(axis(&data.normal, k).map(|v| if k == 2 { -v } else { v }))));
+    let normal = [0, 1, 2]
+        .map(|component| up(halves(axis(&data.normal, component).map(|v| if component == 2 { -v } else { v }))));
     let normal = Part::new(named(&["x", "y", "z"], normal)).compressed(Compression::PXR24).tiled(33);
     write_exr(&folder.path("normals.exr"), SIZE, vec![normal]);
     let map = r#"
@@ -194,24 +197,25 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     }
     assert!(read(&folder, map, "frame.exr") == expected, "a view space that is ours, of normals that are not");
     // With a right-handed world and a right-handed view, the map gives the original back.
-    let both = map.replace("view = \"left\"", "view = \"right\"");
-    let turned = (Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0)) * camera.world_to_view).as_dmat4()
+    let right_map = map.replace("view = \"left\"", "view = \"right\"");
+    let right_handed = (Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0)) * camera.world_to_view).as_dmat4()
         * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
-    let both = both.replace("{ attribute = \"place\" }", &numbers(&turned));
-    assert!(read(&folder, &both, "frame.exr") == *data, "to the bit");
-    let rows = format!("{:?}", turned.transpose().to_cols_array_2d());
-    let by_rows = both.replace(&numbers(&turned), &rows).replace("world = ", "matrices = \"rows\"\nworld = ");
+    let right_map = right_map.replace("{ attribute = \"place\" }", &numbers(&right_handed));
+    assert!(read(&folder, &right_map, "frame.exr") == *data, "to the bit");
+    let rows = format!("{:?}", right_handed.transpose().to_cols_array_2d());
+    let by_rows =
+        right_map.replace(&numbers(&right_handed), &rows).replace("world = ", "matrices = \"rows\"\nworld = ");
     assert!(read(&folder, &by_rows, "frame.exr") == *data, "as four rows");
 
     // The command makes the image of the original out of the mapped files, and `convert` writes them as a file of this
     // program.
-    folder.write("map.toml", &both);
+    folder.write("map.toml", &right_map);
     std::fs::write(folder.path("own.exr"), gbuffer_file::encode(data, &folder.path("own.exr")).unwrap()).unwrap();
     for method in ["unified", "ssct"] {
-        let with = ["--method", method, "-o"];
-        folder.succeed(&[&["gbuffer", "reflect", "own.exr"], &with[..], &["a.exr"]].concat());
+        let options = ["--method", method, "-o"];
+        folder.succeed(&[&["gbuffer", "reflect", "own.exr"], &options[..], &["a.exr"]].concat());
         folder.succeed(
-            &[&["gbuffer", "reflect", "frame.exr", "--gbuffer-map", "map.toml"], &with[..], &["b.exr"]].concat(),
+            &[&["gbuffer", "reflect", "frame.exr", "--gbuffer-map", "map.toml"], &options[..], &["b.exr"]].concat(),
         );
         let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
         assert!(a == b, "{method}");
@@ -220,7 +224,7 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     assert!(gbuffer_file::load(&folder.path("converted.exr")).unwrap() == *data, "the file is the exported one");
 }
 
-/// Swaps y and z: from this program's world to a right-handed world with z up, and back.
+/// Swaps y and z. This leads from this program's world to a right-handed world with z up, and back.
 fn z_up(v: DVec3) -> DVec3 {
     DVec3::new(v.x, v.z, v.y)
 }
@@ -239,12 +243,12 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
     let stored: Vec<DVec3> =
         world.iter().map(|n| DVec3::from((*n * 0.5 + 0.5).to_array().map(|v| f64::from(f16::from_f64(v))))).collect();
     let z: Vec<f64> = data.depth.iter().map(|d| if *d > 0.0 { view_z(*d, data) } else { 1e10 }).collect();
-    let unorm = |k: usize| halves(stored.iter().map(|n| n[k]));
+    let unorm = |component: usize| halves(stored.iter().map(|n| n[component]));
     let channels = [floats(z.iter().copied()), unorm(0), unorm(1), unorm(2)];
     let depth_and_normal = Part::new(named(&["Z", "X", "Y", "W"], channels));
     let rest = Part::new(named(
         &["R", "G", "B", "s", "p"],
-        [0, 1, 2].map(|k| floats(axis(&data.color, k))).into_iter().chain([
+        [0, 1, 2].map(|component| floats(axis(&data.color, component))).into_iter().chain([
             floats(each(&data.reflectivity, |v| f64::from(*v) * 0.25)),
             // α(ϱ) by its formula; an exponent is infinite for a mirror.
             floats(each(&data.roughness, |v| ssct_ground::math::phong::exponent(f64::from(*v)))),
@@ -254,7 +258,7 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
     write_exr(&folder.path("b.exr"), SIZE, vec![rest]);
     // The matrix takes a view along −z to a world with z up.
     let swap = DMat4::from_cols(glam::DVec4::X, glam::DVec4::Z, glam::DVec4::Y, glam::DVec4::W);
-    let turned = swap * to_world * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    let view_to_world = swap * to_world * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
     let lens = data.camera.lens;
     let map = format!(
         r#"
@@ -289,43 +293,43 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
         f64::from(lens.fov_y_radians().unwrap()).to_degrees(),
         lens.near_m,
         lens.far_m,
-        numbers(&turned)
+        numbers(&view_to_world)
     );
-    let got = read(&folder, &map, "a.exr");
-    assert!(got.camera.world_to_view.abs_diff_eq(data.camera.world_to_view, 1e-6 * data.camera.eye().length()));
+    let found = read(&folder, &map, "a.exr");
+    assert!(found.camera.world_to_view.abs_diff_eq(data.camera.world_to_view, 1e-6 * data.camera.eye().length()));
     assert!(
-        (got.camera.lens.fov_y_radians().unwrap() - lens.fov_y_radians().unwrap()).abs()
+        (found.camera.lens.fov_y_radians().unwrap() - lens.fov_y_radians().unwrap()).abs()
             <= 1e-7 * lens.fov_y_radians().unwrap()
     );
-    assert_eq!((got.camera.lens.near_m, got.camera.lens.far_m), (lens.near_m, lens.far_m));
-    assert!(got.color == data.color && got.surface == data.surface);
-    let mut held = data.clone();
-    let of_depth = f64::from(lens.near_m) * f64::from(lens.far_m) / f64::from(lens.far_m - lens.near_m);
+    assert_eq!((found.camera.lens.near_m, found.camera.lens.far_m), (lens.near_m, lens.far_m));
+    assert!(found.color == data.color && found.surface == data.surface);
+    let mut expected = data.clone();
+    let depth_scale = f64::from(lens.near_m) * f64::from(lens.far_m) / f64::from(lens.far_m - lens.near_m);
     for i in 0..data.depth.len() {
         // The reversed depth is d = a + b / z. Both z and d are rounded once.
         let d = f64::from(data.depth[i]);
-        let bound = ROUNDS_32 * (of_depth / z[i] + d);
-        assert!((f64::from(got.depth[i]) - d).abs() <= bound * 1.01, "{i}: {} {d}", got.depth[i]);
-        assert!((got.reflectivity[i] - data.reflectivity[i]).abs() <= 2.0 * ROUNDS_32 as f32);
-        let rough = f64::from(data.roughness[i]);
-        assert!((f64::from(got.roughness[i]) - rough).abs() <= 1e-5 * rough.max(1e-3), "{i}: {rough}");
+        let bound = ROUNDS_32 * (depth_scale / z[i] + d);
+        assert!((f64::from(found.depth[i]) - d).abs() <= bound * 1.01, "{i}: {} {d}", found.depth[i]);
+        assert!((found.reflectivity[i] - data.reflectivity[i]).abs() <= 2.0 * ROUNDS_32 as f32);
+        let roughness = f64::from(data.roughness[i]);
+        assert!((f64::from(found.roughness[i]) - roughness).abs() <= 1e-5 * roughness.max(1e-3), "{i}: {roughness}");
         if data.depth[i] > 0.0 {
             let n = DVec3::from((stored[i] * 2.0 - 1.0).to_array()).normalize();
-            held.normal[i] = to_view.transform_vector3(z_up(n)).as_vec3();
+            expected.normal[i] = to_view.transform_vector3(z_up(n)).as_vec3();
             // A component in 0 to 1 is rounded by at most half a step of 2⁻¹¹, and the map doubles it; normalising at
             // most doubles the error once more.
-            let off = got.normal[i].as_dvec3().distance(data.normal[i].as_dvec3().normalize());
-            assert!(off <= 4.0 * 3_f64.sqrt() * ROUNDS_16 / 2.0, "{i}: {off}");
-            assert!(got.normal[i].distance(held.normal[i]) < 1e-6, "{i}");
+            let distance = found.normal[i].as_dvec3().distance(data.normal[i].as_dvec3().normalize());
+            assert!(distance <= 4.0 * 3_f64.sqrt() * ROUNDS_16 / 2.0, "{i}: {distance}");
+            assert!(found.normal[i].distance(expected.normal[i]) < 1e-6, "{i}");
         } else {
-            assert_eq!(got.normal[i], Vec3::ZERO);
+            assert_eq!(found.normal[i], Vec3::ZERO);
         }
     }
-    same_images(&got, &held);
+    same_images(&found, &expected);
 }
 
-/// Octahedral coordinates from −1 to 1 of a direction. The fold is written in the other of the two usual ways than in
-/// the program.
+/// Returns the octahedral coordinates of a direction, from −1 to 1. Of the two usual ways to write the fold, this is
+/// the one that the program does not use.
 fn octahedral(n: DVec3) -> [f64; 2] {
     let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
     let sign = |v: f64| if v >= 0.0 { 1.0 } else { -1.0 };
@@ -333,7 +337,7 @@ fn octahedral(n: DVec3) -> [f64; 2] {
 }
 
 /// Three kinds of depth and three encodings of octahedral normals, with rows from the bottom up, are the original
-/// within the rounding of each encoding.
+/// within the rounding of each encoding. The fold of the octahedron and the bits that share a byte are easily mistaken.
 #[test]
 fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
     let data = original();
@@ -350,10 +354,10 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
     let gl: Vec<f32> = data.depth.iter().map(|d| (1.0 - 2.0 * f64::from(*d)) as f32).collect();
     let unorm: Vec<[u32; 2]> = view.iter().map(|v| v.map(|c| ((c * 0.5 + 0.5) * 65535.0).round() as u32)).collect();
     let twelve: Vec<[u32; 2]> = view.iter().map(|v| v.map(|c| ((c * 0.5 + 0.5) * 4095.0).round() as u32)).collect();
-    let packed = |k: usize| {
-        let byte = |v: &[u32; 2]| match k {
+    let packed = |component: usize| {
+        let byte = |v: &[u32; 2]| match component {
             2 => (v[0] >> 8) | (v[1] >> 8) << 4,
-            k => v[k] & 255,
+            component => v[component] & 255,
         };
         up(floats(twelve.iter().map(|v| f64::from(byte(v)) / 255.0)))
     };
@@ -382,7 +386,7 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
         up(floats(each(&data.reflectivity, |v| f64::from(*v)))),
     ];
     let names = ["gl", "d3d", "t", "u", "v", "x", "y", "p0", "p1", "p2", "rough", "refl"];
-    let colour = named(&["R", "G", "B"], [0, 1, 2].map(|k| up(floats(axis(&data.color, k)))));
+    let colour = named(&["R", "G", "B"], [0, 1, 2].map(|component| up(floats(axis(&data.color, component)))));
     write_exr(&folder.path("f.exr"), SIZE, vec![Part::new([named(&names, channels), colour].concat()).tiled(64)]);
     let lens = data.camera.lens;
     let map = |depth: &str, normal: &str| {
@@ -409,12 +413,14 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
         ("encoding = \"octahedral-unorm\"\nchannels = [\"u\", \"v\"]\nscale = 1.5259021896696422e-5", 1.0 / 65535.0),
         ("encoding = \"octahedral-888\"\nchannels = [\"p0\", \"p1\", \"p2\"]", 1.0 / 4095.0),
     ] {
-        let got = read(&folder, &map(gl_depth, normal), "f.exr");
-        assert_eq!(got.camera, expected.camera);
-        assert!(got.color == data.color && got.roughness == data.roughness && got.reflectivity == data.reflectivity);
-        for (i, normal) in got.normal.iter().enumerate().filter(|(i, _)| data.depth[*i] > 0.0) {
-            let off = normal.as_dvec3().distance(data.normal[i].as_dvec3().normalize());
-            assert!(off <= 18_f64.sqrt() * step + 4.0 * ROUNDS_32, "{i}, {step}: {off}");
+        let found = read(&folder, &map(gl_depth, normal), "f.exr");
+        assert_eq!(found.camera, expected.camera);
+        assert!(
+            found.color == data.color && found.roughness == data.roughness && found.reflectivity == data.reflectivity
+        );
+        for (i, normal) in found.normal.iter().enumerate().filter(|(i, _)| data.depth[*i] > 0.0) {
+            let difference = normal.as_dvec3().distance(data.normal[i].as_dvec3().normalize());
+            assert!(difference <= 18_f64.sqrt() * step + 4.0 * ROUNDS_32, "{i}, {step}: {difference}");
         }
     }
     // Depth near 1 or −1 is rounded by half a step of these numbers, and −1…1 has twice the range.
@@ -423,20 +429,20 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
         ("channel = \"d3d\"\nkind = \"standard\"", ROUNDS_32 / 2.0),
         ("channel = \"t\"\nkind = \"distance\"\nscale = 0.01\nsky-value = -1", 0.0),
     ] {
-        let got = read(&folder, &map(depth, signed), "f.exr");
+        let found = read(&folder, &map(depth, signed), "f.exr");
         for i in 0..data.depth.len() {
             let d = f64::from(data.depth[i]);
             let z = view_z(data.depth[i], data);
             let b = f64::from(lens.near_m) * f64::from(lens.far_m) / f64::from(lens.far_m - lens.near_m);
             // A distance is rounded by a share of itself, and the depth that is computed from it by a share of b / z +
             // d.
-            let of_distance = if bound == 0.0 && d > 0.0 { 1.01 * ROUNDS_32 * (b / z + d) } else { 0.0 };
-            let off = (f64::from(got.depth[i]) - d).abs();
-            assert!(off <= bound + of_distance + ROUNDS_32 * d, "{depth}, {i}: {off}");
-            assert_eq!(got.depth[i] > 0.0, d > 0.0, "{depth}, {i}");
+            let distance_bound = if bound == 0.0 && d > 0.0 { 1.01 * ROUNDS_32 * (b / z + d) } else { 0.0 };
+            let difference = (f64::from(found.depth[i]) - d).abs();
+            assert!(difference <= bound + distance_bound + ROUNDS_32 * d, "{depth}, {i}: {difference}");
+            assert_eq!(found.depth[i] > 0.0, d > 0.0, "{depth}, {i}");
         }
         // The depth that the files hold after rounding, as the test itself computes it.
-        let mut held = expected.clone();
+        let mut expected_depths = expected.clone();
         let rounded: Option<Vec<f64>> = match depth {
             d if d == gl_depth => Some(gl.iter().map(|v| 0.5 - 0.5 * f64::from(*v)).collect()),
             d if d.contains("d3d") => {
@@ -444,9 +450,9 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
             }
             _ => None,
         };
-        for (held, rounded) in held.depth.iter_mut().zip(rounded.into_iter().flatten()) {
-            *held = rounded as f32;
+        for (expected_depths, rounded) in expected_depths.depth.iter_mut().zip(rounded.into_iter().flatten()) {
+            *expected_depths = rounded as f32;
         }
-        same_images(&got, &held);
+        same_images(&found, &expected_depths);
     }
 }

@@ -1,5 +1,5 @@
-//! The gloss of `unified`: its error against the screen reference beside that of `ssct`, roughness that varies over the
-//! image, and steadiness under a moving camera.
+//! Tests the gloss of `unified`: its error against the screen reference compared with that of `ssct`, roughness that
+//! varies over the image, and steadiness under a moving camera.
 
 use crate::common::gpu;
 use glam::Vec3;
@@ -12,7 +12,8 @@ use ssct_scenes::{GBufferData, View};
 use ssct_truth::metrics::image::masked_rmse;
 use ssct_truth::reference::screen::{Sampling, ScreenReference};
 
-/// The G-buffer of a view of the rooms, with the camera moved aside by `aside_m` metres.
+/// Draws the G-buffer of a view of the rooms at a size in pixels, with one roughness and deviation of normals, and with
+/// the camera moved aside by `aside_m` metres.
 fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {
     let scene = crate::common::built_in("rooms");
     let view = scene.view(view).unwrap();
@@ -28,23 +29,23 @@ fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f
     gbuffer::read(&mut stage.context, &shot).unwrap()
 }
 
-/// The reflection that a method makes of a G-buffer.
+/// Returns the reflection that a method makes of a G-buffer.
 fn reflection(gpu: &Gpu, data: &GBufferData, method: &str) -> Pixels {
     let setup = Setup::new([data.width, data.height]);
     reflect(gpu, data, None, methods::find(method).unwrap(), &setup).unwrap().reflection
 }
 
-/// The colours of an image without the fourth channel.
+/// Returns the colours of an image without the fourth channel.
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
     pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }
 
-/// For each pixel, whether it reflects.
+/// Returns, for each pixel, whether it reflects.
 fn mask(data: &GBufferData) -> Vec<bool> {
     (0..data.depth.len()).map(|i| data.reflects(i)).collect()
 }
 
-/// The screen reference with a number of samples a pixel.
+/// Returns the screen reference with a number of samples a pixel.
 fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
     let image = ScreenReference::render(
         data,
@@ -59,7 +60,6 @@ fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
 /// error of `ssct`.
 #[test]
 fn its_error_is_a_fraction_of_the_thesis_method_s() {
-    // Issue 5, "Image", asks for at most 0.65 on any view.
     let gpu = gpu();
     for (view, roughness) in [("corridor", 0.05), ("corridor", 0.1), ("ceiling", 0.3), ("ceiling", 0.6)] {
         let data = gbuffer(&gpu, view, [321, 181], roughness, 1.0, 0.0);
@@ -72,12 +72,13 @@ fn its_error_is_a_fraction_of_the_thesis_method_s() {
     gpu.check_validation().unwrap();
 }
 
-/// An image with three stripes of roughness equals, inside each stripe, the image of that roughness alone.
+/// An image with three stripes of roughness equals, inside each stripe, the image of that roughness alone. Each kind of
+/// lobe has its own passes and lists, which could read or write pixels of another kind.
 #[test]
 fn roughness_that_varies_is_everywhere_what_it_is_when_it_does_not() {
     let gpu = gpu();
     let values = [0.0, 0.1, 0.5];
-    let even = values.map(|r| gbuffer(&gpu, "cylinder", [195, 121], r, 1.0, 0.0));
+    let even = values.map(|roughness| gbuffer(&gpu, "cylinder", [195, 121], roughness, 1.0, 0.0));
     let mut varied = even[0].clone();
     let stripe = |x: u32| (x / 65) as usize;
     for y in 0..121 {
@@ -101,13 +102,13 @@ fn roughness_that_varies_is_everywhere_what_it_is_when_it_does_not() {
     gpu.check_validation().unwrap();
 }
 
-/// The camera moves aside by 2 mm: the reflection of `unified` changes more than the reference, and less than 0.9 of
+/// If the camera moves aside by 2 mm, the reflection of `unified` changes more than the reference, and less than 0.9 of
 /// the change of `ssct`.
 #[test]
 fn a_small_move_of_the_camera_changes_little() {
-    // A pattern that stands on the screen while the scene moves under it shimmers. The change of the reference is that
-    // of the scene itself, since its samples belong to the pixel and their noise stays. The change of the thesis's
-    // cone, which takes one ray, is the one to be beaten.
+    // A pattern that stands on the screen while the scene moves under it shimmers. The change of the reference is the
+    // scene's own, since its samples belong to the pixel and their noise stays. The thesis's cone takes one ray, and
+    // sets the bound.
     let gpu = gpu();
     for roughness in [0.05, 0.1, 0.4] {
         let [a, b] = [0.0, 0.002].map(|aside| gbuffer(&gpu, "corridor", [321, 181], roughness, 0.0, aside));

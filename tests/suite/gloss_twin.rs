@@ -1,5 +1,5 @@
-//! The glossy passes of `unified` against their twins on the CPU, each pass by itself. A twin takes the results that
-//! the device made in the pass before, so that a difference stays in the pass where it arises.
+//! Compares the glossy passes of `unified` with their twins on the CPU, each pass by itself. A twin takes the results
+//! that the device made in the pass before, so that a difference stays in the pass where it arises.
 
 use crate::common::{check_validation, gpu, is_gpu_assisted, tolerated_share};
 use glam::{IVec2, Vec2, Vec3, Vec4};
@@ -33,7 +33,7 @@ pub(crate) struct DrawMode {
     /// Whether passes run over the tiles of a list. Otherwise they run over the whole image, and all its reflectors
     /// must be of one kind.
     pub(crate) tiles: bool,
-    /// Whether another reflection lies behind, so that the fade is stored.
+    /// Whether another reflection lies behind this one, so that the fade is stored.
     pub(crate) over: bool,
 }
 
@@ -48,11 +48,11 @@ pub(crate) struct Drawn {
 }
 
 /// Runs the glossy passes on a G-buffer, and reads the result of each.
-pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: DrawMode) -> Drawn {
+pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, mode: DrawMode) -> Drawn {
     let extent = [data.width, data.height];
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
-    let (strip, oracle, over) = (pyramid::strip(extent), way.oracle, way.over);
+    let (strip, oracle, over) = (pyramid::strip(extent), mode.oracle, mode.over);
     let setup = UnifiedSetup {
         extent,
         projection: data.camera.kind(),
@@ -76,15 +76,15 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: DrawMode) -> Drawn {
     let [composite, reflection] =
         ["composite", "reflection"].map(|name| Image::target(gpu, name, LIT_COLOR, extent).unwrap());
     let canvas = Canvas { composite: Some(&composite), reflection: Some(&reflection) };
-    let is = |wide: bool| (0..data.depth.len()).any(|i| data.reflects(i) && (data.roughness[i] > 0.2) == wide);
-    let known = Reflectors { mirrors: false, narrow: is(false), wide: is(true), everywhere: true };
-    assert!(way.tiles || known.kinds() == 1);
+    let has_lobes = |wide: bool| (0..data.depth.len()).any(|i| data.reflects(i) && (data.roughness[i] > 0.2) == wide);
+    let known = Reflectors { mirrors: false, narrow: has_lobes(false), wide: has_lobes(true), everywhere: true };
+    assert!(mode.tiles || known.kinds() == 1);
     let gbuffer = GBuffer { reflectors: known, ..images.gbuffer() };
     let parameters = unified::parameters(&data.camera, extent, true);
     let mut frame = context.begin(Mode::Plain).unwrap();
     let blocks = pyramid.record(&mut frame, &gbuffer, &parameters).unwrap();
     let chain = color.record(&mut frame, &gbuffer).unwrap().0;
-    let tiles = if way.tiles {
+    let tiles = if mode.tiles {
         let tiles = classify.record(&mut frame, &gbuffer, &parameters).unwrap();
         canvas.begin(&mut frame, gbuffer.color).unwrap();
         tiles
@@ -105,14 +105,14 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: DrawMode) -> Drawn {
     }
     frame.finish().unwrap();
     let mut read = |image: &Image| context.read(image.level(0)).unwrap();
-    let vec4 = |t: &[f32]| Vec4::from_slice(t);
+    let vec4 = |texel: &[f32]| Vec4::from_slice(texel);
     let BetweenPasses { records, place, seen, cell_reflection, cell_surface, .. } = gloss.between();
     let [narrow, place, seen, cell_reflection, cell_surface] =
         [records, place, seen, cell_reflection, cell_surface].map(&mut read);
     let pairs = |a: &Pixels, b: &Pixels| -> Vec<[Vec4; 2]> {
         a.texels().zip(b.texels()).map(|(a, b)| [vec4(a), vec4(b)]).collect()
     };
-    let unpack = |t: &[f32]| NeighbourRay::unpack_record([0, 1, 2, 3].map(|i: usize| t[i].to_bits()));
+    let unpack = |texel: &[f32]| NeighbourRay::unpack_record([0, 1, 2, 3].map(|i: usize| texel[i].to_bits()));
     let wide = pairs(&place, &seen).into_iter().map(|[key, color]| NeighbourRay { key, color }).collect();
     let cells = pairs(&cell_reflection, &cell_surface);
     let cells = cells.into_iter().map(|[reflection, surface]| ResolvedCell { reflection, surface }).collect();
@@ -132,31 +132,31 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, way: DrawMode) -> Drawn {
     }
 }
 
-/// An image with its texels in another type.
+/// Returns an image with its texels converted to another type.
 fn level<T>(pixels: &Pixels, texels: Vec<T>) -> Level<T> {
     Level { width: pixels.width, height: pixels.height, texels }
 }
 
-/// One step of 16-bit floats at a value: a device may round a stored value up or down.
+/// Returns one step of 16-bit floats at a value. A device may round a stored value up or down.
 fn half_step(value: f32) -> f32 {
     (value.abs() / 1024.0).max(6e-8)
 }
 
-/// The error that 32-bit arithmetic adds, in steps of 16-bit storage: 2⁻¹² of a value, which is 4096 roundings. A
-/// weight takes a few tens of operations, among them an exponent whose error is up to 14 units in the last place. A
-/// mean of colours that are not negative has at most twice the relative error of its weights.
+/// The error that 32-bit arithmetic adds, in steps of 16-bit storage. A quarter of a step is 2⁻¹² of a value, which is
+/// 4096 roundings. A weight takes a few tens of operations, among them an exponent whose error is up to 14 units in the
+/// last place. A mean of colours that are not negative has at most twice the relative error of its weights.
 const ARITHMETIC: f32 = 0.25;
 
-/// The greatest error of a ray's direction on the device. It has 16 roundings, and the effect of one step of 1 − u on
-/// the sine of the angle from the lobe's middle: sin² = −2 ln(1 − u) / (α + 1). Vulkan allows larger errors of `cos`
-/// and `sin`; on a device with such errors, rays would go elsewhere and this test would fail.
+/// Returns the greatest error of a ray's direction on the device. It has 16 roundings, and the effect of one step of 1
+/// − u on the sine of the angle from the lobe's middle: sin² = −2 ln(1 − u) / (α + 1). Vulkan allows larger errors of
+/// `cos` and `sin`; on a device with such errors, rays would end elsewhere and the test would fail.
 fn aim_error(aim: &AimedRay) -> f32 {
-    let of_square = f32::EPSILON / aim.lobe.power;
+    let square_error = f32::EPSILON / aim.lobe.power;
     let sine = aim.direction.distance(aim.lobe.mirror);
-    16.0 * f32::EPSILON / 2.0 + of_square / sine.max(of_square.sqrt())
+    16.0 * f32::EPSILON / 2.0 + square_error / sine.max(square_error.sqrt())
 }
 
-/// Numbers of a pass that was compared.
+/// Counts of what was compared in a pass.
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Count {
     /// Rays, or pixels and cells, that were compared.
@@ -170,6 +170,7 @@ pub(crate) struct Count {
 }
 
 impl Count {
+    /// Adds the counts of another comparison.
     fn add(&mut self, other: Self) {
         self.all += other.all;
         self.hits += other.hits;
@@ -178,17 +179,17 @@ impl Count {
     }
 }
 
-/// A ray, and eight rays whose directions are off by [`aim_error`] to all sides.
+/// Returns a ray, and eight rays whose directions are off by [`aim_error`] to all sides.
 fn aims(aim: AimedRay) -> impl Iterator<Item = AimedRay> {
     let (x, y) = aim.direction.any_orthonormal_pair();
     let aside = (0..8).map(move |i| {
         let (sin, cos) = (i as f32 * std::f32::consts::FRAC_PI_4).sin_cos();
         aim_error(&aim) * (cos * x + sin * y)
     });
-    std::iter::once(Vec3::ZERO).chain(aside).map(move |off| AimedRay { direction: aim.direction + off, ..aim })
+    std::iter::once(Vec3::ZERO).chain(aside).map(move |offset| AimedRay { direction: aim.direction + offset, ..aim })
 }
 
-/// Holds a stored ray against its twin. The ray must lie between the results of the twin along directions that are off
+/// Compares a stored ray with its twin. The ray must lie between the results of the twin along directions that are off
 /// by the device's error. The numbers of the key and the 16-bit colours may be off by their rounding besides.
 /// `key_error` gives the rounding of each number of the key.
 fn check_ray(
@@ -200,16 +201,16 @@ fn check_ray(
     count: &mut Count,
 ) {
     let all: Vec<NeighbourRay> = aims(aim).map(|aim| twin(&aim)).collect();
-    let fold = |by: fn(Vec4, Vec4) -> Vec4| {
+    let bound = |pick: fn(Vec4, Vec4) -> Vec4| {
         let pairs = all.iter().map(|ray| [ray.key, ray.color]);
-        pairs.reduce(|a, b| [by(a[0], b[0]), by(a[1], b[1])]).unwrap()
+        pairs.reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])]).unwrap()
     };
-    let ([key_low, color_low], [key_high, color_high]) = (fold(Vec4::min), fold(Vec4::max));
+    let ([key_low, color_low], [key_high, color_high]) = (bound(Vec4::min), bound(Vec4::max));
     let key_allowed = Vec4::from(key_error(&aim, found));
     let color_allowed = Vec4::from(color_high.to_array().map(half_step));
-    let off = |found: Vec4, low: Vec4, high: Vec4| (low - found).max(found - high);
-    let is_right = off(found.key, key_low, key_high).cmple(key_allowed).all()
-        && off(found.color, color_low, color_high).cmple(color_allowed).all();
+    let outside_by = |found: Vec4, low: Vec4, high: Vec4| (low - found).max(found - high);
+    let is_right = outside_by(found.key, key_low, key_high).cmple(key_allowed).all()
+        && outside_by(found.color, color_low, color_high).cmple(color_allowed).all();
     if !is_right && count.wrong == 0 {
         println!("  {found:?}, twins: {all:?}, {aim:?}, {:?}", gloss.trace_glossy_ray(&aim));
     }
@@ -222,27 +223,28 @@ fn check_ray(
     });
 }
 
-/// Holds two images of 16-bit floats, reflection and composite, against the twin's. With another reflection behind, the
-/// fade is rounded before the first image is divided by it: a second step, and a longer one where the fade is small.
+/// Compares a pixel of two images of 16-bit floats, reflection and composite, with the twin's. If another reflection
+/// lies behind, the fade is rounded before the first image is divided by it: a second step, and a longer one where the
+/// fade is small.
 fn check_shown(found: [Vec4; 2], twin: [Vec4; 2], over: bool, count: &mut Count) {
     let fade = twin[0].w;
-    let of_fade = if fade > 0.0 { half_step(fade) / fade } else { 1.0 / 1024.0 };
-    let allowed = |t: f32, image: usize| match over {
-        true if image == 0 => (1.0 + ARITHMETIC) * half_step(t) + t.abs() * of_fade,
-        true => (2.0 + ARITHMETIC) * half_step(t),
-        false => (1.0 + ARITHMETIC) * half_step(t),
+    let fade_error = if fade > 0.0 { half_step(fade) / fade } else { 1.0 / 1024.0 };
+    let allowed = |twin_value: f32, image: usize| match over {
+        true if image == 0 => (1.0 + ARITHMETIC) * half_step(twin_value) + twin_value.abs() * fade_error,
+        true => (2.0 + ARITHMETIC) * half_step(twin_value),
+        false => (1.0 + ARITHMETIC) * half_step(twin_value),
     };
-    let off = (0..2).any(|image| {
+    let is_wrong = (0..2).any(|image| {
         let pairs = found[image].to_array().into_iter().zip(twin[image].to_array());
-        pairs.into_iter().any(|(f, t)| (f - t).abs() > allowed(t, image))
+        pairs.into_iter().any(|(found_value, twin_value)| (found_value - twin_value).abs() > allowed(twin_value, image))
     });
-    if off && count.wrong == 0 {
+    if is_wrong && count.wrong == 0 {
         println!("  {found:?}\n  twin: {twin:?}");
     }
-    count.add(Count { all: 1, hits: usize::from(twin[0].w > 0.0), ties: 0, wrong: usize::from(off) });
+    count.add(Count { all: 1, hits: usize::from(twin[0].w > 0.0), ties: 0, wrong: usize::from(is_wrong) });
 }
 
-/// The pixels of an image, row after row.
+/// Returns the coordinates of the pixels of an image, row after row.
 fn pixels(width: u32, height: u32) -> impl Iterator<Item = IVec2> {
     (0..height as i32).flat_map(move |y| (0..width as i32).map(move |x| IVec2::new(x, y)))
 }
@@ -251,9 +253,9 @@ fn pixels(width: u32, height: u32) -> impl Iterator<Item = IVec2> {
 pub(crate) type Counts = [Count; 5];
 
 /// Compares the results of every pass with the twin's, and counts.
-pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: DrawMode) -> Counts {
-    let traversal = Traversal::new(data).of_version(way.oracle);
-    let gloss = Gloss::new(&traversal, &drawn.chain, Some(FADE), way.over);
+pub(crate) fn check(data: &GBufferData, drawn: &Drawn, mode: DrawMode) -> Counts {
+    let traversal = Traversal::new(data).of_version(mode.oracle);
+    let gloss = Gloss::new(&traversal, &drawn.chain, Some(FADE), mode.over);
     let mut counts = Counts::default();
     let [narrow, wide, cells, resolve_narrow, resolve_wide] = &mut counts;
     // The middle of a narrow lobe is stored in steps of 1 / 32767 along two axes, and rounding may move it by one step.
@@ -262,9 +264,9 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: DrawMode) -> Counts 
         let step = 4.0 / 32767.0;
         [step, step, step, 8.0 * f32::EPSILON * aim.lobe.power.sqrt()]
     };
-    // Places and densities of wide lobes are exact but for the last bits of the greatest coordinate. Where a ray goes
-    // far, the error grows with its depth over the depth at which it begins. The way to a near hit has a thousand times
-    // the error.
+    // Places and densities of wide lobes are exact but for the last bits of the greatest coordinate. If a ray goes far,
+    // the error grows with the depth of its end over that of its start. A near hit is stored a thousand times as far
+    // away along its ray, which makes its error a thousand times as great.
     let wide_error = |aim: &AimedRay, found: &NeighbourRay| {
         let place = found.key.truncate().abs().max_element() * (found.key.z / aim.point.z).max(1.0);
         let is_near = |position: Vec2| (position - aim.pixel.as_vec2() - 0.5).abs().max_element() < 8.5;
@@ -272,19 +274,19 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: DrawMode) -> Counts 
         let last = 8.0 * f32::EPSILON * if near { 1000.0 * aim.point.abs().max_element() } else { place };
         [last, last, last, 8.0 * f32::EPSILON * 64.0]
     };
-    for p in pixels(data.width, data.height) {
-        let (x, y) = (p.x as u32, p.y as u32);
-        if let Some(aim) = gloss.aim_narrow(p) {
+    for pixel in pixels(data.width, data.height) {
+        let (x, y) = (pixel.x as u32, pixel.y as u32);
+        if let Some(aim) = gloss.aim_narrow(pixel) {
             let twin = |aim: &AimedRay| NeighbourRay::unpack_record(gloss.trace_narrow_pixel(aim).pack_record());
             check_ray(&gloss, aim, &drawn.narrow.at_clamped(x, y), narrow_error, twin, narrow);
         }
         let shown = [&drawn.reflection, &drawn.composite].map(|image| Vec4::from_slice(image.texel(x, y)));
-        let (twin, count) = match gloss.resolve_narrow(&drawn.narrow, p) {
+        let (twin, count) = match gloss.resolve_narrow(&drawn.narrow, pixel) {
             Some(twin) => (Some(twin), &mut *resolve_narrow),
-            None => (gloss.resolve_wide(&drawn.cells, p), &mut *resolve_wide),
+            None => (gloss.resolve_wide(&drawn.cells, pixel), &mut *resolve_wide),
         };
         match twin {
-            Some((reflection, color)) => check_shown(shown, [reflection, color.extend(1.0)], way.over, count),
+            Some((reflection, color)) => check_shown(shown, [reflection, color.extend(1.0)], mode.over, count),
             // Pixels without a glossy reflection are copied, and nothing is rounded.
             None => {
                 let i = data.index(x, y);
@@ -300,12 +302,12 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, way: DrawMode) -> Counts 
         let twin = |aim: &AimedRay| gloss.trace_wide_cell(aim);
         check_ray(&gloss, aim, &drawn.wide.at_clamped(x, y), wide_error, twin, wide);
         let (found, twin) = (drawn.cells.at_clamped(x, y), gloss.resolve_cell(&drawn.wide, cell));
-        check_shown([found.reflection, found.surface], [twin.reflection, twin.surface], way.over, cells);
+        check_shown([found.reflection, found.surface], [twin.reflection, twin.surface], mode.over, cells);
     }
     counts
 }
 
-/// The G-buffer of a built-in view with one roughness.
+/// Draws the G-buffer of a view of the rooms with one roughness and one deviation of normals.
 pub(crate) fn rooms(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32) -> GBufferData {
     let scene = crate::common::built_in("rooms");
     let view = scene.view(view).unwrap();
@@ -319,8 +321,8 @@ pub(crate) fn rooms(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, dev
     gbuffer::read(&mut stage.context, &shot).unwrap()
 }
 
-/// The G-buffer with a random roughness in each square of `block` pixels a side, so that mirrors, narrow lobes and wide
-/// lobes are neighbours. One square in ten does not reflect.
+/// Returns the G-buffer with a random roughness in each square of `block` pixels a side, so that mirrors, narrow lobes
+/// and wide lobes are neighbours. One square in ten does not reflect.
 pub(crate) fn mixed(data: &GBufferData, block: u32) -> GBufferData {
     let stream = Stream::new(u64::from(block), u64::from(data.width));
     let mut mixed = data.clone();
@@ -334,12 +336,12 @@ pub(crate) fn mixed(data: &GBufferData, block: u32) -> GBufferData {
     mixed
 }
 
-/// A value rounded to a 16-bit float.
+/// Rounds a value to a 16-bit float.
 fn half(v: f32) -> f32 {
     half::f16::from_f32(v).to_f32()
 }
 
-/// A G-buffer of noise: depths from 0.2 to 400, normals in any direction, colours up to thousands.
+/// Returns a G-buffer of noise: depths from 0.2 to 400 m, normals in any direction, colours up to thousands.
 pub(crate) fn noise(extent: [u32; 2]) -> GBufferData {
     let count = u64::from(extent[0]) * u64::from(extent[1]);
     let stream = Stream::new(count, 7);
@@ -359,7 +361,7 @@ pub(crate) fn noise(extent: [u32; 2]) -> GBufferData {
     }
 }
 
-/// A G-buffer with sky in six of ten pixels.
+/// Returns the G-buffer with sky in six of ten pixels.
 fn under_sky(data: &GBufferData) -> GBufferData {
     let stream = Stream::new(6, u64::from(data.width));
     let depth = |(i, depth): (usize, &f32)| if stream.uniform(i as u64) < 0.6 { 0.0 } else { *depth };
@@ -367,7 +369,7 @@ fn under_sky(data: &GBufferData) -> GBufferData {
 }
 
 /// Each glossy pass on views of the corridor, on mixed roughnesses and on noise equals its twin within the allowed
-/// error. Few rays are ties.
+/// error. Few rays are ties. An error of one pass would show in an image only as a little more noise.
 #[test]
 fn every_glossy_pass_is_its_twin() {
     use OracleVersion::{V1, V2};
@@ -388,17 +390,17 @@ fn every_glossy_pass_is_its_twin() {
     cases.push(("noise under a sky".to_owned(), under_sky(&noise([66, 65])), true));
     let take = if is_gpu_assisted() { 1 } else { usize::MAX };
     let mut totals = Counts::default();
-    for (name, data, of_one_kind) in cases.iter().take(take) {
-        for (oracle, tiles, over) in [(V1, !of_one_kind, false), (V2, true, true)] {
-            let way = DrawMode { oracle, tiles, over };
-            let counts = check(data, &draw(&gpu, data, way), way);
-            println!("{name}, {way:?}: {:?}", counts.map(|c| [c.all, c.hits, c.ties, c.wrong]));
-            let most = |c: &Count| tolerated_share(&gpu) * c.all as f64;
-            assert!(counts.iter().all(|c| c.wrong as f64 <= most(c)), "{name}, {way:?}");
+    for (name, data, is_of_one_kind) in cases.iter().take(take) {
+        for (oracle, tiles, over) in [(V1, !is_of_one_kind, false), (V2, true, true)] {
+            let mode = DrawMode { oracle, tiles, over };
+            let counts = check(data, &draw(&gpu, data, mode), mode);
+            println!("{name}, {mode:?}: {:?}", counts.map(|count| [count.all, count.hits, count.ties, count.wrong]));
+            let most = |count: &Count| tolerated_share(&gpu) * count.all as f64;
+            assert!(counts.iter().all(|count| count.wrong as f64 <= most(count)), "{name}, {mode:?}");
             totals.iter_mut().zip(counts).for_each(|(total, count)| total.add(count));
         }
     }
-    println!("rays or pixels, hits, ties: {:?}", totals.map(|c| [c.all, c.hits, c.ties]));
+    println!("rays or pixels, hits, ties: {:?}", totals.map(|count| [count.all, count.hits, count.ties]));
     // Each pass has over 5000 hits, and less than one ray in 1000 could end in several pixels.
     for Count { all, hits, ties, .. } in totals.into_iter().take(take) {
         assert!(hits > 5000 && hits < all && ties * 1000 < all, "{all}, {hits}, {ties}");
@@ -411,14 +413,14 @@ fn every_glossy_pass_is_its_twin() {
 #[test]
 fn a_ray_that_is_not_gathered_is_seen() {
     let gpu = gpu();
-    let way = DrawMode { oracle: OracleVersion::V1, tiles: true, over: false };
+    let mode = DrawMode { oracle: OracleVersion::V1, tiles: true, over: false };
     for (roughness, traced, shown) in [(0.1, 0, 3), (0.5, 1, 2)] {
         let data = rooms(&gpu, "corridor", [127, 61], roughness, 0.0);
-        let mut drawn = draw(&gpu, &data, way);
+        let mut drawn = draw(&gpu, &data, mode);
         for rays in [&mut drawn.narrow, &mut drawn.wide] {
             rays.texels.iter_mut().step_by(16).for_each(|ray| *ray = NeighbourRay::unpack_record([0; 4]));
         }
-        let counts = check(&data, &drawn, way);
+        let counts = check(&data, &drawn, mode);
         assert!(counts[traced].wrong * 20 > counts[traced].all, "{counts:?}");
         // Each replaced ray lies in the neighbourhood of 9 pixels, or of 25 cells.
         assert!(counts[shown].wrong * 10 > counts[shown].all, "{counts:?}");

@@ -1,5 +1,5 @@
-//! The page of words (`docs/glossary.md`): each name in the code that its tables give exists, and each word stands
-//! once.
+//! Tests the page of words (`docs/glossary.md`): each name in the code that its tables give exists, and each word
+//! stands there once.
 
 use crate::common::repository;
 use crate::common::sources::{GLSL, texts};
@@ -11,7 +11,8 @@ const CODE: [&str; 5] = ["build.rs", "c", "lab", "shaders-glsl", "src"];
 /// Cells of a row: the term, its meaning, its unit, its names in the code, and what others call it.
 const COLUMNS: usize = 5;
 
-/// Each row has five cells and a term of its own, and its names of code occur in the sources.
+/// Each row has five cells and a term of its own, and its names of code occur in the sources. Renamed types and
+/// functions would leave dead names on the page.
 #[test]
 fn what_the_glossary_names_is_in_the_code() {
     let page = std::fs::read_to_string(repository().join("docs/glossary.md")).unwrap();

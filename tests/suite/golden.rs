@@ -1,7 +1,9 @@
-//! Small images of the built-in scenes, kept in `tests/golden/`, a sheet for each view, and compared by FLIP. They are
-//! drawn without anisotropy, since each driver places the samples of an anisotropic filter as it likes. On lavapipe,
-//! maps are filtered in floating point (docs/devices.md). To renew the sheets after an intended change:
-//! `SSCT_UPDATE_GOLDEN=1 cargo test --test suite golden::`, and look at them.
+//! Compares small images of the built-in scenes with kept ones by FLIP: `tests/golden/` has a sheet of them for each
+//! view.
+//!
+//! The images are drawn without anisotropy, since each driver places the samples of an anisotropic filter as it likes.
+//! On lavapipe, maps are filtered in floating point (docs/devices.md). To renew the sheets after an intended change,
+//! run `SSCT_UPDATE_GOLDEN=1 cargo test --test suite golden::`, and look at them.
 
 use crate::common::{gpu, repository, unfaded};
 use ssct::gpu::{DeviceQuery, Gpu};
@@ -60,33 +62,33 @@ impl Sheet {
         Self { path, image }
     }
 
-    /// The left upper corner of the image of a method on a sheet, in pixels. Methods are numbered in the order of the
-    /// table.
+    /// Returns the upper left corner of the image of a method on a sheet, in pixels. Methods are numbered in the order
+    /// of the table.
     fn corner(number: usize) -> [u32; 2] {
         let number = number as u32;
         [number % COLUMNS * EXTENT[0], number / COLUMNS * EXTENT[1]]
     }
 
-    /// The kept image of a method.
+    /// Returns the kept image of a method.
     fn get(&self, number: usize) -> image::RgbImage {
         let [x, y] = Self::corner(number);
         image::imageops::crop_imm(&self.image, x, y, EXTENT[0], EXTENT[1]).to_image()
     }
 
     /// Puts the new image of a method on the sheet.
-    fn put(&mut self, number: usize, made: &Rgb) {
+    fn put(&mut self, number: usize, new_image: &Rgb) {
         let [x, y] = Self::corner(number);
-        let made = image::RgbImage::from_raw(made.width, made.height, made.bytes.clone()).unwrap();
-        image::imageops::replace(&mut self.image, &made, x.into(), y.into());
+        let new_image = image::RgbImage::from_raw(new_image.width, new_image.height, new_image.bytes.clone()).unwrap();
+        image::imageops::replace(&mut self.image, &new_image, x.into(), y.into());
     }
 }
 
-/// The path at which an image of a failed comparison is written.
+/// Returns the path at which an image of a failed comparison is written.
 fn failed(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden").join(name)
 }
 
-/// Whether the sheets are to be renewed instead of compared.
+/// Returns whether the sheets are to be renewed instead of compared.
 fn is_updating() -> bool {
     std::env::var_os("SSCT_UPDATE_GOLDEN").is_some_and(|v| v == "1")
 }
@@ -110,19 +112,19 @@ fn compare(stem: &str, known: &image::RgbImage, image: &Rgb) -> Option<String> {
     ))
 }
 
-/// A variable of Mesa, and the word in it by which lavapipe filters maps of 8 bits in floating point. Without it,
-/// lavapipe filters in fixed point, which Mesa 26 rounds otherwise than Mesa 22 and 25.
+/// An environment variable of Mesa, and the word in it by which lavapipe filters maps of 8 bits in floating point.
+/// Without it, lavapipe filters in fixed point, which Mesa 26 rounds otherwise than Mesa 22 and 25.
 const FILTER: [&str; 2] = ["GALLIVM_PERF", "no_aos_sampling"];
 
-/// Every method on every view of `VIEWS`, on each device that is there, differs from the kept image by a mean FLIP
-/// below 0.01.
+/// Every method on every view of `VIEWS`, on each usable device, differs from the kept image by a mean FLIP below 0.01.
+/// A change that no other test covers shows here.
 #[test]
 fn images_of_the_built_in_scenes_are_as_they_were() {
     let [variable, word] = FILTER;
-    let set = std::env::var(variable).unwrap_or_default();
-    if !set.contains(word) {
+    let words_set = std::env::var(variable).unwrap_or_default();
+    if !words_set.contains(word) {
         // A driver reads the variable when it is loaded, so that a process of its own has it.
-        let words = if set.is_empty() { word.to_owned() } else { format!("{set},{word}") };
+        let words = if words_set.is_empty() { word.to_owned() } else { format!("{words_set},{word}") };
         let arguments = ["golden::images_of_the_built_in_scenes_are_as_they_were", "--exact", "--nocapture"];
         let this = std::env::current_exe().unwrap();
         let output = Command::new(this).args(arguments).env(variable, words).output().unwrap();
@@ -133,8 +135,11 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
     let devices = ssct::gpu::device::devices().unwrap();
     let usable: Vec<_> = devices.into_iter().filter(|d| d.unsuitable.is_none()).collect();
     assert!(!usable.is_empty());
-    if let [one] = &usable[..] {
-        println!("one device here, {} ({}): held against the images alone", one.info.name, one.info.driver);
+    if let [only_device] = &usable[..] {
+        println!(
+            "one device here, {} ({}): held against the images alone",
+            only_device.info.name, only_device.info.driver
+        );
     }
     for device in &usable {
         // All devices are compared with one image, so that two devices are also close to each other.
@@ -149,7 +154,7 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
     }
 }
 
-/// Holds every method on every view against its kept image.
+/// Compares the image of every method on every view with its kept image.
 fn check(gpu: &Gpu) {
     let mut wrong = Vec::new();
     let setup = crate::common::with_small_captures(&Setup::on_screen(EXTENT));
@@ -182,8 +187,8 @@ fn check(gpu: &Gpu) {
     assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n"));
 }
 
-/// The bound tells changes apart: another preset, another filter of the colour chain, and no fade each differ by over
-/// five times the bound.
+/// Another preset, another filter of the colour chain, and no fade each differ from the usual image by over five times
+/// the bound. A wider bound could hide such changes.
 #[test]
 fn a_changed_pass_is_seen() {
     if is_updating() {
@@ -208,13 +213,13 @@ fn a_changed_pass_is_seen() {
     };
     let usual = Setup::on_screen(EXTENT);
     let known = image(&usual);
-    for (what, setup) in [
+    for (change, setup) in [
         ("preset", usual.of_preset(Preset::Author)),
         ("filter", usual.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian)),
         ("fade", unfaded(EXTENT)),
     ] {
         let mean = FlipMap::new(&known.bytes, &image(&setup).bytes, EXTENT[0], EXTENT[1]).mean();
-        println!("{what}: FLIP {mean:.5}");
-        assert!(mean > 5.0 * BOUND, "{what}: FLIP {mean}");
+        println!("{change}: FLIP {mean:.5}");
+        assert!(mean > 5.0 * BOUND, "{change}: FLIP {mean}");
     }
 }

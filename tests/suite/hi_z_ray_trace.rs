@@ -1,4 +1,5 @@
-//! The twin of the Hi-Z ray tracing on the CPU against the shader, ray by ray, over the Hi-Z chain that the pass made.
+//! Compares the twin of the Hi-Z ray tracing on the CPU with the shader, ray by ray, over the Hi-Z chain that the pass
+//! made.
 
 use glam::{Vec2, Vec3};
 use ssct::gpu::Pixels;
@@ -16,6 +17,7 @@ use ssct_truth::reference::hi_z_ray_trace::{End, reflection_ray, trace};
 const SIZE: [u32; 2] = [97, 55];
 
 /// In two views, at least 98 % of the rays of the shader and of the twin end in one way, and hits lie within a pixel.
+/// The twin draws figures and counts steps, which are wrong if it goes another way.
 #[test]
 fn every_ray_ends_where_the_shader_says() {
     let gpu = crate::common::gpu();
@@ -45,7 +47,7 @@ fn every_ray_ends_where_the_shader_says() {
         let numbers = published.fill(thesis::block(&camera, SIZE, chain.len() as u32, true));
         let constants = hi_z_constants(&numbers);
         let size = Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
-        let (mut rays, mut same, mut hit) = (0, 0, 0);
+        let (mut rays, mut agreeing, mut hit_count) = (0, 0, 0);
         for y in 0..SIZE[1] {
             for x in 0..SIZE[0] {
                 let found = hits.texel(x, y);
@@ -62,16 +64,16 @@ fn every_ray_ends_where_the_shader_says() {
                     PathCode::Miss => End::LeftScreen,
                     _ => End::Exhausted,
                 };
-                let off = (traced.last().truncate() - Vec2::new(found[0], found[1])) * size;
-                let agrees = traced.end == end && (end != End::Hit || off.abs().max_element() <= 1.0);
+                let offset = (traced.last().truncate() - Vec2::new(found[0], found[1])) * size;
+                let agrees = traced.end == end && (end != End::Hit || offset.abs().max_element() <= 1.0);
                 rays += 1;
-                hit += u32::from(end == End::Hit);
-                same += u32::from(agrees);
+                hit_count += u32::from(end == End::Hit);
+                agreeing += u32::from(agrees);
             }
         }
-        println!("{name}: {same} of {rays} rays agree, {hit} hit");
-        assert!(rays > 1000 && hit > 500, "{name}: {rays} rays, {hit} hits");
+        println!("{name}: {agreeing} of {rays} rays agree, {hit_count} hit");
+        assert!(rays > 1000 && hit_count > 500, "{name}: {rays} rays, {hit_count} hits");
         // In the other rays, rounding decides whether a ray meets a cell, and the ray goes on differently from there.
-        assert!(f64::from(same) >= 0.98 * f64::from(rays), "{name}: {same} of {rays}");
+        assert!(f64::from(agreeing) >= 0.98 * f64::from(rays), "{name}: {agreeing} of {rays}");
     }
 }

@@ -1,5 +1,5 @@
-//! The history of `unified`: what it averages at rest, which pixels it leaves alone, and how it follows a camera or a
-//! mesh that moves.
+//! Tests the history of `unified`: what it averages at rest, which pixels it leaves alone, and how it follows a camera
+//! or a mesh that moves.
 
 use crate::common::gpu;
 use glam::{Vec2, Vec3};
@@ -15,7 +15,7 @@ const EXTENT: [u32; 2] = [161, 91];
 /// The number of frames that the history averages.
 const AVERAGED: u32 = 8;
 
-/// A setup with a history.
+/// Returns a setup with a history.
 fn with_history() -> Setup {
     Setup::new(EXTENT).with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, AVERAGED))
 }
@@ -29,13 +29,13 @@ struct Moment {
 }
 
 impl Moment {
-    /// A moment at rest: the view, with the ball in its own place and no shift.
+    /// Returns a moment at rest: the view, with the ball in its own place and no shift.
     fn from_view(view: &View) -> Self {
         Self { view: view.clone(), ball: Placement::HERE, shift: [0.0; 2] }
     }
 }
 
-/// The reflections that `unified` makes of a scene, one image for each moment.
+/// Returns the reflections that `unified` makes of a scene, one image for each moment.
 fn film(scene: &Scene, roughness: f32, setup: &Setup, moments: &[Moment]) -> Vec<Vec<[f32; 3]>> {
     let gpu = gpu();
     let mut stage = Stage::new(&gpu, scene).unwrap();
@@ -43,34 +43,34 @@ fn film(scene: &Scene, roughness: f32, setup: &Setup, moments: &[Moment]) -> Vec
     let camera = |moment: &Moment| moment.view.camera(scene, EXTENT).jittered(moment.shift, EXTENT);
     let first = camera(&moments[0]);
     let mut shot = Shot::new(&mut stage, find("unified").unwrap(), setup, Wants::REFLECTION, first, materials).unwrap();
-    let mut made = Vec::new();
+    let mut images = Vec::new();
     for moment in moments {
         stage.scene_mut().place_meshes("ball", moment.ball).unwrap();
         shot.camera = camera(moment);
         let (_, _, output) = stage.output(&shot).unwrap();
         let image = gbuffer::reflection(&mut stage.context, &output).unwrap();
-        made.push(image.texels().map(|t| [t[0], t[1], t[2]]).collect());
+        images.push(image.texels().map(|t| [t[0], t[1], t[2]]).collect());
     }
     gpu.check_validation().unwrap();
-    made
+    images
 }
 
-/// The rooms, and the view of their corridor.
+/// Returns the rooms, and the view of their corridor.
 fn rooms() -> (Scene, View) {
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap().clone();
     (scene, view)
 }
 
-/// The rooms with the normals of their triangles, in which all drivers draw alike: each driver filters maps of normals
-/// in its own way (docs/devices.md).
+/// Returns the rooms with the normals of their triangles, which all drivers draw alike: each driver filters maps of
+/// normals in its own way (docs/devices.md).
 fn rooms_without_bumps() -> (Scene, View) {
     let (mut scene, view) = rooms();
     scene.materials.iter_mut().for_each(|material| material.normal_deviation = 0.0);
     (scene, view)
 }
 
-/// A camera that moves aside by 2 cm in each of some frames and then rests.
+/// Returns the moments of a camera that moves aside by 2 cm in each of `moving` frames and then rests.
 fn walk(view: &View, moving: u32, resting: u32) -> Vec<Moment> {
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
     let place = |n: u32| {
@@ -80,18 +80,20 @@ fn walk(view: &View, moving: u32, resting: u32) -> Vec<Moment> {
     (0..=moving + resting).map(|n| Moment::from_view(&place(n))).collect()
 }
 
-/// A camera at rest; after some frames, the ball rolls by 3 cm along x and along z in each frame.
+/// Returns the moments of a camera at rest: after `resting` frames, the ball rolls by 3 cm along x and along z in each
+/// frame.
 fn roll(view: &View, resting: u32, rolling: u32) -> Vec<Moment> {
     let ball = |n: u32| Vec3::new(-0.03, 0.0, -0.03) * n.saturating_sub(resting) as f32;
     (0..=resting + rolling).map(|n| Moment { ball: ball(n).into(), ..Moment::from_view(view) }).collect()
 }
 
-/// The root mean square difference of two images, over all pixels.
+/// Returns the root mean square difference of two images, over all pixels.
 fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     masked_rmse(a, b, &vec![true; a.len()])
 }
 
-/// At roughness 0, the film with a history equals the film without, to the bit.
+/// At roughness 0, the film with a history equals the film without, to the bit. A mirror has no noise, so that
+/// averaging could only smear it.
 #[test]
 fn mirrors_have_no_history() {
     let (scene, view) = rooms();
@@ -100,8 +102,8 @@ fn mirrors_have_no_history() {
     assert!(alone == averaged, "a history changes a mirror");
 }
 
-/// With a camera at rest, the image changes while frames are averaged. From the eighth frame on, it is the same to the
-/// bit.
+/// While the camera rests, the image changes as long as frames are averaged. From the eighth frame on, it is the same
+/// to the bit. A history that keeps rounding would drift for ever.
 #[test]
 fn at_rest_the_picture_settles_and_then_stands_still_to_the_bit() {
     let (scene, view) = rooms();
@@ -117,7 +119,7 @@ fn at_rest_the_picture_settles_and_then_stands_still_to_the_bit() {
 }
 
 /// Four frames after a moving camera stops, the error against the settled image is below 0.7 of the error of one frame
-/// without a history.
+/// without a history. A history that keeps old frames too long would trail behind.
 #[test]
 fn four_frames_after_a_stop_the_picture_is_what_it_will_be() {
     let (scene, view) = rooms_without_bumps();
@@ -135,14 +137,14 @@ fn four_frames_after_a_stop_the_picture_is_what_it_will_be() {
     }
 }
 
-/// The mean of images, as a renderer averages the frames of a jittered camera.
+/// Returns the mean of images, as a renderer averages the frames of a jittered camera.
 fn mean(images: &[Vec<[f32; 3]>]) -> Vec<[f32; 3]> {
-    let sum = |n: usize, c: usize| images.iter().map(|image| image[n][c]).sum::<f32>();
-    (0..images[0].len()).map(|n| [0, 1, 2].map(|c| sum(n, c) / images.len() as f32)).collect()
+    let sum = |pixel: usize, channel: usize| images.iter().map(|image| image[pixel][channel]).sum::<f32>();
+    (0..images[0].len()).map(|pixel| [0, 1, 2].map(|channel| sum(pixel, channel) / images.len() as f32)).collect()
 }
 
 /// Over five phases of a jitter, the mean image with a history is nearer to the truth than without, by a factor of 0.6
-/// for narrow lobes and 0.7 for wide ones.
+/// for narrow lobes and 0.7 for wide ones. A history that takes the jitter for motion would begin anew in each frame.
 #[test]
 fn a_jittered_camera_at_rest_is_at_rest() {
     let (scene, view) = rooms();
@@ -161,9 +163,12 @@ fn a_jittered_camera_at_rest_is_at_rest() {
             let frames = film(&scene, roughness, setup, &moments);
             rmse(&truth, &mean(&frames[3 * phases.len()..]))
         };
-        let [with, without] = [with_history(), Setup::new(EXTENT)].map(|setup| over_phases(&setup));
-        println!("roughness {roughness}: {with:.4} with a history, {without:.4} without");
-        assert!(with < most * without, "roughness {roughness}: {with} with a history, {without} without");
+        let [error_with, error_without] = [with_history(), Setup::new(EXTENT)].map(|setup| over_phases(&setup));
+        println!("roughness {roughness}: {error_with:.4} with a history, {error_without:.4} without");
+        assert!(
+            error_with < most * error_without,
+            "roughness {roughness}: {error_with} with a history, {error_without} without"
+        );
     }
 }
 
@@ -175,13 +180,16 @@ fn a_thing_that_moves_changes_no_pixel_that_does_not_see_it() {
     let [alone, averaged] = [Setup::new(EXTENT), with_history()].map(|setup| film(&scene, 0.1, &setup, &moments));
     // The last two frames are compared, in which the ball rolls. In frames at rest, a history changes the directions of
     // rays.
-    let (from, to) = (moments.len() - 2, moments.len() - 1);
-    let changes = |film: &[Vec<[f32; 3]>], n: usize| film[from][n] != film[to][n];
-    let count = |film: &[Vec<[f32; 3]>]| (0..film[0].len()).filter(|n| changes(film, *n)).count();
-    let [without, with] = [count(&alone), count(&averaged)];
-    println!("{without} pixels change without a history, {with} with one");
-    assert!(without > 50, "the ball changes {without} pixels");
-    assert!(with as f64 <= 1.2 * without as f64, "{with} pixels change with a history, {without} without");
+    let (before, after) = (moments.len() - 2, moments.len() - 1);
+    let changes = |film: &[Vec<[f32; 3]>], pixel: usize| film[before][pixel] != film[after][pixel];
+    let count = |film: &[Vec<[f32; 3]>]| (0..film[0].len()).filter(|pixel| changes(film, *pixel)).count();
+    let [changed_without, changed_with] = [count(&alone), count(&averaged)];
+    println!("{changed_without} pixels change without a history, {changed_with} with one");
+    assert!(changed_without > 50, "the ball changes {changed_without} pixels");
+    assert!(
+        changed_with as f64 <= 1.2 * changed_without as f64,
+        "{changed_with} pixels change with a history, {changed_without} without"
+    );
 }
 
 /// After ten frames of rolling, the pixels that showed or show the ball are at most 1.1 times as far from the truth as
@@ -194,18 +202,19 @@ fn nothing_of_a_thing_is_left_where_it_was_reflected() {
     // The truth: frames in which the ball was never elsewhere.
     let still: Vec<Moment> =
         (0..AVERAGED).map(|_| Moment { ball: moments.last().unwrap().ball, ..Moment::from_view(&view) }).collect();
-    let there = film(&scene, 0.1, &with_history(), &still);
+    let settled = film(&scene, 0.1, &with_history(), &still);
     let alone = film(&scene, 0.1, &Setup::new(EXTENT), &still[..1]);
-    let begun = film(&scene, 0.1, &Setup::new(EXTENT), &moments[..1]);
-    let moved: Vec<bool> = begun[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
-    let truth = there.last().unwrap();
-    let [of_rolled, of_alone] = [rolled.last().unwrap(), &alone[0]].map(|image| masked_rmse(truth, image, &moved));
-    println!("where the ball was and is: {of_rolled:.4} with a history, {of_alone:.4} without");
-    assert!(of_rolled < 1.1 * of_alone, "{of_rolled} against {of_alone}");
+    let at_start = film(&scene, 0.1, &Setup::new(EXTENT), &moments[..1]);
+    let moved: Vec<bool> = at_start[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
+    let truth = settled.last().unwrap();
+    let [error_with, error_without] =
+        [rolled.last().unwrap(), &alone[0]].map(|image| masked_rmse(truth, image, &moved));
+    println!("where the ball was and is: {error_with:.4} with a history, {error_without:.4} without");
+    assert!(error_with < 1.1 * error_without, "{error_with} against {error_without}");
 }
 
 /// Places the ball of the rooms twenty times as large before the camera, so deep in the floor that a hill 3.4 m wide
-/// stands out: a slightly curved mirror. Returns the placement, the ball's middle and its radius.
+/// stands out: a slightly curved mirror. Returns the placement, the ball's centre and its radius in metres.
 fn hill(scene: &Scene, view: &View) -> (Placement, Vec3, f32) {
     const SIZE: f32 = 20.0;
     const HEIGHT_M: f32 = 0.3;
@@ -213,17 +222,18 @@ fn hill(scene: &Scene, view: &View) -> (Placement, Vec3, f32) {
     let (ball, radius) = (0.5 * (bounds.min + bounds.max), 0.5 * SIZE * (bounds.max.y - bounds.min.y));
     let floor = scene.meshes.iter().find(|mesh| mesh.name == "floor").unwrap().bounds.max.y;
     let ahead = (view.look_at - view.eye).with_y(0.0).normalize();
-    let middle = (view.eye + 2.5 * ahead).with_y(floor + HEIGHT_M - radius);
-    (Placement { size: SIZE, offset: middle - SIZE * ball, ..Placement::HERE }, middle, radius)
+    let centre = (view.eye + 2.5 * ahead).with_y(floor + HEIGHT_M - radius);
+    (Placement { size: SIZE, offset: centre - SIZE * ball, ..Placement::HERE }, centre, radius)
 }
 
-/// The hill moves aside by 3 cm in each frame: in its pixels, the history has less than 0.75 of the error of one frame.
+/// The hill moves aside by 3 cm in each frame. In its pixels, the history has less than 0.75 of the error of one frame,
+/// since it follows the mesh and not only the camera.
 #[test]
 fn a_mirror_that_moves_finds_what_it_showed() {
     let (scene, view) = rooms_without_bumps();
-    let (hill, middle, radius) = hill(&scene, &view);
+    let (hill, centre, radius) = hill(&scene, &view);
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
-    let view = View { look_at: middle.with_y(middle.y + radius), ..view };
+    let view = View { look_at: centre.with_y(centre.y + radius), ..view };
     let moment = |n: u32| {
         let aside = right * (0.03 * n as f32 - 0.24);
         Moment { ball: Placement { offset: hill.offset + aside, ..hill }, ..Moment::from_view(&view) }
@@ -231,11 +241,11 @@ fn a_mirror_that_moves_finds_what_it_showed() {
     let moments: Vec<Moment> = (0..=AVERAGED).map(moment).collect();
     let last = || moment(AVERAGED);
     let still: Vec<Moment> = (0..2 * AVERAGED).map(|_| last()).collect();
-    let gone = Placement { offset: Vec3::new(0.0, -100.0, 0.0), ..Placement::HERE };
+    let far_below = Placement { offset: Vec3::new(0.0, -100.0, 0.0), ..Placement::HERE };
     for roughness in [0.1, 0.3] {
         let settled = film(&scene, roughness, &with_history(), &still);
         let truth = settled.last().unwrap();
-        let without = film(&scene, roughness, &Setup::new(EXTENT), &[Moment { ball: gone, ..last() }]);
+        let without = film(&scene, roughness, &Setup::new(EXTENT), &[Moment { ball: far_below, ..last() }]);
         let alone = film(&scene, roughness, &Setup::new(EXTENT), &[last()]);
         let shows: Vec<bool> = without[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
         let moved = film(&scene, roughness, &with_history(), &moments);
@@ -248,16 +258,16 @@ fn a_mirror_that_moves_finds_what_it_showed() {
     }
 }
 
-/// The camera moves past the hill, which stands still: in the hill's pixels, the history has a smaller error than one
-/// frame.
+/// The camera moves past the hill, which stands still. In the hill's pixels, the history has a smaller error than one
+/// frame. The reflected point moves over a curved mirror in another way than over a flat one.
 #[test]
 fn a_curved_mirror_finds_what_it_showed() {
     let (scene, view) = rooms_without_bumps();
-    let (placed, middle, radius) = hill(&scene, &view);
+    let (placed, centre, radius) = hill(&scene, &view);
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
     let moment = |n: u32| {
         let aside = right * (0.05 * n.min(8) as f32 - 0.4);
-        let look_at = middle.with_y(middle.y + radius) + aside;
+        let look_at = centre.with_y(centre.y + radius) + aside;
         let view = View { eye: view.eye + aside, look_at, ..view.clone() };
         Moment { ball: placed, ..Moment::from_view(&view) }
     };
@@ -268,12 +278,13 @@ fn a_curved_mirror_finds_what_it_showed() {
     let is_on = |pixel: u32| {
         let place = Vec2::new((pixel % EXTENT[0]) as f32, (pixel / EXTENT[0]) as f32) + 0.5;
         let ndc = (2.0 * place / Vec2::new(EXTENT[0] as f32, EXTENT[1] as f32) - 1.0) * Vec2::new(1.0, -1.0);
-        let along = Vec3::new(ndc.x / scale[0][0], ndc.y / scale[1][1], 1.0);
-        let along = camera.world_to_view.inverse().transform_vector3(along).normalize();
-        let to = middle - camera.eye();
-        let (near, beside) = (to.dot(along), to.cross(along).length());
-        let end = camera.eye() + (near - (radius * radius - beside * beside).max(0.0).sqrt()) * along;
-        near > 0.0 && beside < radius && end.y > middle.y + radius - 0.25
+        let direction = Vec3::new(ndc.x / scale[0][0], ndc.y / scale[1][1], 1.0);
+        let direction = camera.world_to_view.inverse().transform_vector3(direction).normalize();
+        let to_centre = centre - camera.eye();
+        let (distance_to_closest, miss_distance) = (to_centre.dot(direction), to_centre.cross(direction).length());
+        let end = camera.eye()
+            + (distance_to_closest - (radius * radius - miss_distance * miss_distance).max(0.0).sqrt()) * direction;
+        distance_to_closest > 0.0 && miss_distance < radius && end.y > centre.y + radius - 0.25
     };
     let mask: Vec<bool> = (0..EXTENT[0] * EXTENT[1]).map(is_on).collect();
     assert!(mask.iter().filter(|m| **m).count() > 500, "too little of the hill is seen");

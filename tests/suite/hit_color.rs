@@ -1,5 +1,5 @@
-//! The colour of a hit on the screen has nothing of the surface that reflects in it. Where the screen shows sky, rays
-//! that never hit have its colour (docs/definitions.md, "The colour of a hit").
+//! Tests the colour of a hit on the screen: it has nothing of the surface that reflects. Rays that never hit have the
+//! colour of the sky that the screen shows (docs/definitions.md, "The colour of a hit").
 
 use crate::common::{Builder, Shown, camera, check_validation, clutter, clutter_camera, gpu, show, unfaded};
 use glam::{DVec3, Vec3};
@@ -19,7 +19,7 @@ const WALL_Z: f32 = 6.0;
 /// The place of the camera, in metres.
 const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
 
-/// A black mirror floor with a white wall on it, of a height in metres.
+/// Returns a black mirror floor with a white wall on it, of a height in metres.
 fn floor_and_wall(height: f32) -> Scene {
     let mut b = Builder::new("floor and white wall");
     b.light(Vec3::Z);
@@ -30,7 +30,7 @@ fn floor_and_wall(height: f32) -> Scene {
     b.0
 }
 
-/// Images of a scene that a method makes, from an eye that looks along the z axis.
+/// Renders a scene by a method from an eye that looks along the z axis, with all intermediate images.
 fn shown(scene: &Scene, eye: Vec3, method: &str, setup: &Setup) -> Shown {
     let gpu = gpu();
     let shown = show(&gpu, scene, camera(eye, eye + Vec3::Z, EXTENT), method, setup, &Globals::default());
@@ -38,17 +38,17 @@ fn shown(scene: &Scene, eye: Vec3, method: &str, setup: &Setup) -> Shown {
     shown
 }
 
-/// The colours of an intermediate by its name.
+/// Returns the colours of an intermediate by its name.
 fn colors(shown: &Shown, image: &str) -> Vec<Vec3> {
     shown.get(image).texels().map(Vec3::from_slice).collect()
 }
 
-/// For each pixel, whether it reflects.
+/// Returns, for each pixel, whether it reflects.
 fn reflects(shown: &Shown) -> Vec<bool> {
     shown.get("material").texels().map(|t| t[0] > 0.5).collect()
 }
 
-/// A setup without fade in which `unified` traces in a kind of shader.
+/// Returns a setup without fade in which `unified` traces in a kind of shader.
 fn in_stage(choice: StageChoice) -> Setup {
     unfaded(EXTENT).with(|p: &mut UnifiedParams| p.trace_stage = choice)
 }
@@ -58,14 +58,16 @@ fn in_stage(choice: StageChoice) -> Setup {
 #[test]
 fn the_foot_of_a_wall_is_not_mixed_with_the_floor() {
     let scene = floor_and_wall(24.0);
-    let ways = [
+    let variants = [
         ("unified", in_stage(StageChoice::Fragment)),
         ("unified", in_stage(StageChoice::Compute)),
         ("stochastic", unfaded(EXTENT)),
     ];
     // The height of the eye decides how the foot lies among the pixels. From some heights, nothing is mixed even if all
     // four pixels around a hit count.
-    for ((method, setup), height) in ways.iter().flat_map(|way| [1.0, 1.1, 1.2, 1.3, 1.4].map(|height| (way, height))) {
+    for ((method, setup), height) in
+        variants.iter().flat_map(|variant| [1.0, 1.1, 1.2, 1.3, 1.4].map(|height| (variant, height)))
+    {
         let shown = shown(&scene, Vec3::Y * height, method, setup);
         let (reflection, reflects) = (colors(&shown, "reflection"), reflects(&shown));
         let wall = colors(&shown, "color").into_iter().map(|c| c.x).fold(0.0, f32::max);
@@ -77,7 +79,7 @@ fn the_foot_of_a_wall_is_not_mixed_with_the_floor() {
 }
 
 /// Rays that pass over a low wall show the sky that the screen shows in their direction, which is that of the mirrored
-/// row above the horizon, within 0.02.
+/// row above the horizon, within 0.02. A ray that stops at the border of the image would show another part of the sky.
 #[test]
 fn a_ray_that_goes_on_for_ever_shows_the_sky_of_the_screen() {
     let [width, height] = EXTENT;
@@ -85,7 +87,7 @@ fn a_ray_that_goes_on_for_ever_shows_the_sky_of_the_screen() {
         let shown = shown(&floor_and_wall(1.0), EYE, method, &unfaded(EXTENT));
         let (reflection, reflects, color) = (colors(&shown, "reflection"), reflects(&shown), colors(&shown, "color"));
         let depth: Vec<f32> = shown.get("depth").values.clone();
-        let mut all = 0;
+        let mut compared = 0;
         for (x, y) in (height / 2..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let [i, mirrored] = [y, height - 1 - y].map(|y| (y * width + x) as usize);
             // Rays from the floor nearer than 3.27 m pass over the wall, in the direction of the pixel that lies
@@ -95,16 +97,16 @@ fn a_ray_that_goes_on_for_ever_shows_the_sky_of_the_screen() {
             if !reflects[i] || f64::from(EYE.y) / slope > 3.1 || depth[mirrored] > 0.0 {
                 continue;
             }
-            let off = (reflection[i] - color[mirrored]).abs().max_element();
-            assert!(off < 0.02, "{method} at ({x}, {y}): {} for {}", reflection[i], color[mirrored]);
-            all += usize::from(color[mirrored] != Vec3::ZERO);
+            let difference = (reflection[i] - color[mirrored]).abs().max_element();
+            assert!(difference < 0.02, "{method} at ({x}, {y}): {} for {}", reflection[i], color[mirrored]);
+            compared += usize::from(color[mirrored] != Vec3::ZERO);
         }
-        assert!(all > 2000, "{method}: {all}");
+        assert!(compared > 2000, "{method}: {compared}");
     }
 }
 
 /// In the cluttered scene, fewer than one hit in 1000 has a colour that differs by more than 0.01 from the reference's
-/// for that hit.
+/// colour of that hit.
 #[test]
 fn a_mirror_shows_what_the_reference_shows_where_its_ray_hits() {
     let gpu = gpu();
@@ -119,7 +121,7 @@ fn a_mirror_shows_what_the_reference_shows_where_its_ray_hits() {
     let (hierarchy, colors) = (Hierarchy::new(&data), SurfaceColors::new(&data));
     let rays = hierarchy.rays();
     let view_to_world = camera.world_to_view.as_dmat4().inverse();
-    let (mut hits, mut off) = (0, 0);
+    let (mut hits, mut wrong) = (0, 0);
     for (x, y) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (x, y))) {
         let Some(direction) = data.reflects(data.index(x, y)).then(|| rays.mirror(x, y)).flatten() else { continue };
         let Outcome::Hit { pixel: [i, j], position } = hierarchy.trace(x, y).outcome else { continue };
@@ -134,13 +136,13 @@ fn a_mirror_shows_what_the_reference_shows_where_its_ray_hits() {
         let ray = rays.position(x, y).zip(rays.normal(x, y));
         let ray = ray.map(|(point, normal)| ReflectedRay { point, normal, direction });
         let towards = view_to_world.transform_vector3(direction);
-        let right = colors.shown(data.index(i, j), [position.x, position.y], towards, ray);
+        let expected = colors.shown(data.index(i, j), [position.x, position.y], towards, ray);
         let found = reflection.texel(x, y);
         let found = DVec3::new(f64::from(found[0]), f64::from(found[1]), f64::from(found[2]));
         hits += 1;
-        off += usize::from((found - right).abs().max_element() > 0.01);
+        wrong += usize::from((found - expected).abs().max_element() > 0.01);
     }
-    println!("{off} of {hits} hits have another colour");
-    assert!(hits > 1000 && off * 1000 < hits, "{off} of {hits} hits have another colour");
+    println!("{wrong} of {hits} hits have another colour");
+    assert!(hits > 1000 && wrong * 1000 < hits, "{wrong} of {hits} hits have another colour");
     check_validation(&gpu).unwrap();
 }

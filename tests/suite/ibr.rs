@@ -1,5 +1,5 @@
-//! `ibr` against the triangles: a plane shows what stands in its box, lit, where the ray meets the plane. What stands
-//! outside of the box is not in its image, and a rough surface sees the image blurred.
+//! Compares `ibr` with the triangles. A plane shows what stands in its box, lit, where the ray meets the plane. Things
+//! outside of the box are not in its image, and a rough surface sees the image blurred.
 
 use crate::common::{Builder, Truth, beside_truth, camera, gpu};
 use glam::Vec3;
@@ -18,8 +18,8 @@ const HALF_U: Vec3 = Vec3::new(1.5, 0.0, 0.0);
 /// Half of the picture's height, down its columns.
 const HALF_V: Vec3 = Vec3::new(0.0, -0.75, 0.0);
 
-/// A mirror floor before a picture in a box: red on its left, green on its right, brighter towards the top. If
-/// `with_block` is true, a blue block stands a metre and a half before the picture.
+/// Returns a mirror floor before a picture in a box. The picture is red on its left, green on its right, brighter
+/// towards the top. If `with_block` is true, a blue block stands a metre and a half before the picture.
 fn scene(with_block: bool) -> Scene {
     let mut b = Builder::new("facade");
     let floor = b.mirror();
@@ -39,7 +39,7 @@ fn scene(with_block: bool) -> Scene {
     b.0
 }
 
-/// What `ibr` shows with boxes of some depth in metres, beside the truth of the triangles.
+/// Renders a scene by `ibr` with boxes of some depth in metres, and traces the same rays among the triangles.
 fn see(gpu: &Gpu, scene: &Scene, depth: f32, roughness: f32) -> Truth {
     let setup = Setup::new(EXTENT).with(|p: &mut IbrParams| p.ibr_depth = depth);
     let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
@@ -47,42 +47,42 @@ fn see(gpu: &Gpu, scene: &Scene, depth: f32, roughness: f32) -> Truth {
     beside_truth(gpu, scene, camera, "ibr", &setup, &globals)
 }
 
-/// The kind of a colour: 0 for black, 1 for red, 2 for green, 3 for blue.
-fn kind(c: Vec3) -> usize {
-    if c.max_element() < 1e-3 { 0 } else { c.max_position() + 1 }
+/// Returns the kind of a colour: 0 for black, 1 for red, 2 for green, 3 for blue.
+fn kind(color: Vec3) -> usize {
+    if color.max_element() < 1e-3 { 0 } else { color.max_position() + 1 }
 }
 
-/// The number of pixels of each kind.
+/// Returns the number of pixels of each kind.
 fn kinds(reflection: &Pixels) -> [usize; 4] {
-    let mut all = [0; 4];
-    reflection.texels().for_each(|t| all[kind(Vec3::from_slice(t))] += 1);
-    all
+    let mut counts = [0; 4];
+    reflection.texels().for_each(|t| counts[kind(Vec3::from_slice(t))] += 1);
+    counts
 }
 
 /// In over 96 % of the pixels, the reflection shows red, green or nothing where the triangles do, with a median error
-/// of colour below 3 %.
+/// of colour below 3 %. The method lights the image of its box itself.
 #[test]
 fn a_plane_shows_what_stands_in_its_box_as_it_is_lit() {
     let gpu = gpu();
     let Truth { reflection, world: truth, .. } = see(&gpu, &scene(false), 0.5, 0.0);
-    let (mut shown, mut wrong, mut off) = (0, 0, Vec::new());
+    let (mut shown, mut wrong, mut relative_errors) = (0, 0, Vec::new());
     for (texel, truth) in reflection.texels().zip(&truth) {
         let texel = Vec3::from_slice(texel);
         shown += usize::from(kind(*truth) > 0);
         wrong += usize::from(kind(texel) != kind(*truth));
         if kind(texel) == kind(*truth) && kind(texel) > 0 {
-            off.push((texel - *truth).abs().max_element() / truth.max_element());
+            relative_errors.push((texel - *truth).abs().max_element() / truth.max_element());
         }
     }
-    off.sort_by(f32::total_cmp);
-    let median = off[off.len() / 2];
+    relative_errors.sort_by(f32::total_cmp);
+    let median = relative_errors[relative_errors.len() / 2];
     println!("{shown} pixels show the picture, {wrong} differ, median error {median}");
     assert!(shown > 1000 && wrong * 30 < shown, "{wrong} of {shown}");
     // Unlike the image of an impostor, the image of the box is lit as the scene is.
     assert!(median < 0.03, "{median}");
 }
 
-/// A box of 0.5 m does not show the blue block, which stands 1.5 m in front of it; a box of 2 m does, and the block
+/// A box of 0.5 m does not show the blue block, which stands 1.5 m in front of it. A box of 2 m does, and the block
 /// hides part of the picture.
 #[test]
 fn a_box_holds_what_stands_in_it_and_nothing_else() {

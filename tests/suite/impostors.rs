@@ -1,5 +1,5 @@
-//! The built-in impostors against the triangles: each shows, texel by texel, the colour that a ray along its normal
-//! finds in the lit scene, the right way round.
+//! Compares the built-in impostors with the triangles: each shows, texel by texel, the colour that a ray along its
+//! normal finds in the lit scene, and is not mirrored.
 
 use glam::{DVec3, Vec3};
 use ssct::passes::scene_data::MAX_LIGHTS;
@@ -11,24 +11,24 @@ use ssct_truth::reference::surface::World;
 /// The number of points along each side of an image that are compared.
 const GRID: u32 = 24;
 
-/// The linear colour and the alpha of a texel of an impostor.
+/// Returns the linear colour and the alpha of a texel of an impostor.
 fn texel(scene: &Scene, impostor: &Impostor, x: u32, y: u32) -> (Vec3, u8) {
     let texture = &scene.textures[impostor.texture];
     let rgba = &texture.rgba[4 * (y * texture.width + x) as usize..][..4];
-    (Vec3::from_array([0, 1, 2].map(|k| srgb_to_linear(f32::from(rgba[k]) / 255.0))), rgba[3])
+    (Vec3::from_array([0, 1, 2].map(|channel| srgb_to_linear(f32::from(rgba[channel]) / 255.0))), rgba[3])
 }
 
-/// The mean difference between an impostor's image and the colours that rays find, and the share of the rays that find
-/// nothing where the image is opaque. Rays start `reach` metres in front of the rectangle. `mirrored` reads the image
-/// from right to left.
+/// Compares an impostor's image with the colours that rays find, which start `reach` metres in front of its rectangle.
+/// Returns the mean difference, and the share of the rays that find nothing although the image is opaque. `mirrored`
+/// reads the image from right to left.
 fn difference(world: &World, impostor: &Impostor, reach: f32, mirrored: bool) -> (f32, f32) {
     let texture = &world.scene.textures[impostor.texture];
     // The direction is slightly askew, so that no ray runs along a box or a plane that is parallel to an axis.
     let askew = 1e-5 * (impostor.half_u.normalize() + impostor.half_v.normalize());
     let direction = (askew - impostor.normal()).as_dvec3().normalize();
-    let (mut sum, mut seen, mut missed) = (0.0, 0.0, 0.0_f32);
-    for k in 0..GRID * GRID {
-        let (x, y) = ((k % GRID) * texture.width / GRID, (k / GRID) * texture.height / GRID);
+    let (mut sum, mut hit_count, mut missed) = (0.0, 0.0, 0.0_f32);
+    for sample in 0..GRID * GRID {
+        let (x, y) = ((sample % GRID) * texture.width / GRID, (sample / GRID) * texture.height / GRID);
         let u = 2.0 * (x as f32 + 0.5) / texture.width as f32 - 1.0;
         let v = 2.0 * (y as f32 + 0.5) / texture.height as f32 - 1.0;
         let (colour, alpha) = texel(world.scene, impostor, if mirrored { texture.width - 1 - x } else { x }, y);
@@ -44,19 +44,20 @@ fn difference(world: &World, impostor: &Impostor, reach: f32, mirrored: bool) ->
         };
         match world.closest(&ray) {
             Some(hit) => {
-                let sees: DVec3 = world.color(&ray, &world.point(&ray, &hit));
-                sum += (sees.as_vec3() - colour).abs().element_sum() / 3.0;
-                seen += 1.0;
+                let ray_color: DVec3 = world.color(&ray, &world.point(&ray, &hit));
+                sum += (ray_color.as_vec3() - colour).abs().element_sum() / 3.0;
+                hit_count += 1.0;
             }
             None => missed += 1.0,
         }
     }
-    assert!(seen > 50.0, "{}: only {seen} points, {missed} missed", impostor.name);
-    (sum / seen, missed / (seen + missed))
+    assert!(hit_count > 50.0, "{}: only {hit_count} points, {missed} missed", impostor.name);
+    (sum / hit_count, missed / (hit_count + missed))
 }
 
 /// Each impostor of each built-in scene differs from the rays' colours by less than 0.05 in the mean, and by over 1.3
-/// times as much if it is mirrored.
+/// times as much if it is mirrored. Its image is made apart from the geometry, and may be shifted or mirrored against
+/// it.
 #[test]
 fn impostors_show_what_stands_there() {
     for name in library::names() {
@@ -84,7 +85,7 @@ fn impostors_show_what_stands_there() {
 }
 
 /// Two signs and the car have transparent texels in 2 % to 60 % of their images, and the materials of the signs have
-/// masks with holes.
+/// masks with holes. Without them an impostor would reflect a rectangle.
 #[test]
 fn cut_signs_are_transparent_around_their_shape_as_their_geometry_is() {
     let street = crate::common::built_in("street");

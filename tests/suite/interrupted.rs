@@ -1,5 +1,5 @@
-//! Runs that do not come to their end: killed, stopped, without device, without disk, two in one folder. Every result
-//! stays, and nothing is measured twice.
+//! Tests runs that do not come to their end: killed, stopped, without device, without disk, two in one folder. Every
+//! result stays, and nothing is measured twice.
 
 use crate::common::folder::is_notice;
 use crate::common::hang::wait_until;
@@ -17,7 +17,7 @@ const TIME: [&str; 7] = ["time", "--scene", "corridor", "--size", "32x18", "--me
 const ERROR: [&str; 10] =
     ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--method", "ssct"];
 
-/// The program with some arguments and its output in pipes.
+/// Returns the command that runs the program with some arguments and its output in pipes.
 fn command(args: &[&str], more: &[&str]) -> Command {
     let mut command = Command::new(SSCT);
     command.args(args).args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -29,13 +29,13 @@ fn run(args: &[&str], more: &[&str]) -> (Option<i32>, String) {
     ended(command(args, more).output().unwrap())
 }
 
-/// The exit status and standard error of a run that ended. There must be no panic, and at most one line beside the
-/// notice about methods that are left out.
+/// Returns the exit status and standard error of a run that ended. Panics on a panic of the run, or on more than one
+/// line beside the notice about methods that are left out.
 fn ended(output: Output) -> (Option<i32>, String) {
-    let said = String::from_utf8(output.stderr).unwrap();
-    let lines = said.lines().filter(|line| !is_notice(line));
-    assert!(lines.count() <= 1 && !said.contains("panicked"), "{said}");
-    (output.status.code(), said)
+    let errors = String::from_utf8(output.stderr).unwrap();
+    let lines = errors.lines().filter(|line| !is_notice(line));
+    assert!(lines.count() <= 1 && !errors.contains("panicked"), "{errors}");
+    (output.status.code(), errors)
 }
 
 /// Sends a signal to a process.
@@ -45,19 +45,20 @@ fn signal(child: &Child, name: &str) {
     assert!(Command::new("sh").args(["-c", &line]).status().unwrap().success());
 }
 
-/// The whole lines of a folder's journal.
+/// Returns the whole lines of a folder's journal.
 fn journal(folder: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
     let whole = text.rfind('\n').map_or(0, |newline| newline + 1);
     text[..whole].lines().map(str::to_owned).collect()
 }
 
-/// Waits until the journal of a folder has so many lines.
+/// Waits until the journal of a folder has at least `lines` lines.
 fn measures(folder: &Path, lines: usize) {
     wait_until(|| format!("a run that should write {lines} lines"), || journal(folder).len() >= lines);
 }
 
-/// Starts a run and halts it once its journal has so many lines, so that a slow test does not find the run at its end.
+/// Starts a run and halts it once its journal has at least `lines` lines, so that a slow test does not find the run at
+/// its end.
 fn start(args: &[&str], more: &[&str], folder: &Path, lines: usize) -> Child {
     let child = command(args, more).spawn().unwrap();
     measures(folder, lines);
@@ -65,14 +66,14 @@ fn start(args: &[&str], more: &[&str], folder: &Path, lines: usize) -> Child {
     child
 }
 
-/// Sends a signal to a halted run, which receives it as it goes on, and waits for its end.
+/// Sends a signal to a halted run, which receives it as it continues, and waits for its end.
 fn stop(child: Child, name: &str) -> (Option<i32>, String) {
     signal(&child, name);
     signal(&child, "CONT");
     ended(child.wait_with_output().unwrap())
 }
 
-/// The keys of a journal's entries; no key may occur twice.
+/// Returns the keys of a journal's entries, and checks that no key occurs twice.
 fn keys(lines: &[String]) -> HashSet<String> {
     let entries = lines.iter().map(|l| serde_json::from_str::<Value>(l).unwrap());
     let all: Vec<String> = entries.filter_map(|e| e["key"].as_str().map(str::to_owned)).collect();
@@ -81,13 +82,14 @@ fn keys(lines: &[String]) -> HashSet<String> {
     once
 }
 
-/// The records of a file.
+/// Returns the records of a file.
 fn records(file: PathBuf) -> Vec<Value> {
     serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap()
 }
 
 /// A run of `time` is killed, resumed, interrupted and resumed: no line of its journal is lost or repeated. A second
-/// run in the same folder is refused, as is a new run over unfinished results.
+/// run in the same folder is refused, as is a new run over unfinished results. Hours of measurements would be lost
+/// otherwise.
 #[test]
 fn times_survive_a_kill_and_a_signal() {
     let folder = tempfile::tempdir().unwrap();
@@ -97,9 +99,9 @@ fn times_survive_a_kill_and_a_signal() {
     let args = ["--samples", &samples.to_string(), "-o", name];
 
     let mut killed = start(&TIME, &args, &out, 30);
-    let (status, said) = run(&TIME, &args);
-    assert_eq!(status, Some(1), "{said}");
-    assert!(said.contains("another run is writing into"), "{said}");
+    let (status, message) = run(&TIME, &args);
+    assert_eq!(status, Some(1), "{message}");
+    assert!(message.contains("another run is writing into"), "{message}");
     let halted = journal(&out).len();
     signal(&killed, "CONT");
     measures(&out, halted + 1);
@@ -108,15 +110,15 @@ fn times_survive_a_kill_and_a_signal() {
     let first = journal(&out);
     assert!((30..2 * samples).contains(&first.len()), "{}", first.len());
 
-    let (status, said) = run(&TIME, &args);
-    assert_eq!(status, Some(2), "what was measured is not thrown away: {said}");
-    assert!(said.contains("--resume goes on with it"), "{said}");
+    let (status, message) = run(&TIME, &args);
+    assert_eq!(status, Some(2), "what was measured is not thrown away: {message}");
+    assert!(message.contains("--resume goes on with it"), "{message}");
     assert_eq!(journal(&out), first);
 
     let resumed = start(&TIME, &[&args[..], &["--resume"]].concat(), &out, first.len() + 30);
-    let (status, said) = stop(resumed, "INT");
-    assert_eq!(status, Some(130), "{said}");
-    assert!(said.contains("stopped by SIGINT") && said.contains("--resume"), "{said}");
+    let (status, message) = stop(resumed, "INT");
+    assert_eq!(status, Some(130), "{message}");
+    assert!(message.contains("stopped by SIGINT") && message.contains("--resume"), "{message}");
     let second = journal(&out);
     assert!(second.len() < 2 * samples + 2 && second[..first.len()] == first, "nothing is lost");
     let counted: u64 = records(out.join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
@@ -126,18 +128,24 @@ fn times_survive_a_kill_and_a_signal() {
     assert_eq!(run(&TIME, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
     let third = journal(&out);
     assert_eq!((&third[..second.len()], keys(&third).len()), (&second[..], 2 * samples + 2));
-    let made = records(out.join("time.json"));
+    let final_records = records(out.join("time.json"));
     assert!(
-        made.len() == 2 && made.iter().all(|r| r["total"]["samples"] == samples && r["frame"]["samples"] == samples)
+        final_records.len() == 2
+            && final_records.iter().all(|r| r["total"]["samples"] == samples && r["frame"]["samples"] == samples)
     );
     assert_eq!(run(&TIME, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
-    assert_eq!((keys(&journal(&out)), records(out.join("time.json"))), (keys(&third), made), "there is nothing to do");
+    assert_eq!(
+        (keys(&journal(&out)), records(out.join("time.json"))),
+        (keys(&third), final_records),
+        "there is nothing to do"
+    );
     // A finished run is begun anew without the flag.
     assert_eq!(run(&TIME, &["--samples", "1", "-o", name]), (Some(0), String::new()));
     assert_eq!(keys(&journal(&out)).len(), 2 + 2);
 }
 
-/// A run of `error` is killed, resumed, terminated and resumed: all cells and samples are in its journal once.
+/// A run of `error` is killed, resumed, terminated and resumed: all cells and samples are in its journal once. Its
+/// journal has two kinds of entries, samples of times and cells.
 #[test]
 fn cells_of_the_error_study_survive_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -148,8 +156,8 @@ fn cells_of_the_error_study_survive_too() {
     killed.wait().unwrap();
     let first = journal(folder.path());
     let resumed = start(&ERROR, &[&args[..], &["--resume"]].concat(), folder.path(), first.len() + 5);
-    let (status, said) = stop(resumed, "TERM");
-    assert_eq!(status, Some(143), "{said}");
+    let (status, message) = stop(resumed, "TERM");
+    assert_eq!(status, Some(143), "{message}");
     let second = journal(folder.path());
     assert_eq!(run(&ERROR, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
     let third = journal(folder.path());
@@ -170,16 +178,16 @@ fn a_lost_device_leaves_what_was_measured() {
     let faulty = |fault: &str| {
         ended(command(&TIME, &["--samples", "50", "--resume", "-o", out]).env("SSCT_FAULT", fault).output().unwrap())
     };
-    let (status, said) = faulty("submission:300");
-    assert_eq!(status, Some(1), "{said}");
-    assert!(said.contains("device has been lost"), "{said}");
+    let (status, message) = faulty("submission:300");
+    assert_eq!(status, Some(1), "{message}");
+    assert!(message.contains("device has been lost"), "{message}");
     let first = journal(folder.path());
     let counted: u64 =
         records(folder.path().join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
     assert!(first.len() > 10 && counted + 2 == first.len() as u64, "{counted} of {}", first.len());
-    let (status, said) = faulty("allocation:60");
-    assert_eq!(status, Some(1), "{said}");
-    assert!(said.starts_with("ssct: Vulkan: "), "{said}");
+    let (status, message) = faulty("allocation:60");
+    assert_eq!(status, Some(1), "{message}");
+    assert!(message.starts_with("ssct: Vulkan: "), "{message}");
     assert_eq!(journal(folder.path()), first);
     assert_eq!(faulty("nonsense").0, Some(2));
     assert_eq!(run(&TIME, &["--samples", "50", "--resume", "-o", out]).0, Some(0));
@@ -196,30 +204,33 @@ fn no_room_and_no_right_to_write_are_sentences() {
     let runs = [&TIME[..], &["study", "--quick"], &["error", "--quick"], &["stress", "--quick"], &["figures"]];
     for (n, args) in runs.into_iter().enumerate() {
         let out = [path("file"), path("file/below"), "/proc/ssct".to_owned()][n % 3].clone();
-        let (status, said) = run(args, &["-o", &out]);
-        assert_eq!(status, Some(1), "{args:?} {out}: {said}");
-        assert!(said.contains("cannot create the folder") && said.contains(&out), "{said}");
+        let (status, message) = run(args, &["-o", &out]);
+        assert_eq!(status, Some(1), "{args:?} {out}: {message}");
+        assert!(message.contains("cannot create the folder") && message.contains(&out), "{message}");
     }
     // A limit of one kilobyte for files, which also holds for the superuser.
-    let little = |args: &str| {
+    let run_limited = |args: &str| {
         let line = format!("trap '' XFSZ; ulimit -f 2; exec {SSCT} {args}");
         ended(Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap())
     };
-    let dies = !expected_failures("file-limit", &gpu()).is_empty();
+    let is_killed = !expected_failures("file-limit", &gpu()).is_empty();
     for (args, file) in [
         ("render --scene corridor --size 96x54 -o x.png", "x.png"),
         ("render --scene corridor --size 96x54 -o x.exr", "x.exr"),
         ("gbuffer export --scene corridor --size 96x54 g.exr", "g.exr"),
         ("time --scene corridor --size 32x18 --method ssct --samples 3 -o t", "cells.json"),
     ] {
-        let (status, said) = little(args);
+        let (status, message) = run_limited(args);
         // The study writes its first file before it opens a device.
-        if dies && file != "cells.json" {
-            assert_eq!(status, None, "{args}: the driver is listed as one that dies, and does not: {said}");
+        if is_killed && file != "cells.json" {
+            assert_eq!(status, None, "{args}: the driver is listed as one that dies, and does not: {message}");
             continue;
         }
-        assert_eq!(status, Some(1), "{args}: {said}");
-        assert!(said.contains("cannot write") && said.contains(file) && said.contains("too large"), "{said}");
+        assert_eq!(status, Some(1), "{args}: {message}");
+        assert!(
+            message.contains("cannot write") && message.contains(file) && message.contains("too large"),
+            "{message}"
+        );
     }
     let names = |directory: &Path| {
         let mut names: Vec<_> =
@@ -234,8 +245,8 @@ fn no_room_and_no_right_to_write_are_sentences() {
     if Path::new("/dev/full").exists() {
         let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
         let output = Command::new(SSCT).arg("devices").stdout(full).stderr(Stdio::piped()).output().unwrap();
-        let (status, said) = ended(output);
+        let (status, message) = ended(output);
         assert_eq!(status, Some(1));
-        assert!(said.contains("cannot print: No space left on device"), "{said}");
+        assert!(message.contains("cannot print: No space left on device"), "{message}");
     }
 }

@@ -1,5 +1,5 @@
-//! A second layer of depth (`--layers 2`): what only the layer can show is shown where the triangles have it. Its
-//! passes are recorded only where it is asked for, and methods without layers refuse it.
+//! Tests a second layer of depth (`--layers 2`). Surfaces that only the layer can show are shown where the triangles
+//! have them. Its passes are recorded only on request, and methods without layers refuse it.
 
 use crate::common::folder::Folder;
 use crate::common::{Builder, camera, check_validation, gpu, unfaded};
@@ -24,8 +24,8 @@ const PANEL_Z: f32 = 5.9;
 /// The green panel reaches to this x on either side, in metres.
 const PANEL_X: f32 = 0.9;
 
-/// A mirror on the left, a wall with a green panel in front of it, and a pillar. The pillar hides all of the panel from
-/// the eye and nothing of it from the mirror.
+/// Returns a scene of a mirror on the left, a wall with a green panel in front of it, and a pillar. The pillar hides
+/// all of the panel from the eye and nothing of it from the mirror.
 fn scene() -> Scene {
     let mut b = Builder::new("pillar");
     b.light(Vec3::Z);
@@ -39,12 +39,12 @@ fn scene() -> Scene {
     b.0
 }
 
-/// A camera that looks along the z axis.
+/// Returns a camera that looks along the z axis.
 fn looks_ahead() -> Camera {
     camera(EYE, EYE + Vec3::Z, EXTENT)
 }
 
-/// Whether a colour is that of the panel.
+/// Returns whether a colour is that of the panel.
 fn is_green(color: &[f32]) -> bool {
     color[1] > 0.5 && color[0] < 0.1 && color[2] < 0.1
 }
@@ -59,7 +59,7 @@ struct Drawn {
     counted: Vec<String>,
 }
 
-/// Draws the scene with a method.
+/// Draws the scene by a method.
 fn draw(method: &str, setup: &Setup) -> Drawn {
     let gpu = gpu();
     let scene = scene();
@@ -76,23 +76,23 @@ fn draw(method: &str, setup: &Setup) -> Drawn {
     Drawn { data, reflection, ends, counted }
 }
 
-/// A setup without fade with a number of layers.
+/// Returns a setup without fade with a number of layers.
 fn with_layers(extent: [u32; 2], layers: u32) -> Setup {
     unfaded(extent).with(|p: &mut LayerParams| p.layers = layers)
 }
 
-/// For each pixel, the point at which its mirror ray meets the panel, or none if it does not.
+/// Returns, for each pixel, the point at which its mirror ray meets the panel, or none if it does not.
 fn on_panel(data: &GBufferData) -> Vec<Option<Vec3>> {
     let to_view = data.view_to_clip().inverse();
     let to_world = data.camera.world_to_view.as_dmat4().inverse();
-    let meets = |i: usize| {
+    let panel_point = |i: usize| {
         let [x, y] = [i as u32 % data.width, i as u32 / data.width].map(|v| f64::from(v) + 0.5);
         let place = to_world.transform_point3(data.unproject(x, y, f64::from(data.depth[i]), &to_view)).as_vec3();
-        let from = (place - EYE) * Vec3::new(-1.0, 1.0, 1.0);
-        let end = place + from * ((PANEL_Z - place.z) / from.z);
+        let direction = (place - EYE) * Vec3::new(-1.0, 1.0, 1.0);
+        let end = place + direction * ((PANEL_Z - place.z) / direction.z);
         (end.x.abs() < PANEL_X).then_some(end)
     };
-    (0..data.depth.len()).map(|i| if data.reflects(i) { meets(i) } else { None }).collect()
+    (0..data.depth.len()).map(|i| if data.reflects(i) { panel_point(i) } else { None }).collect()
 }
 
 /// With one layer no method shows the panel. With two, each shows it in over 90 % of the pixels whose ray meets it, and
@@ -132,7 +132,8 @@ fn only_a_second_layer_shows_what_is_behind_a_pillar() {
     }
 }
 
-/// One layer is the default, to the bit. Two layers add passes under `layer/`, and the other passes are the same.
+/// One layer is the default, to the bit. Two layers add passes under `layer/`, and the other passes are the same, so
+/// that nobody pays for a layer without asking for it.
 #[test]
 fn a_second_layer_is_drawn_where_it_is_asked_for_and_nowhere_else() {
     for method in METHODS_WITH_LAYERS {
@@ -150,7 +151,7 @@ fn a_second_layer_is_drawn_where_it_is_asked_for_and_nowhere_else() {
     }
 }
 
-/// With a separation of 1000 km, the second layer shows nothing; with one just below the distance of pillar and panel,
+/// With a separation of 1000 km, the second layer shows nothing. With one just below the distance of pillar and panel,
 /// it shows the panel.
 #[test]
 fn a_layer_farther_behind_than_the_scene_reaches_is_empty() {
@@ -162,7 +163,8 @@ fn a_layer_farther_behind_than_the_scene_reaches_is_empty() {
     assert!(draw("dda", &near).reflection.texels().any(is_green));
 }
 
-/// At half resolution, two methods still show the panel in over 80 % of the pixels whose ray meets it.
+/// At half resolution, two methods still show the panel in over 80 % of the pixels whose ray meets it. Both layers must
+/// be brought to the lower resolution.
 #[test]
 fn rays_at_a_lower_resolution_meet_both_layers() {
     let half = with_layers(EXTENT, 2).with(|p: &mut EffectParams| p.resolution_scale = 0.5);
@@ -170,22 +172,28 @@ fn rays_at_a_lower_resolution_meet_both_layers() {
         let drawn = draw(method, &half);
         assert!(drawn.counted.contains(&"layer/downsample".to_owned()), "{:?}", drawn.counted);
         let truth = on_panel(&drawn.data);
-        let shown = drawn.reflection.texels().zip(&truth).filter(|(c, t)| is_green(c) && t.is_some()).count();
+        let shown = drawn
+            .reflection
+            .texels()
+            .zip(&truth)
+            .filter(|(color, panel_point)| is_green(color) && panel_point.is_some())
+            .count();
         let expected = truth.iter().flatten().count();
         assert!(shown as f64 > 0.8 * expected as f64, "{method}: {shown} of {expected}");
     }
 }
 
-/// A G-buffer file, and a method without layers, refuse two layers with a sentence.
+/// A G-buffer file, and a method without layers, refuse two layers with a sentence. The list of methods with layers is
+/// complete.
 #[test]
 fn what_has_no_second_layer_says_so() {
     let folder = Folder::new();
     folder.succeed(&["gbuffer", "export", "view.exr", "--scene", "rooms", "--size", "48x27"]);
     let refused = |args: &[&str], words: &str| {
         let output = folder.run(args);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {said}");
-        assert!(said.contains(words) && said.trim().lines().count() == 1, "{args:?}: {said}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+        assert!(message.contains(words) && message.trim().lines().count() == 1, "{args:?}: {message}");
     };
     for method in METHODS_WITH_LAYERS {
         let args = ["gbuffer", "reflect", "view.exr", "--method", method, "--layers", "2", "-o", "image.png"];

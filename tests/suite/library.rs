@@ -1,5 +1,5 @@
-//! `ssct index`: the page of a library of runs. The runs are made of known figures, or are those of the repository. A
-//! headless Chromium shows the page where there is one.
+//! Tests `ssct index`, the page of a library of runs. The runs are made of known figures, or are those of the
+//! repository. A headless Chromium shows the page if it is installed.
 
 use crate::common::folder::Folder;
 use crate::common::html::{attributes, dom, probe};
@@ -16,33 +16,33 @@ struct Measured<'a> {
     noise: f64,
 }
 
-/// A device as records name it.
+/// Returns a device as records name it.
 fn device(name: &str) -> Value {
     json!({ "name": name, "driver": "1", "api": "1.3", "type": "other" })
 }
 
 /// Writes the records and raw samples of a run, as the studies do.
-fn write(folder: &Folder, name: &str, m: &Measured) {
+fn write(folder: &Folder, name: &str, run: &Measured) {
     std::fs::create_dir_all(folder.path(&format!("{name}/error"))).unwrap();
     let record = |kind: &str, method: &str, more: Value| {
         let mut record = json!({
             "kind": kind, "definitions": 2, "version": "0.1.0", "commit": format!("commit of {name}"),
-            "device": device(m.device), "scene": "rooms", "view": "hall", "method": method, "preset": "published",
+            "device": device(run.device), "scene": "rooms", "view": "hall", "method": method, "preset": "published",
             "width": 64, "height": 36, "roughness": 0.1, "setup": { "roughness": 0.1 },
         });
         record.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
         record
     };
-    let methods = [("ssct", m.ssct_ms), ("unified", m.unified_ms)];
+    let methods = [("ssct", run.ssct_ms), ("unified", run.unified_ms)];
     let times = methods.map(|(method, ms)| record("time", method, json!({ "total": { "median_ms": ms } })));
     folder.write(&format!("{name}/time.json"), json!(times).to_string());
-    let error = record("error", "unified", json!({ "against": "world", "rmse": m.rmse, "time_ms": m.unified_ms }));
+    let error = record("error", "unified", json!({ "against": "world", "rmse": run.rmse, "time_ms": run.unified_ms }));
     folder.write(&format!("{name}/error/error.json"), json!([error]).to_string());
     let mut rows = "scene,view,method,preset,width,height,roughness,sample,pass,counted,ms\n".to_owned();
     for (method, ms) in methods {
         for n in 0..9 {
             // The nine times are spread evenly around their median.
-            let trace = ms * 0.8 * (1.0 + m.noise * f64::from((n * 5) % 9 - 4));
+            let trace = ms * 0.8 * (1.0 + run.noise * f64::from((n * 5) % 9 - 4));
             for (pass, counted, ms) in
                 [("lighting", false, 30.0), ("trace", true, trace), ("composite", true, ms * 0.2)]
             {
@@ -53,8 +53,8 @@ fn write(folder: &Folder, name: &str, m: &Measured) {
     folder.write(&format!("{name}/time-samples.csv"), rows);
 }
 
-/// Three runs: two on one device, between which `unified` became slower and `ssct` stayed the same, and one on another
-/// device.
+/// Makes three runs: two on one device, between which `unified` became slower and `ssct` stayed the same, and one on
+/// another device.
 fn library() -> Folder {
     let folder = Folder::new();
     let (ssct_ms, noise) = (10.0, 0.01);
@@ -70,12 +70,12 @@ fn library() -> Folder {
 }
 
 /// The page has a row for each run, trends of quotients and errors, and verdicts between runs of one device alone.
-/// Equal runs make an equal page.
+/// Equal runs make an equal page. A verdict between two devices would say nothing about the program.
 #[test]
 fn the_page_has_runs_changes_and_trends_within_a_device() {
     let folder = library();
-    let said = folder.succeed(&["index", "all"]);
-    assert!(said.contains("3 runs, 2 figures over runs, 0 folders left out"), "{said}");
+    let printed = folder.succeed(&["index", "all"]);
+    assert!(printed.contains("3 runs, 2 figures over runs, 0 folders left out"), "{printed}");
     let page = folder.text("all/index.html");
     // A study's errors, in a folder of their own, belong to the run of its times: there are three rows.
     assert_eq!(page.matches("<tr id=\"run-").count(), 3);
@@ -110,7 +110,7 @@ fn the_page_has_runs_changes_and_trends_within_a_device() {
 }
 
 /// Folders with broken, foreign or unfinished records, incomplete records and broken samples are named on the page with
-/// their reason.
+/// their reason. If they were dropped in silence, a trend would miss runs.
 #[test]
 fn what_cannot_be_read_is_named_with_its_reason() {
     let folder = library();
@@ -127,15 +127,15 @@ fn what_cannot_be_read_is_named_with_its_reason() {
     records.push(json!({ "kind": "time", "device": device("One"), "total": { "median_ms": 1.0 }, "scene": "s" }));
     folder.write("all/2026-11-20-a/time.json", json!(records).to_string());
     folder.write("all/2026-11-20-a/time-samples.csv", "pass,ms\ntrace,fast\n");
-    let said = folder.succeed(&["index", "all"]);
+    let printed = folder.succeed(&["index", "all"]);
     let page = folder.text("all/index.html");
-    for (what, why) in [
+    for (folder_name, reason) in [
         ("torn", "error.json: EOF while parsing"),
         ("foreign", "time.json holds no records of the studies"),
         ("unfinished", "the run was not finished: there is a journal.jsonl, and no records"),
     ] {
-        assert!(page.contains(&format!("<li>{what}: {why}")), "{what}");
-        assert!(said.contains(&format!("left out: {what}: {why}")), "{said}");
+        assert!(page.contains(&format!("<li>{folder_name}: {reason}")), "{folder_name}");
+        assert!(printed.contains(&format!("left out: {folder_name}: {reason}")), "{printed}");
     }
     assert!(page.contains("<li>notes</li>") && page.contains("<li>other</li>"));
     assert!(page.contains("1 of 3 records of time.json are left out; the first has no view"));
@@ -165,13 +165,14 @@ fn wrong_folders_get_a_sentence_and_lose_nothing() {
     assert!(!folder.path("all/index.html").exists() && folder.list("empty").is_empty());
 }
 
-/// All folders under `benches/runs` are read, with a row for each, and no record is left out.
+/// All folders under `benches/runs` are read, with a row for each, and no record is left out. Records of every older
+/// version must stay readable.
 #[test]
 fn every_run_of_the_repository_is_read() {
     let folder = Folder::new();
     let runs = repository().join("benches/runs");
-    let said = folder.succeed(&["index", runs.to_str().unwrap(), "-o", "site"]);
-    assert!(said.contains(" 0 folders left out"), "{said}");
+    let printed = folder.succeed(&["index", runs.to_str().unwrap(), "-o", "site"]);
+    assert!(printed.contains(" 0 folders left out"), "{printed}");
     let page = folder.text("site/index.html");
     // Each row has the date of its run.
     let rows: Vec<_> = page.split("<tr id=\"run-").skip(1).map(|row| row.split("</tr>").next().unwrap()).collect();
@@ -191,7 +192,7 @@ fn every_run_of_the_repository_is_read() {
     assert!(page.contains("RMSE against the world reference") && page.contains("time in the error study over ssct"));
 }
 
-/// The cells of each row of a table that the page's script made.
+/// Returns the cells of each row of a table that the page's script made.
 fn made_rows(dom: &str, id: &str) -> Vec<Vec<String>> {
     let part = dom.split(&format!("id=\"{id}\"")).nth(1).and_then(|s| s.split("</tbody>").next()).unwrap_or_default();
     let body = part.split("<tbody>").nth(1).unwrap_or_default();
@@ -202,7 +203,8 @@ fn made_rows(dom: &str, id: &str) -> Vec<Vec<String>> {
     body.split("<tr>").skip(1).map(cells).collect()
 }
 
-/// In a browser, the page's comparison of two runs has the figures of `ssct compare`.
+/// In a browser, the page's comparison of two runs has the figures of `ssct compare`. The page computes them in
+/// JavaScript, the command in Rust.
 #[test]
 fn the_page_says_of_two_runs_what_compare_says() {
     let folder = library();
@@ -211,10 +213,10 @@ fn the_page_says_of_two_runs_what_compare_says() {
     let rows = made_rows(&dom, "compared-times");
     let records: Vec<Value> =
         serde_json::from_str(&folder.succeed(&["compare", "all/2026-11-20-a", "all/2026-11-22-c", "--json"])).unwrap();
-    let total = |r: &&Value| r["pass"] == "total";
+    let is_total = |r: &&Value| r["pass"] == "total";
     let expected: Vec<Vec<String>> = records
         .iter()
-        .filter(total)
+        .filter(is_total)
         .map(|r| {
             let figures = ["median_a_ms", "median_b_ms", "ratio", "low", "high"];
             let mut row: Vec<String> = figures.map(|f| format!("{:.3}", r[f].as_f64().unwrap())).to_vec();
@@ -229,7 +231,8 @@ fn the_page_says_of_two_runs_what_compare_says() {
     assert_eq!(error[1..], ["unified", "RMSE against the world reference", "0.020000", "0.030000", "1.5000"]);
 }
 
-/// A script that chooses two runs of different devices in frames of two widths, and shows the page without its script.
+/// A script that chooses two runs of different devices in frames of two widths, and then shows the page without the
+/// page's script.
 const PROBE: &str = r##"
   for (const width of [390, 1280]) {
     const d = (await show("all/index.html", width, false)).contentDocument, root = d.documentElement;

@@ -1,31 +1,34 @@
-//! Lists on the command line: a value that is named twice counts once, and a table says which average it shows.
+//! Tests lists on the command line: a value that is named twice counts once. A table of errors also says which average
+//! it shows.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
 
-/// The records of a command.
+/// Runs a command that must succeed, and returns its records.
 fn records(folder: &Folder, arguments: &[&str]) -> Vec<Value> {
     let output = folder.run(&[arguments, &["--json"]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Sizes, methods, roughnesses and variants that are named twice are measured once.
+/// Sizes, methods, roughnesses and variants that are named twice, also in another spelling, are measured once. Twice
+/// the same key would confuse the journal.
 #[test]
 fn a_value_that_a_list_names_twice_counts_once() {
     let folder = Folder::new();
     let time = ["time", "--scene", "rooms", "--samples", "2", "--warmup", "0"];
     let twice = ["--size", "16x9,16X9", "--method", "linear,linear", "--roughness", "0.1,0.10"];
-    let made = records(&folder, &[&time[..], &twice].concat());
-    assert_eq!(made.len(), 1, "{made:?}");
-    assert_eq!(made[0]["total"]["samples"], 2);
+    let records_found = records(&folder, &[&time[..], &twice].concat());
+    assert_eq!(records_found.len(), 1, "{records_found:?}");
+    assert_eq!(records_found[0]["total"]["samples"], 2);
     let variants = ["--size", "16x9", "--variant", "linear", "--variant", "linear"];
     assert_eq!(records(&folder, &[&time[..], &variants].concat()).len(), 1);
     let two = ["--size", "16x9,18x9", "--method", "linear"];
     assert_eq!(records(&folder, &[&time[..], &two].concat()).len(), 2, "different values are all measured");
 }
 
-/// The tables of errors in `error.md` say in their titles whether they show a mean or a median.
+/// The tables of errors in `error.md` say in their titles whether they show a mean or a median. The two differ, and a
+/// table of numbers does not tell which it shows.
 #[test]
 fn each_table_of_an_error_names_its_average() {
     let folder = Folder::new();

@@ -1,4 +1,5 @@
-//! Scenes with more of a thing than anybody made yet: they are drawn, or refused in a sentence that names them.
+//! Tests scenes with very many materials, planes or lights, or too large an image: they are drawn, or refused in a
+//! sentence that names the thing.
 
 use crate::common::{Builder, camera, gpu, show};
 use glam::Vec3;
@@ -10,13 +11,13 @@ use ssct_scenes::obj::{Handedness, ObjFile, ObjOptions};
 use ssct_scenes::{Light, obj};
 use std::fmt::Write;
 
-/// The albedo of the material of a number; materials of neighbouring numbers differ.
+/// Returns the albedo of the material with a number. Materials of neighbouring numbers differ.
 fn albedo(n: u32) -> Vec3 {
     Vec3::new((n % 16) as f32 / 15.0, (n / 16 % 16) as f32 / 15.0, (n / 256) as f32 / 15.0)
 }
 
-/// The texts of an OBJ and an MTL file: quads in columns and rows at a depth z, each with a material of its own. They
-/// fill the picture of a camera at the origin that looks along z.
+/// Returns the texts of an OBJ and an MTL file: quads in columns and rows at a depth z, each with a material of its
+/// own. They fill the picture of a camera at the origin that looks along z.
 fn mosaic([columns, rows]: [u32; 2], [half_width, half_height]: [f32; 2], z: f32) -> [String; 2] {
     let (mut mesh, mut materials) = ("mtllib a.mtl\n".to_owned(), String::new());
     for n in 0..columns * rows {
@@ -31,7 +32,8 @@ fn mosaic([columns, rows]: [u32; 2], [half_width, half_height]: [f32; 2], z: f32
     [mesh, materials]
 }
 
-/// A wall of 3000 quads of 3000 materials is drawn, each quad with the albedo of its own material.
+/// A wall of 3000 quads of 3000 materials is drawn, each quad with the albedo of its own material. A uniform block that
+/// two materials shared would show a wrong colour.
 #[test]
 fn three_thousand_materials_are_drawn() {
     // Each material has a uniform block of its own; together they need more than one chunk of the frame's uniform
@@ -60,7 +62,7 @@ fn three_thousand_materials_are_drawn() {
     }
 }
 
-/// `planar` mirrors a scene of 300 materials at eight planes, in eight passes.
+/// `planar` mirrors a scene of 300 materials at eight planes, in eight passes, each of which needs all materials again.
 #[test]
 fn three_hundred_materials_are_mirrored_at_eight_planes() {
     let mut b = Builder::new("eight mirrors");
@@ -85,7 +87,8 @@ fn three_hundred_materials_are_mirrored_at_eight_planes() {
     assert_eq!(mirrored, 8, "{:?}", shown.image.report.recorded);
 }
 
-/// A scene of 16 lights is taken, and one of 17 is refused with both numbers.
+/// A scene of 16 lights is taken, and one of 17 is refused with both numbers, where a shader would ignore the last
+/// light.
 #[test]
 fn more_lights_than_are_drawn_are_refused() {
     let mut b = Builder::new("disco");
@@ -95,16 +98,17 @@ fn more_lights_than_are_drawn_are_refused() {
     let gpu = gpu();
     assert!(Stage::new(&gpu, &b.0).is_ok());
     b.light(Vec3::NEG_Y);
-    let said = Stage::new(&gpu, &b.0).err().unwrap().to_string();
-    assert_eq!(said, "scene disco has 17 lights; at most 16 can be drawn");
+    let message = Stage::new(&gpu, &b.0).err().unwrap().to_string();
+    assert_eq!(message, "scene disco has 17 lights; at most 16 can be drawn");
 }
 
-/// An image that is wider than the device allows is refused with its name and size.
+/// An image that is wider than the device allows is refused with its name and size. A driver's error would name
+/// neither.
 #[test]
 fn an_image_that_is_too_large_is_refused_by_its_name() {
     let gpu = gpu();
     let side = gpu.max_image_size() + 1;
-    let made = ssct::gpu::Image::target(&gpu, "poster", ash::vk::Format::R8G8B8A8_UNORM, [side, 1]);
-    let said = made.err().unwrap().to_string();
-    assert!(said.starts_with(&format!("poster: an image of {side}x1 is impossible: ")), "{said}");
+    let image = ssct::gpu::Image::target(&gpu, "poster", ash::vk::Format::R8G8B8A8_UNORM, [side, 1]);
+    let message = image.err().unwrap().to_string();
+    assert!(message.starts_with(&format!("poster: an image of {side}x1 is impossible: ")), "{message}");
 }

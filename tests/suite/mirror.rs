@@ -1,5 +1,5 @@
-//! A mirror under a known pattern. For every pixel, the host computes in 64 bits where the mirror ray meets the wall
-//! and where that point is on the screen; the methods must find this point.
+//! Tests methods on a mirror under a known pattern. For every pixel, the host computes in 64 bits where the mirror ray
+//! meets the wall and where that point is on the screen; the methods must find this point.
 
 mod closed_form;
 mod marches;
@@ -17,10 +17,10 @@ use ssct_scenes::{Camera, Scene};
 const WALL_Z: f64 = 6.0;
 /// The side of a cell of the wall's pattern, in metres.
 const CELL: f64 = 1.5;
-/// Cells across and up; their lower left corner is at (−12, −3) metres.
+/// The number of cells across and up; their lower left corner is at (−12, −3) metres.
 const CELLS: [u32; 2] = [16, 8];
 
-/// The colour of the cell in column i and row j, in sRGB.
+/// Returns the colour of the cell in column i and row j, in sRGB.
 fn cell_color(i: u32, j: u32) -> [u8; 3] {
     // Neighbours differ by 60 or more in every channel.
     [40 + 60 * ((i + 2 * j) % 4) as u8, 40 + 60 * ((2 * i + j) % 4) as u8, 40 + 60 * ((i + j) % 4) as u8]
@@ -32,12 +32,12 @@ struct Case {
 }
 
 impl Case {
-    /// The unit normal of the mirror.
+    /// Returns the unit normal of the mirror.
     fn normal(&self) -> DVec3 {
         DVec3::new(self.roll.sin(), self.roll.cos(), 0.0)
     }
 
-    /// The mirror and the wall.
+    /// Returns the scene of the mirror and the wall.
     fn scene(&self) -> Scene {
         let mut b = Builder::new("mirror");
         b.light(Vec3::Z);
@@ -56,7 +56,7 @@ impl Case {
         b.0
     }
 
-    /// A camera at `EYE` that looks along the z axis.
+    /// Returns a camera at `EYE` that looks along the z axis.
     fn camera(&self, extent: [u32; 2]) -> Camera {
         camera(EYE.as_vec3(), EYE.as_vec3() + Vec3::Z, extent)
     }
@@ -65,17 +65,18 @@ impl Case {
 /// The place of the camera, in metres.
 const EYE: DVec3 = DVec3::new(0.0, 1.2, 0.0);
 
-/// The pixels of a shot that reflect: column, row, and the texture coordinates of the centre.
+/// Returns the pixels of a shot that reflect: column, row, and the texture coordinates of the centre.
 fn reflecting(shown: &Shown) -> impl Iterator<Item = (u32, u32, DVec2)> {
     let material = shown.get("material");
-    let (w, h) = (material.width, material.height);
-    let pixels = (0..h).flat_map(move |y| (0..w).map(move |x| (x, y)));
-    pixels
-        .filter(|&(x, y)| material.texel(x, y)[0] > 1e-4)
-        .map(move |(x, y)| (x, y, DVec2::new((f64::from(x) + 0.5) / f64::from(w), (f64::from(y) + 0.5) / f64::from(h))))
+    let (width, height) = (material.width, material.height);
+    let pixels = (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)));
+    pixels.filter(|&(x, y)| material.texel(x, y)[0] > 1e-4).map(move |(x, y)| {
+        (x, y, DVec2::new((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height)))
+    })
 }
 
-/// The mirror ray of a pixel in view space: its start on the plane through `point`, and its direction.
+/// Returns the mirror ray of a pixel in view space: its start on the plane through `point` with a normal, and its
+/// direction.
 fn mirror_ray(shown: &Shown, uv: DVec2, point: DVec3, normal: DVec3) -> (DVec3, DVec3) {
     let inverse = shown.camera.view_to_clip().as_dmat4().inverse();
     let direction = unproject(uv.extend(0.5), &inverse).normalize();
@@ -83,23 +84,23 @@ fn mirror_ray(shown: &Shown, uv: DVec2, point: DVec3, normal: DVec3) -> (DVec3, 
     (position, direction - normal * 2.0 * direction.dot(normal))
 }
 
-/// The texture coordinates of a point in view space, or none if the screen does not show it.
+/// Returns the texture coordinates of a point in view space, or none if the screen does not show it.
 fn on_screen(shown: &Shown, view: DVec3) -> Option<DVec2> {
     let uv = project(view, &shown.camera.view_to_clip().as_dmat4()).truncate();
     (view.z > 0.0 && uv.cmpge(DVec2::ZERO).all() && uv.cmple(DVec2::ONE).all()).then_some(uv)
 }
 
-/// The path code of a texel of the hits.
+/// Returns the path code of a texel of the hits.
 fn path(hit: &[f32]) -> PathCode {
     PathCode::from_channel(hit[3]).expect("a path code")
 }
 
-/// The colour of a reflection in sRGB bytes.
+/// Returns the colour of a reflection in sRGB bytes.
 fn bytes(color: &[f32]) -> [u8; 3] {
     [0, 1, 2].map(|c| display_byte(color[c]))
 }
 
-/// Whether two colours differ by at most one step in each channel.
+/// Returns whether two colours differ by at most one step in each channel.
 fn is_near(a: [u8; 3], b: [u8; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 1)
 }

@@ -1,5 +1,5 @@
-//! What methods need of a scene: with it, their reflection shows something; without it, the reflection is black, and
-//! studies leave the method out.
+//! Tests the needs of methods: in a scene that has what a method needs, its reflection shows something. In any other
+//! scene the reflection is black, and studies leave the method out.
 
 use crate::common;
 use crate::common::folder::Folder;
@@ -12,19 +12,19 @@ use ssct_scenes::{Scene, library};
 /// Size of the images in pixels.
 const SIZE: [u32; 2] = [64, 36];
 
-/// Whether a method's reflection is black in every view of a scene.
+/// Returns whether a method's reflection is black in every view of a scene.
 fn is_black(stage: &mut Stage, scene: &Scene, method: &MethodInfo) -> bool {
     let setup = common::with_small_captures(&Setup::new(SIZE));
     scene.views.iter().all(|view| {
         let materials = Globals::default().materials(scene, view);
         let camera = view.camera(scene, SIZE);
         let shot = Shot::new(stage, method, &setup, Wants::REFLECTION, camera, materials).unwrap();
-        let made = image::render(stage, &shot, false).unwrap();
-        made.reflection.texels().all(|t| t[..3] == [0.0; 3])
+        let rendered = image::render(stage, &shot, false).unwrap();
+        rendered.reflection.texels().all(|t| t[..3] == [0.0; 3])
     })
 }
 
-/// The reflection that a method makes of the corridor of a scene.
+/// Returns the reflection that a method with its setup makes of the corridor of a scene.
 fn corridor(stage: &mut Stage, scene: &Scene, (method, setup): (&str, &Setup), roughness: f32) -> Pixels {
     let view = scene.view("corridor").unwrap();
     let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(scene, view);
@@ -33,8 +33,8 @@ fn corridor(stage: &mut Stage, scene: &Scene, (method, setup): (&str, &Setup), r
     image::render(stage, &shot, false).unwrap().reflection
 }
 
-/// Every method with a need, in every built-in scene: its reflection is black in all views if the scene lacks what it
-/// needs, and in no other case.
+/// In every built-in scene, the reflection of every method with a need is black in all views if the scene lacks what it
+/// needs, and in no other case. A need that is declared wrongly would hide a method, or judge a black image.
 #[test]
 fn a_method_is_black_where_it_lacks_what_it_needs_and_only_there() {
     let gpu = common::gpu();
@@ -52,17 +52,17 @@ fn a_method_is_black_where_it_lacks_what_it_needs_and_only_there() {
 }
 
 /// `ssct error` leaves out methods that would show nothing, says so, and refuses a list of such methods alone; `render`
-/// warns.
+/// warns. A black image has an error, too, which a table would show.
 #[test]
 fn what_a_study_compares_shows_something() {
     let folder = Folder::new();
     let small =
         ["--view", "cylinder", "--size", "32x18", "--roughness", "0", "--samples", "1", "--rays", "2", "--no-sweep"];
     let both = [&["error", "--scene", "rooms", "--method", "billboard,ssct,ibr", "-o", "out"], &small[..]].concat();
-    let said = String::from_utf8(folder.run(&both).stderr).unwrap();
+    let message = String::from_utf8(folder.run(&both).stderr).unwrap();
     assert!(
-        said.contains("scene rooms has no impostors; left out, as they would show nothing: billboard, ibr"),
-        "{said}"
+        message.contains("scene rooms has no impostors; left out, as they would show nothing: billboard, ibr"),
+        "{message}"
     );
     let records: Vec<serde_json::Value> = serde_json::from_str(&folder.text("out/error.json")).unwrap();
     assert!(records.iter().all(|r| r["method"] != "billboard" && r["method"] != "ibr"));
@@ -70,20 +70,20 @@ fn what_a_study_compares_shows_something() {
 
     let alone = [&["error", "--scene", "rooms", "--method", "billboard"], &small[..]].concat();
     let refused = folder.run(&alone);
-    let said = String::from_utf8(refused.stderr).unwrap();
-    assert_eq!(refused.status.code(), Some(2), "{said}");
-    assert!(said.contains("no method is left that would show anything in rooms"), "{said}");
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{message}");
+    assert!(message.contains("no method is left that would show anything in rooms"), "{message}");
 
     let render =
         ["render", "--scene", "rooms", "--view", "cylinder", "--method", "billboard", "--size", "32x18", "-o", "a.png"];
     let warned = folder.run(&render);
     assert!(warned.status.success());
-    let said = String::from_utf8(warned.stderr).unwrap();
-    assert!(said.contains("warning: billboard reflects impostors alone, and scene rooms has none"), "{said}");
+    let message = String::from_utf8(warned.stderr).unwrap();
+    assert!(message.contains("warning: billboard reflects impostors alone, and scene rooms has none"), "{message}");
 }
 
-/// The fade of Eq. 4.7 with other ends, for seven methods. A start at the end is a hard edge and no division by zero, a
-/// wide fade has many values between 0 and 1, and a far one fades nothing.
+/// The fade of Eq. 4.7 is tried with other ends, for seven methods. A start at the end is a hard edge and no division
+/// by zero, a wide fade has many values between 0 and 1, and a far one fades nothing.
 #[test]
 fn a_fade_whose_ends_meet_is_a_hard_edge() {
     let gpu = common::gpu();
@@ -91,8 +91,8 @@ fn a_fade_whose_ends_meet_is_a_hard_edge() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let mut fades = |start: f32, end: f32, method: &str| {
         let setup = Setup::on_screen(SIZE).with(|p: &mut FadeParams| (p.fade_start, p.fade_end) = (start, end));
-        let made = corridor(&mut stage, &scene, (method, &setup), 0.0);
-        made.texels().map(|t| t[3]).collect::<Vec<f32>>()
+        let reflection = corridor(&mut stage, &scene, (method, &setup), 0.0);
+        reflection.texels().map(|t| t[3]).collect::<Vec<f32>>()
     };
     for method in ["ssct", "hzct", "linear", "poster", "dda", "unified", "stochastic"] {
         let hard = fades(0.5, 0.5, method);
@@ -105,7 +105,7 @@ fn a_fade_whose_ends_meet_is_a_hard_edge() {
 }
 
 /// Other values of ξ of Eq. 4.5 and of the exponent of mirrors change the image of `ssct`, and the published value
-/// gives the image of the default.
+/// gives the image of the default. A shader that has them as constants would ignore the options.
 #[test]
 fn the_numbers_of_the_cone_are_options() {
     let gpu = common::gpu();
@@ -113,8 +113,8 @@ fn the_numbers_of_the_cone_are_options() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let mut image = |change: fn(&mut ConeParams)| {
         let setup = Setup::on_screen(SIZE).with(change);
-        let made = corridor(&mut stage, &scene, ("ssct", &setup), 0.1);
-        made.values.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+        let reflection = corridor(&mut stage, &scene, ("ssct", &setup), 0.1);
+        reflection.values.into_iter().map(f32::to_bits).collect::<Vec<_>>()
     };
     let plain = image(|_| ());
     assert_eq!(plain, image(|p| p.cone_xi = 0.244));

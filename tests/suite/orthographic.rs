@@ -1,6 +1,6 @@
-//! Orthographic cameras, off-axis ones, and two views of one frame (docs/definitions.md, "Spaces"). `unified` hits what
-//! the oracle says, is its twin to the bit, and among triangles hits what the world says. Other renderers' cameras are
-//! taken through the door, and methods that need a perspective say so.
+//! Tests orthographic cameras, off-axis ones, and two views of one frame (docs/definitions.md, "Spaces"). `unified`
+//! hits what the oracle says, is its twin to the bit, and among triangles hits what the world says. The door takes
+//! other renderers' cameras, and methods that need a perspective say so.
 
 use crate::common::engine::{Convention, Engine, ForeignGBuffer, NATIVE, bits, info, rmse};
 use crate::common::folder::Folder;
@@ -17,13 +17,14 @@ use ssct_ground::math::OracleVersion;
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{Camera, Capture, GBufferData, Lens, Projection, Scene, View};
 
-/// A view of a built-in scene along parallel lines, `height_m` metres high.
+/// Returns a view of a built-in scene along parallel lines, `height_m` metres high.
 fn parallel(scene: &Scene, eye: Vec3, look_at: Vec3, height_m: f32) -> View {
     let lens = Some(Lens::orthographic(height_m, 0.0, 60.0));
     View { name: format!("{} from {eye}", scene.name), eye, look_at, lens, ..View::default() }
 }
 
-/// Scenes with orthographic views: down at an angle, along an axis, down at the car of the street, and straight down.
+/// Returns scenes with orthographic views: down at an angle, along an axis, down at the car of the street, and straight
+/// down.
 fn views() -> Vec<(Scene, View)> {
     let parallel_view = |name: &str, eye: [f32; 3], look_at: [f32; 3], height_m| {
         let scene = crate::common::built_in(name);
@@ -53,7 +54,7 @@ fn views() -> Vec<(Scene, View)> {
     ]
 }
 
-/// The camera with its window moved aside and with pixels that are not square.
+/// Returns the camera with its window moved aside and with pixels that are not square.
 fn off_axis(camera: Camera) -> Camera {
     let clip = camera.view_to_clip_reversed();
     let kind = camera.kind();
@@ -66,7 +67,7 @@ fn off_axis(camera: Camera) -> Camera {
     Camera::of_projection(camera.world_to_view, projection)
 }
 
-/// The G-buffer that a camera sees of a scene.
+/// Draws the G-buffer that a camera sees of a scene.
 fn seen(gpu: &Gpu, scene: &Scene, camera: Camera, globals: &Globals, extent: [u32; 2]) -> GBufferData {
     let mut stage = Stage::new(gpu, scene).unwrap();
     let materials = globals.materials(scene, &View::default());
@@ -75,8 +76,9 @@ fn seen(gpu: &Gpu, scene: &Scene, camera: Camera, globals: &Globals, extent: [u3
     gbuffer::read(&mut stage.context, &shot).unwrap()
 }
 
-/// In each view, plain and off-axis, by both versions of the oracle: `unified` agrees with the oracle in at least 99.99
-/// % of the reflecting pixels, and path codes are right in 99.9 %.
+/// In each view, plain and off-axis, by both versions of the oracle, `unified` agrees with the oracle in at least 99.99
+/// % of the reflecting pixels, and path codes are right in 99.9 %. Code for perspectives divides by depth, which is
+/// wrong here.
 #[test]
 fn unified_hits_what_the_oracle_says() {
     let gpu = gpu();
@@ -105,7 +107,8 @@ fn unified_hits_what_the_oracle_says() {
     check_validation(&gpu).unwrap();
 }
 
-/// A perspective camera with a moved window agrees with the oracle in at least 99.99 % of the reflecting pixels.
+/// A perspective camera with a moved window agrees with the oracle in at least 99.99 % of the reflecting pixels. A
+/// projection that is taken to be symmetric would shift all rays.
 #[test]
 fn an_off_axis_perspective_hits_what_the_oracle_says() {
     let gpu = gpu();
@@ -120,7 +123,7 @@ fn an_off_axis_perspective_hits_what_the_oracle_says() {
 }
 
 /// For orthographic and off-axis cameras over random G-buffers and one view, at five sizes and by both versions of the
-/// oracle: pyramid and hits are the twin's, to the bit.
+/// oracle, pyramid and hits are the twin's, to the bit.
 #[test]
 fn pyramid_and_hits_equal_their_twin_to_the_bit() {
     let gpu = gpu();
@@ -149,8 +152,8 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
     check_validation(&gpu).unwrap();
 }
 
-/// The glossy passes equal their twins with an orthographic camera, at three roughnesses and with mixed ones; one of
-/// the cameras is off-axis.
+/// The glossy passes equal their twins with an orthographic camera, at three roughnesses and with mixed ones. One of
+/// the cameras is off-axis. Footprints and directions of sight are other ones than in a perspective.
 #[test]
 fn every_glossy_pass_is_its_twin() {
     use OracleVersion::{V1, V2};
@@ -163,17 +166,22 @@ fn every_glossy_pass_is_its_twin() {
         let camera = view.camera(&scene, extent);
         let camera = if n == 1 { off_axis(camera) } else { camera };
         let data = seen(&gpu, &scene, camera, &globals, extent);
-        for (data, of_one_kind) in [(&data, true), (&gloss_twin::mixed(&data, 5), false)] {
-            for (oracle, tiles, over) in [(V1, !of_one_kind, false), (V2, true, true)] {
-                let way = gloss_twin::DrawMode { oracle, tiles, over };
-                let counts = gloss_twin::check(data, &gloss_twin::draw(&gpu, data, way), way);
-                println!("roughness {roughness}, {way:?}: {:?}", counts.map(|c| [c.all, c.hits, c.ties, c.wrong]));
-                assert!(counts.iter().all(|c| c.wrong == 0), "roughness {roughness}, {way:?}");
-                totals.iter_mut().zip(counts).for_each(|(t, c)| (t.all, t.hits) = (t.all + c.all, t.hits + c.hits));
+        for (data, is_of_one_kind) in [(&data, true), (&gloss_twin::mixed(&data, 5), false)] {
+            for (oracle, tiles, over) in [(V1, !is_of_one_kind, false), (V2, true, true)] {
+                let mode = gloss_twin::DrawMode { oracle, tiles, over };
+                let counts = gloss_twin::check(data, &gloss_twin::draw(&gpu, data, mode), mode);
+                println!(
+                    "roughness {roughness}, {mode:?}: {:?}",
+                    counts.map(|count| [count.all, count.hits, count.ties, count.wrong])
+                );
+                assert!(counts.iter().all(|count| count.wrong == 0), "roughness {roughness}, {mode:?}");
+                totals.iter_mut().zip(counts).for_each(|(total, count)| {
+                    (total.all, total.hits) = (total.all + count.all, total.hits + count.hits)
+                });
             }
         }
     }
-    assert!(totals.iter().all(|t| t.hits > 500), "{totals:?}");
+    assert!(totals.iter().all(|total| total.hits > 500), "{totals:?}");
     check_validation(&gpu).unwrap();
 }
 
@@ -188,26 +196,26 @@ fn traced_rays_end_where_the_world_says() {
         let materials = triangles::mirrors(&scene, &name);
         let drawing =
             |method, setup: &Setup| triangles::draw(&gpu, (&scene, &name), materials.clone(), (method, setup), false);
-        let all = drawing(triangles::traced(), &Setup::new(triangles::EXTENT));
-        let (rays, wrong) = triangles::against_world(&all, &scene, &materials);
+        let traced_image = drawing(triangles::traced(), &Setup::new(triangles::EXTENT));
+        let (rays, wrong) = triangles::against_world(&traced_image, &scene, &materials);
         println!("{name}: {wrong} of {rays}");
         assert!(rays > 1000 && wrong * 200 <= rays, "{name}: {wrong} of {rays} end elsewhere");
-        let screen = drawing(&unified::INFO, &triangles::beyond(FirstTraced::Screen));
-        let (rays, wrong) = triangles::against_world(&screen, &scene, &materials);
+        let screen_first = drawing(&unified::INFO, &triangles::beyond(FirstTraced::Screen));
+        let (rays, wrong) = triangles::against_world(&screen_first, &scene, &materials);
         println!("{name}, the screen first: {wrong} of {rays}");
         assert!(rays > 1000 && wrong * 50 <= rays, "{name}: {wrong} of {rays} end elsewhere");
     }
     check_validation(&gpu).unwrap();
 }
 
-/// The cluttered scene from above, along parallel lines.
+/// Returns the cluttered scene and a view of it from above, along parallel lines.
 fn clutter_from_above() -> (Scene, View) {
     let scene = clutter();
     let view = parallel(&scene, Vec3::new(0.0, 6.0, -2.0), Vec3::new(0.0, 0.0, 8.0), 9.0);
     (scene, view)
 }
 
-/// The reflection that a method makes of a view at one roughness, with a camera at rest.
+/// Returns the reflection that a method makes of a view at one roughness, with a camera at rest.
 fn reflection(
     gpu: &Gpu,
     (scene, view): &(Scene, View),
@@ -224,20 +232,20 @@ fn reflection(
     gbuffer::reflection(&mut stage.context, &output).unwrap()
 }
 
-/// The colour that is added to the lit colour, before reflectivity, in each pixel. No value may be negative, infinite
-/// or NaN.
+/// Returns the colour that is added to the lit colour, before reflectivity, in each pixel. Panics if a value is
+/// negative, infinite or NaN.
 fn added(image: &Pixels) -> Vec<Vec3> {
     assert!(image.values.iter().all(|v| v.is_finite() && *v >= 0.0));
     image.texels().map(|t| t[3] * Vec3::from_slice(t)).collect()
 }
 
-/// The mean of the added colours, as a sum of three channels.
+/// Returns the mean of the added colours, as a sum of three channels.
 fn brightness(image: &Pixels) -> f32 {
     let all = added(image);
     all.iter().map(|c| c.element_sum()).sum::<f32>() / all.len() as f32
 }
 
-/// With an orthographic camera, a history keeps the mean brightness within 5 % and half resolution within 35 %; a
+/// With an orthographic camera, a history keeps the mean brightness within 5 % and half resolution within 35 %. A
 /// history at rest leaves mirrors unchanged.
 #[test]
 fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
@@ -248,23 +256,24 @@ fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
         let plain = image(|_| ());
         let history = image(|p| p.history = HistoryUse::On);
         let half = image(|p| p.resolution_scale = 0.5);
-        let bright = [&plain, &history, &half].map(brightness);
+        let brightnesses = [&plain, &history, &half].map(brightness);
         let pairs = added(&plain).into_iter().zip(added(&history));
-        let apart = pairs.map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max);
-        println!("roughness {roughness}: plain, history, half: {bright:?}; {apart} apart");
-        assert!(bright[0] > 0.02, "it shows something: {bright:?}");
-        assert!((bright[1] / bright[0] - 1.0).abs() < 0.05, "{bright:?}");
+        let greatest_difference = pairs.map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max);
+        println!("roughness {roughness}: plain, history, half: {brightnesses:?}; {greatest_difference} apart");
+        assert!(brightnesses[0] > 0.02, "it shows something: {brightnesses:?}");
+        assert!((brightnesses[1] / brightnesses[0] - 1.0).abs() < 0.05, "{brightnesses:?}");
         // Blocks of larger pixels are thicker, so that more rays hit. In perspective, mirrors at this place are a third
         // brighter.
-        assert!((bright[2] / bright[0] - 1.0).abs() < 0.35, "{bright:?}");
+        assert!((brightnesses[2] / brightnesses[0] - 1.0).abs() < 0.35, "{brightnesses:?}");
         // A camera at rest finds each point where it was; the one ray of a mirror is the same in all frames.
-        assert!(roughness > 0.0 || apart < 2e-3, "{apart}");
+        assert!(roughness > 0.0 || greatest_difference < 2e-3, "{greatest_difference}");
     }
     check_validation(&gpu).unwrap();
 }
 
 /// With an orthographic camera, captures alone, behind and beyond the screen have the brightness of traced rays within
-/// 15 %, and over 1.5 times that of the screen alone. `pccm` shows something.
+/// 15 %, and over 1.5 times that of the screen alone. `pccm` shows something. The faces of captures are perspectives
+/// themselves.
 #[test]
 fn captures_and_cube_maps_take_parallel_lines_of_sight() {
     let gpu = gpu();
@@ -278,8 +287,8 @@ fn captures_and_cube_maps_take_parallel_lines_of_sight() {
     let beyond = brightness_of("unified", |p| (p.beyond, p.captures) = (BeyondScreen::Captures, CaptureCount::Auto));
     let screen = brightness_of("unified", |_| ());
     println!("traced {truth}, captures {captures}, behind {behind}, beyond {beyond}, screen {screen}");
-    for (what, shown) in [("captures", captures), ("behind", behind), ("beyond", beyond)] {
-        assert!((shown / truth - 1.0).abs() < 0.15 && shown > 1.5 * screen, "{what}: {shown} beside {truth}");
+    for (name, shown) in [("captures", captures), ("behind", behind), ("beyond", beyond)] {
+        assert!((shown / truth - 1.0).abs() < 0.15 && shown > 1.5 * screen, "{name}: {shown} beside {truth}");
     }
     let rooms = views().swap_remove(0);
     let local = brightness(&reflection(&gpu, &rooms, ("pccm", 0.0), |_| ()));
@@ -304,9 +313,9 @@ fn methods_that_need_a_perspective_say_so() {
                 taken.push(method.name);
             }
             Err(error) => {
-                let said = error.to_string();
-                let is_right = said.contains(method.name) && said.contains("needs a perspective");
-                assert!(is_right && said.contains("unified") && matches!(error, ssct::Error::Usage(_)), "{said}");
+                let message = error.to_string();
+                let is_right = message.contains(method.name) && message.contains("needs a perspective");
+                assert!(is_right && message.contains("unified") && matches!(error, ssct::Error::Usage(_)), "{message}");
                 refused += 1;
             }
         }
@@ -315,16 +324,16 @@ fn methods_that_need_a_perspective_say_so() {
     assert_eq!(refused + taken.len(), METHODS.len());
     // An effect that was made for a perspective refuses an orthographic camera.
     let mut context = ssct::gpu::FrameContext::new(&gpu).unwrap();
-    let made = Effect::new(&mut context, &unified::INFO, &Setup::on_screen([32, 32]), Wants::IMAGE, None).unwrap();
+    let effect = Effect::new(&mut context, &unified::INFO, &Setup::on_screen([32, 32]), Wants::IMAGE, None).unwrap();
     let data = seen(&gpu, &scene, view.camera(&scene, [32, 32]), &Globals::default(), [32, 32]);
     let images = ssct::passes::gbuffer::GBufferImages::upload(&mut context, &data).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();
-    let said = made.record(&mut frame, &methods::Input::of_screen(images.gbuffer(), &data.camera)).err().unwrap();
-    assert!(said.to_string().contains("the camera is orthographic"), "{said}");
+    let message = effect.record(&mut frame, &methods::Input::of_screen(images.gbuffer(), &data.camera)).err().unwrap();
+    assert!(message.to_string().contains("the camera is orthographic"), "{message}");
 }
 
 /// Six commands with an orthographic camera and no named method measure the methods that take such a camera, and name
-/// the others in one line.
+/// the others in one line. An error at the first other method would end the study.
 #[test]
 fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
     let folder = Folder::new();
@@ -342,14 +351,14 @@ fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
         // A study of precision has no scene behind its G-buffers, and takes no captures.
         let captures = if command[0] == "precision" { &[][..] } else { &["--captures", "1"] };
         let output = folder.run(&[&command[..], &few, captures, &["--orthographic-height", "3"]].concat());
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{command:?}: {said}");
-        let left_out: Vec<&str> = said.lines().filter(|line| line.contains("need a perspective")).collect();
-        assert!(matches!(left_out[..], [line] if line.contains("ssct, ") || line.ends_with("ssct")), "{said}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{command:?}: {message}");
+        let left_out: Vec<&str> = message.lines().filter(|line| line.contains("need a perspective")).collect();
+        assert!(matches!(left_out[..], [line] if line.contains("ssct, ") || line.ends_with("ssct")), "{message}");
         let records: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).unwrap();
         let names: std::collections::BTreeSet<&str> = records.iter().filter_map(|r| r["method"].as_str()).collect();
-        let known = |name: &&&str| methods::find(name).is_ok_and(|method| method.takes_orthographic);
-        assert_eq!(names.iter().filter(known).count(), taken, "{command:?}: {names:?}");
+        let takes_orthographic = |name: &&&str| methods::find(name).is_ok_and(|method| method.takes_orthographic);
+        assert_eq!(names.iter().filter(takes_orthographic).count(), taken, "{command:?}: {names:?}");
         assert!(!names.contains("ssct"), "{command:?}: {names:?}");
     }
     let plain =
@@ -388,14 +397,14 @@ fn every_convention_of_an_orthographic_renderer_shows_the_same() {
         &context,
         &ssct::ReflectionsInfo { projection: ProjectionKind::Perspective, ..info(&data, "unified") },
     );
-    let said = engine.frame(&mut wrong.unwrap(), &theirs.input()).err().unwrap().to_string();
-    assert!(said.contains("orthographic") && said.contains("ReflectionsInfo.projection"), "{said}");
+    let message = engine.frame(&mut wrong.unwrap(), &theirs.input()).err().unwrap().to_string();
+    assert!(message.contains("orthographic") && message.contains("ReflectionsInfo.projection"), "{message}");
     let refused = Reflections::new(&context, &info(&data, "ssct")).err().unwrap().to_string();
     assert!(refused.contains("needs a perspective"), "{refused}");
     gpu.check_validation().unwrap();
 }
 
-/// The two cameras of a stereo frame: eyes 6.4 cm apart, each with its window moved towards the other's.
+/// Returns the two cameras of a stereo frame: eyes 6.4 cm apart, each with its window moved towards the other's.
 fn stereo(camera: Camera) -> [Camera; 2] {
     [-1.0, 1.0].map(|side| {
         let moved = Mat4::from_translation(Vec3::X * (-0.032 * side)) * camera.world_to_view;
@@ -410,7 +419,8 @@ fn stereo(camera: Camera) -> [Camera; 2] {
     })
 }
 
-/// Both eyes in one command buffer, and both in turn by one object, give the images of each eye alone, to the bit.
+/// Both eyes in one command buffer, and both in turn by one object, give the images of each eye alone, to the bit. Two
+/// objects of one context could share images or descriptors by mistake.
 #[test]
 fn both_views_of_a_stereo_frame_are_as_each_alone() {
     let gpu = gpu();
@@ -420,34 +430,34 @@ fn both_views_of_a_stereo_frame_are_as_each_alone() {
     let eyes = stereo(scene.view("corridor").unwrap().camera(&scene, extent));
     let gloss = Globals { roughness: Some(0.1), ..Globals::default() };
     let data = eyes.map(|eye| seen(&gpu, &scene, eye, &gloss, extent));
-    let theirs = [0, 1].map(|k| ForeignGBuffer::new(&mut engine, &data[k], NATIVE));
-    let alone = [0, 1].map(|k| {
+    let theirs = [0, 1].map(|eye| ForeignGBuffer::new(&mut engine, &data[eye], NATIVE));
+    let alone = [0, 1].map(|eye| {
         let context = engine.context();
-        let mut reflections = Reflections::new(&context, &info(&data[k], "unified")).unwrap();
-        let recorded = engine.frame(&mut reflections, &theirs[k].input()).unwrap();
+        let mut reflections = Reflections::new(&context, &info(&data[eye], "unified")).unwrap();
+        let recorded = engine.frame(&mut reflections, &theirs[eye].input()).unwrap();
         engine.read(&recorded.composite.unwrap())
     });
     assert!(rmse(&alone[0], &alone[1]) > 0.01, "the eyes see different things");
     // Two objects of one context record both eyes into one command buffer.
     let context = engine.context();
-    let mut both = [0, 1].map(|k| Reflections::new(&context, &info(&data[k], "unified")).unwrap());
+    let mut both = [0, 1].map(|eye| Reflections::new(&context, &info(&data[eye], "unified")).unwrap());
     for slot in [0, 1, 0] {
         let commands = engine.begin();
-        let recorded = [0, 1].map(|k| {
-            let input = ssct::FrameInput { slot, ..theirs[k].input() };
+        let recorded = [0, 1].map(|eye| {
+            let input = ssct::FrameInput { slot, ..theirs[eye].input() };
             // SAFETY: the command buffer is recording; what is recorded is submitted and waited for below.
-            unsafe { both[k].record(commands, &input) }.unwrap().composite.unwrap()
+            unsafe { both[eye].record(commands, &input) }.unwrap().composite.unwrap()
         });
         engine.submit(commands).unwrap();
-        for k in [0, 1] {
-            assert!(bits(&engine.read(&recorded[k])) == bits(&alone[k]), "eye {k}");
+        for eye in [0, 1] {
+            assert!(bits(&engine.read(&recorded[eye])) == bits(&alone[eye]), "eye {eye}");
         }
     }
     // One object can also show both eyes in turn.
-    let mut one = Reflections::new(&context, &info(&data[0], "unified")).unwrap();
-    for k in [0, 1, 0] {
-        let recorded = engine.frame(&mut one, &theirs[k].input()).unwrap();
-        assert!(bits(&engine.read(&recorded.composite.unwrap())) == bits(&alone[k]), "eye {k} in turn");
+    let mut in_turn = Reflections::new(&context, &info(&data[0], "unified")).unwrap();
+    for eye in [0, 1, 0] {
+        let recorded = engine.frame(&mut in_turn, &theirs[eye].input()).unwrap();
+        assert!(bits(&engine.read(&recorded.composite.unwrap())) == bits(&alone[eye]), "eye {eye} in turn");
     }
     gpu.check_validation().unwrap();
 }

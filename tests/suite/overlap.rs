@@ -1,4 +1,4 @@
-//! Surfaces in one place: the G-buffer shows the one that is drawn first.
+//! Tests surfaces in one place: the G-buffer shows the one that the scene lists first.
 
 use crate::common::{check_validation, gpu};
 use glam::Vec3;
@@ -9,7 +9,7 @@ use ssct_scenes::{Material, Mesh, Scene, Vertex};
 /// Size of the images in pixels.
 const EXTENT: [u32; 2] = [96, 54];
 
-/// Depth, normals and reflectivity of a G-buffer.
+/// Returns the depths, normals and reflectivities of a scene's G-buffer.
 fn drawn(gpu: &Gpu, scene: &Scene) -> (Vec<f32>, Vec<Vec3>, Vec<f32>) {
     let view = scene.view("corridor").unwrap();
     let mut stage = Stage::new(gpu, scene).unwrap();
@@ -19,7 +19,7 @@ fn drawn(gpu: &Gpu, scene: &Scene) -> (Vec<f32>, Vec<Vec3>, Vec<f32>) {
     (images.depth, images.normal, images.reflectivity)
 }
 
-/// Gives a mesh every triangle a second time, in one place with the first and with the opposite normals.
+/// Adds every triangle of a mesh a second time, in one place with the first and with the opposite normals.
 fn double(mesh: &mut Mesh) {
     let first = mesh.vertices.len() as u32;
     let turned = |v: &Vertex| Vertex { normal: v.normal.map(|n| -n), ..*v };
@@ -27,7 +27,8 @@ fn double(mesh: &mut Mesh) {
     mesh.indices.extend(mesh.indices.iter().map(|index| index + first).collect::<Vec<_>>());
 }
 
-/// Every surface is repeated in its place, by later meshes and by later triangles: the G-buffer does not change.
+/// If every surface is repeated in its place, by later meshes or by later triangles, the G-buffer does not change.
+/// Which of two surfaces of one depth wins must not depend on the driver.
 #[test]
 fn what_stands_where_something_came_before_is_not_seen() {
     let gpu = gpu();

@@ -1,5 +1,5 @@
-//! The page of a study: made from small records and pictures in a temporary folder, read as text, and shown by a
-//! headless Chromium where there is one.
+//! Tests the page of a study. It is made from small records and pictures in a temporary folder, read as text, and shown
+//! by a headless Chromium if it is installed.
 
 use crate::common::folder::Folder;
 use crate::common::html::{attributes, chromium, probe};
@@ -24,13 +24,13 @@ use std::path::Path;
 /// Widths of a phone and a desktop, in CSS pixels.
 const WIDTHS: [u32; 2] = [390, 1280];
 
-/// A device whose name has characters that HTML must escape.
+/// Returns a device whose name has characters that HTML must escape.
 fn device() -> DeviceInfo {
     let [name, driver, api, kind] = ["A <GPU> & more", "driver 1", "1.3.0", "CPU"].map(str::to_owned);
     DeviceInfo { name, driver, api, kind }
 }
 
-/// The fields that all records begin with.
+/// Returns the fields that all records begin with.
 fn head(kind: &str, method: &str, roughness: f32) -> Head {
     let globals = Globals { roughness: Some(roughness), reflectivity: 1.0, normal_deviation: Some(roughness) };
     Head {
@@ -47,7 +47,7 @@ fn head(kind: &str, method: &str, roughness: f32) -> Head {
     }
 }
 
-/// A record of times whose seven passes share the time evenly.
+/// Returns a record of times whose seven passes share the time evenly.
 fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
     let passes = ["depth", "hi-z/1", "hi-z/2", "visibility/1", "color/1", "trace+cone", "composite"];
     let pass = |name: &&str| PassRecord {
@@ -70,7 +70,7 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
     }
 }
 
-/// A record of an error against a reference, with the time of the method.
+/// Returns a record of an error against a reference, with the time of the method.
 fn error_record(method: &str, against: ErrorReference, ms: f64, error: f64) -> ErrorRecord {
     ErrorRecord {
         head: head("error", method, 0.0),
@@ -109,10 +109,10 @@ fn two_copies_of_a_method_have_two_stars_or_none() {
 }
 
 /// The column `drift` says by how much the scene passes of a row took longer or shorter than those of the first row.
-/// Rows that were timed in turn have no such column.
+/// Rows that were timed in turn have no such column. Without it, a busy machine would pass for a slow method.
 #[test]
 fn rows_of_table_5_8_carry_the_drift_between_them() {
-    let of_scene = |method: &str, roughness, ms: f64, scene_ms: f64| {
+    let record_with_scene = |method: &str, roughness, ms: f64, scene_ms: f64| {
         let mut record = time_record(method, roughness, ms);
         let stats = Stats::from_samples(&[scene_ms]);
         record
@@ -122,10 +122,10 @@ fn rows_of_table_5_8_carry_the_drift_between_them() {
     };
     // Roughness 0 was slower by the load alone: the scene passes say so.
     let records = [
-        of_scene("ssct", 0.0, 20.0, 40.0),
-        of_scene("hzct", 0.0, 18.0, 40.0),
-        of_scene("ssct", 0.1, 10.0, 20.0),
-        of_scene("hzct", 0.1, 9.0, 20.0),
+        record_with_scene("ssct", 0.0, 20.0, 40.0),
+        record_with_scene("hzct", 0.0, 18.0, 40.0),
+        record_with_scene("ssct", 0.1, 10.0, 20.0),
+        record_with_scene("hzct", 0.1, 9.0, 20.0),
     ];
     let column = |cells: &[Vec<String>], title: &str| {
         let column = cells[0].iter().position(|cell| cell == title)?;
@@ -137,7 +137,7 @@ fn rows_of_table_5_8_carry_the_drift_between_them() {
 }
 
 /// The quotient of two methods is the median of the quotients of each turn, so that a slower machine does not change
-/// it; with few turns there is no interval.
+/// it. With few turns there is no interval.
 #[test]
 fn quotients_of_table_5_8_are_medians_over_turns_with_their_interval() {
     let timed = |method: &str, turns: &[f64]| {
@@ -154,7 +154,8 @@ fn quotients_of_table_5_8_are_medians_over_turns_with_their_interval() {
     assert_eq!(shown([&[10.0, 10.0, 10.0], &[9.0, 8.0, 7.0]]), "0.80", "too few turns for an interval");
 }
 
-/// The median time of a group of passes is the median of the sums of each frame, and not the sum of the medians.
+/// The median time of a group of passes is the median of the sums of each frame. The sum of the medians would be
+/// another number.
 #[test]
 fn the_median_of_a_group_is_that_of_its_sums() {
     let mut record = time_record("ssct", 0.1, 7.0);
@@ -187,7 +188,7 @@ fn what_is_prepared_is_plotted_where_it_differs() {
     assert!(!text(&[record("ssct", 0, 0.08)]).contains("prepared MiB"));
 }
 
-/// A picture of one colour with some noise, so that its JPEG is smaller than its PNG.
+/// Writes a picture of one colour with some noise, so that its JPEG is smaller than its PNG.
 fn picture(folder: &Path, name: &str, color: [u8; 3]) -> Picture {
     let noise = |n: u32| (n.wrapping_mul(2_654_435_761) >> 28) as u8;
     let bytes = (0..64 * 36 * 3).map(|n| color[n as usize % 3].saturating_add(noise(n))).collect();
@@ -196,13 +197,14 @@ fn picture(folder: &Path, name: &str, color: [u8; 3]) -> Picture {
     Picture { file, name: name.into(), caption: format!("{name}, \"quoted\" <caption>") }
 }
 
-/// The page in a folder, with all files that it links to.
+/// A study's page in a folder, with all files that it links to.
 struct Made {
     folder: Folder,
     html: String,
 }
 
 impl Made {
+    /// Makes the page from small records and pictures, and writes it to a new folder.
     fn new() -> Self {
         let folder = Folder::new();
         let path = folder.root();
@@ -257,7 +259,8 @@ impl Made {
     }
 }
 
-/// The page loads nothing from other places: pictures are embedded as JPEG, and the script stands in the page.
+/// The page loads nothing from other places: pictures are embedded as JPEG, and the script stands in the page. A page
+/// that is sent by mail would otherwise lack them.
 #[test]
 fn the_page_needs_nothing_from_elsewhere() {
     let page = Made::new();
@@ -272,7 +275,7 @@ fn the_page_needs_nothing_from_elsewhere() {
 }
 
 /// The page's ids are unique, each picture has a text, each link leads to a file or an id, names are escaped, and tags
-/// are closed.
+/// are closed. Browsers repair such faults in silence.
 #[test]
 fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
     let page = Made::new();
@@ -298,7 +301,7 @@ fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
     }
 }
 
-/// A page without records says so, and a page with a picture that does not exist is refused with its name.
+/// A page without records says so, and a page with a picture that does not exist is refused with the picture's name.
 #[test]
 fn a_missing_picture_is_named() {
     let page = Made::new();
@@ -329,8 +332,8 @@ fn a_missing_picture_is_named() {
     assert!(wrong.render(&folder).unwrap_err().to_string().contains("none.png"));
 }
 
-/// A script that shows the page in frames of some widths, with and without the page's script, and writes down what it
-/// finds there.
+/// A script that shows the page in frames of some widths, with and without the page's script, and records what it finds
+/// there.
 const PROBE: &str = r#"
 const visible = (e) => e.getClientRects().length > 0;
 function probe(frame, what) {
@@ -383,7 +386,8 @@ fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
     assert_eq!(found, expected);
 }
 
-/// Screenshots at both widths have enough pixels in the colours of words, bars and pictures.
+/// Screenshots at both widths have enough pixels in the colours of words, bars and pictures. A style sheet can hide a
+/// part that the text has.
 #[test]
 fn a_screenshot_shows_words_plots_and_pictures() {
     let page = Made::new();
@@ -402,19 +406,20 @@ fn a_screenshot_shows_words_plots_and_pictures() {
         let near = |a: [u8; 3], b: [u8; 3]| (0..3).all(|c| a[c].abs_diff(b[c]) < 24);
         let count = |color| image.pixels().filter(|p| near(p.0, color)).count();
         // Words are dark, and the bars of the first plot and the three pictures have colours of their own.
-        for (what, color, least) in [
+        for (part, color, least) in [
             ("words", [0, 0, 0], 2000),
             ("bars", [0x4c, 0x78, 0xa8], 200),
             ("lit", [207, 7, 7], 10_000),
             ("ssct", [7, 207, 7], 10_000),
             ("reference", [7, 7, 207], 10_000),
         ] {
-            assert!(count(color) >= least, "{what} at {width}: {} pixels", count(color));
+            assert!(count(color) >= least, "{part} at {width}: {} pixels", count(color));
         }
     }
 }
 
-/// The table of medians by roughness takes the record of a method's first setup and leaves out its other variants.
+/// The table of medians by roughness takes the record of a method's first setup and leaves out its other variants,
+/// whose errors belong to other settings.
 #[test]
 fn medians_by_roughness_are_of_a_method_s_first_variant() {
     let base = error_record("unified", ErrorReference::Screen, 4.0, 0.02);
@@ -423,13 +428,13 @@ fn medians_by_roughness_are_of_a_method_s_first_variant() {
         head(&mut record.head);
         record
     };
-    let of_oracle_2 = other(|head| drop(head.setup.insert("oracle".into(), 2.into())));
+    let by_oracle_2 = other(|head| drop(head.setup.insert("oracle".into(), 2.into())));
     let records = [
         base,
-        of_oracle_2.clone(),
-        of_oracle_2.clone(),
+        by_oracle_2.clone(),
+        by_oracle_2.clone(),
         other(|head| drop(head.setup.insert("resolution_scale".into(), 0.5.into()))),
     ];
     assert_eq!(source_table(&records).cells[1], ["unified, screen", "0.0200"]);
-    assert_eq!(source_table(&[of_oracle_2]).cells[1], ["unified, screen", "0.0800"]);
+    assert_eq!(source_table(&[by_oracle_2]).cells[1], ["unified, screen", "0.0800"]);
 }

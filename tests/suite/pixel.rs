@@ -1,5 +1,5 @@
-//! `ssct render --pixel` and `--dump`: the report on a pixel agrees with the images, and a dump holds the recorded
-//! images and no others.
+//! Tests `ssct render --pixel` and `--dump`: the report on a pixel agrees with the images, and a dump holds the
+//! recorded images and no others.
 
 use crate::common::folder::Folder;
 use crate::common::repository;
@@ -13,32 +13,32 @@ const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n
 /// Size of the images in pixels.
 const SIZE: [u32; 2] = [64, 48];
 
-/// A folder with the room.
+/// Makes a folder with the room.
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("room.obj", ROOM);
     folder
 }
 
-/// The arguments of `render` on the room.
+/// Returns the arguments of `render` on the room, followed by `more`.
 fn args<'a>(more: &[&'a str]) -> Vec<&'a str> {
     let place = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "64x48"];
     [&["render"], &place[..], more].concat()
 }
 
-/// The report on a pixel, as JSON.
+/// Returns the report on a pixel, as JSON.
 fn said(folder: &Folder, pixel: &str, more: &[&str]) -> Value {
     let output = folder.succeed(&args(&[&["--pixel", pixel, "--json"], more].concat()));
     let records: Value = serde_json::from_str(&output).unwrap();
     records[0]["pixel"].clone()
 }
 
-/// The numbers of a JSON list.
+/// Returns the numbers of a JSON list.
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
-/// The channel of a name in an OpenEXR image, rows from the top.
+/// Returns the channel of a name in an OpenEXR image, in rows from the top.
 fn channel(folder: &Folder, file: &str, name: &str) -> Vec<f32> {
     let image = exr::prelude::read_first_flat_layer_from_file(folder.path(file)).unwrap();
     let list = &image.layer_data.channel_data.list;
@@ -47,7 +47,8 @@ fn channel(folder: &Folder, file: &str, name: &str) -> Vec<f32> {
 }
 
 /// For four methods, the report on a floor pixel has the walk of its ray and three ends: by the method, the oracle and
-/// the triangles. Its colours add up to the image within the rounding of 16-bit floats.
+/// the triangles. Its colours add up to the image within the rounding of 16-bit floats. A twin on the CPU makes the
+/// report, and may differ from the device.
 #[test]
 fn a_pixel_of_every_method_with_a_twin_is_explained_from_its_walk_to_its_colour() {
     let folder = folder();
@@ -70,19 +71,22 @@ fn a_pixel_of_every_method_with_a_twin_is_explained_from_its_walk_to_its_colour(
     }
 }
 
-/// Where a plate hides the true end of the ray, the report names the plate and the verdict. The text has at most 24
-/// lines of 100 characters.
+/// If a plate hides the true end of the ray, the report names the plate and the verdict. The text has at most 24 lines
+/// of 100 characters.
 #[test]
 fn the_report_fits_a_screen_and_names_what_hides_the_place() {
     let folder = folder();
     // Rays from far places of the floor end on the wall below the plate, and rays from near places above it; between
     // them, they end behind the plate.
-    let columns = (28..40)
+    let reports = (28..40)
         .map(|y| said(&folder, &format!("32,{y}"), &["--method", "unified", "--beyond", "none", "--roughness", "0"]));
-    let hidden: Vec<Value> = columns.filter(|report| report["world_end"]["hidden_by"] == "plate").collect();
+    let hidden: Vec<Value> = reports.filter(|report| report["world_end"]["hidden_by"] == "plate").collect();
     let found = hidden.get(hidden.len() / 2).expect("a ray ends behind the plate");
-    let why = found["why"].to_string();
-    assert!(why.contains("the ray meets wall after") && why.contains("is hidden behind plate, at 3.0"), "{why}");
+    let causes = found["why"].to_string();
+    assert!(
+        causes.contains("the ray meets wall after") && causes.contains("is hidden behind plate, at 3.0"),
+        "{causes}"
+    );
     assert_eq!(found["verdict"], "wrong by the world", "{found}");
     let pixel = numbers(&found["pixel"]);
     let picked = format!("{},{}", pixel[0], pixel[1]);
@@ -121,7 +125,7 @@ fn pixels_outside_and_pixels_without_reflection_get_a_sentence() {
 }
 
 /// For mirrors, a dump of `unified` has the pyramid and no colour chain; with gloss it has the chain. Fronts of blocks
-/// are depths, and the top of the pyramid is the nearest depth.
+/// are depths, and the top of the pyramid is the nearest depth. An image that no pass wrote would show old memory.
 #[test]
 fn a_dump_has_what_was_recorded_and_no_more() {
     let folder = folder();
@@ -176,9 +180,9 @@ fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
         let report = said(&folder, &format!("{x},{y}"), &flags);
         let index = (y * SIZE[0] + x) as usize;
         assert_eq!(fade[index] as f64, report["colors"]["fade"].as_f64().unwrap(), "fade at {x}, {y}");
-        let of_picture = names[verdict[index] as usize];
-        assert_eq!(report["verdict"] == "does not reflect", of_picture == "does not reflect", "{x}, {y}");
-        assert_eq!(picture.get_pixel(x, y).0 == [0; 3], of_picture == "does not reflect", "{x}, {y}");
+        let dumped_verdict = names[verdict[index] as usize];
+        assert_eq!(report["verdict"] == "does not reflect", dumped_verdict == "does not reflect", "{x}, {y}");
+        assert_eq!(picture.get_pixel(x, y).0 == [0; 3], dumped_verdict == "does not reflect", "{x}, {y}");
     }
     for (legend, words) in
         [("paths-legend.svg", "hit by the Hi-Z traversal"), ("verdict-legend.svg", "wrong by the world")]
@@ -201,38 +205,39 @@ fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
 }
 
 /// The pixel that the README takes as an example, and another one, are wrong by the screen, with the cause that the
-/// texts name.
+/// texts name. A change of the method may make the example right.
 #[test]
 fn the_pixel_that_the_readme_explains_is_wrong() {
     let readme = std::fs::read_to_string(repository().join("README.md")).unwrap();
-    let of_the_readme = readme.split("--pixel ").nth(1).unwrap().split(' ').next().unwrap();
+    let readme_pixel = readme.split("--pixel ").nth(1).unwrap().split(' ').next().unwrap();
     // The ray of the second pixel ends at the right place in a window, where the references show the environment along
     // the ray.
-    for (pixel, why) in [(of_the_readme, "The method's ray hits"), ("480,204", "The ray ends right, and its colour")] {
+    for (pixel, cause) in [(readme_pixel, "The method's ray hits"), ("480,204", "The ray ends right, and its colour")] {
         let report = Folder::new().succeed(&["render", "--view", "corridor", "--pixel", pixel]);
-        let flowing = report.replace('\n', " ");
-        assert!(flowing.contains("wrong by the screen") && flowing.contains(why), "{pixel}: {report}");
+        let one_line = report.replace('\n', " ");
+        assert!(one_line.contains("wrong by the screen") && one_line.contains(cause), "{pixel}: {report}");
     }
 }
 
-/// A reflection that is wrong by its fade alone has this cause first in the report; with the fade off, the reflection
-/// is right.
+/// If a reflection is wrong by its fade alone, the report names this cause first. With the fade off, the reflection is
+/// right.
 #[test]
 fn a_fade_that_is_the_only_cause_is_named_first() {
-    let why = |more: &[&str]| {
+    let causes = |more: &[&str]| {
         let pixel =
             ["render", "--view", "corridor", "--size", "320x180", "--roughness", "0", "--pixel", "20,150", "--json"];
         let report: Value = serde_json::from_str(&Folder::new().succeed(&[&pixel[..], more].concat())).unwrap();
         report[0]["pixel"]["why"].clone()
     };
-    let faded = why(&[]);
+    let faded = causes(&[]);
     assert!(faded[0].as_str().unwrap().contains("wrong by the fade at the picture's border alone"), "{faded}");
     assert_eq!(faded.to_string().matches("fade").count(), 1, "{faded}");
-    let whole = why(&["--fade", "off"]);
+    let whole = causes(&["--fade", "off"]);
     assert!(whole[0].as_str().unwrap().starts_with("The reflection is right"), "{whole}");
 }
 
-/// A view in which one wall fills everything gets a warning, and another view from the same place gets none.
+/// A view in which one wall fills everything gets a warning, and another view from the same place gets none. A user
+/// would otherwise take the image for a fault.
 #[test]
 fn a_view_that_options_place_before_a_wall_gets_a_warning() {
     let folder = folder();

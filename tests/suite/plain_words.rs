@@ -1,6 +1,6 @@
-//! Comments and names that a stranger understands. A comment begins with its subject or with the action of its item:
-//! beginnings that point at something else ("The same", "Those", "Of") are kept out of code, shaders and tests.
-//! Variables and functions have nouns or verbs for names.
+//! Tests that strangers can understand comments and names. A comment begins with its subject or with the action of its
+//! item, so that beginnings which point at something else ("The same", "Those", "Of") are refused in code, shaders and
+//! tests. Variables and functions have nouns or verbs for names.
 
 use crate::common::sources::{GLSL, texts};
 use proc_macro2::{TokenStream, TokenTree};
@@ -9,7 +9,7 @@ use proc_macro2::{TokenStream, TokenTree};
 const PLACES: &[&str] =
     &["benches", "build.rs", "c", "examples", "fuzz", "lab", "scripts", "shaders-glsl", "src", "tests"];
 
-/// Files of these kinds have comments after slashes.
+/// The extensions of files whose comments follow slashes.
 const EXTENSIONS: &[&str] = &["rs", "c", "h", "glsl", "frag", "vert", "comp"];
 
 /// Beginnings that leave open what a comment is about.
@@ -18,11 +18,11 @@ const UNCLEAR: &[&str] = &["What of ", "Of ", "Those ", "That of ", "As ", "The 
 /// Words that may not name a variable or a function, since they say nothing about it.
 const NO_NAMES: [&str; 2] = ["of", "at"];
 
-/// Words of Rust behind which a name is that of a variable or a function.
+/// Words of Rust after which a name is that of a variable or a function.
 const BEFORE_A_NAME: [&str; 13] =
     ["else", "fn", "for", "if", "in", "let", "match", "move", "mut", "ref", "return", "unsafe", "while"];
 
-/// The text of the comment on a line, and whether code stands before the comment.
+/// Returns the text of the comment on a line, and whether code stands before the comment.
 fn comment(line: &str) -> Option<(&str, bool)> {
     let offset = line.find("//")?;
     let (before, marked) = line.split_at(offset);
@@ -31,25 +31,26 @@ fn comment(line: &str) -> Option<(&str, bool)> {
     (!is_code).then(|| (marked.trim_start_matches(['/', '!']).trim(), !before.trim().is_empty()))
 }
 
-/// The lines on which a comment, or a paragraph of one, begins in an unclear way, counted from 1.
+/// Returns the lines on which a comment, or a paragraph of one, begins in an unclear way, counted from 1.
 fn unclear(text: &str) -> Vec<usize> {
     let mut found = Vec::new();
-    let mut goes_on = false;
+    let mut is_in_paragraph = false;
     for (n, line) in text.lines().enumerate() {
-        let Some((said, is_behind_code)) = comment(line) else {
-            goes_on = false;
+        let Some((words_of_comment, is_behind_code)) = comment(line) else {
+            is_in_paragraph = false;
             continue;
         };
-        if (!goes_on || is_behind_code) && UNCLEAR.iter().any(|words| said.starts_with(words)) {
+        if (!is_in_paragraph || is_behind_code) && UNCLEAR.iter().any(|words| words_of_comment.starts_with(words)) {
             found.push(n + 1);
         }
-        goes_on = !said.is_empty() && !said.starts_with('#');
+        is_in_paragraph = !words_of_comment.is_empty() && !words_of_comment.starts_with('#');
     }
     found
 }
 
-/// The lines of Rust on which a variable or a function has one of the names. Calls may: functions of
-/// other crates have them. So may the words of a macro, which follow another word.
+/// Adds to `found` the lines of Rust on which a variable or a function has one of the names in `NO_NAMES`. Calls are
+/// left out, since functions of other crates may have such names, and so are words of macros, which follow another
+/// word.
 fn named(tokens: TokenStream, found: &mut Vec<usize>) {
     let mut before: Option<TokenTree> = None;
     for token in tokens {
@@ -75,7 +76,7 @@ fn named(tokens: TokenStream, found: &mut Vec<usize>) {
     }
 }
 
-/// The lines of a shader on which one of the names stands outside comments.
+/// Returns the lines of a shader on which one of the names occurs outside comments.
 fn names_in_shader(text: &str) -> Vec<usize> {
     let code = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
     let is_name = |word: &str| NO_NAMES.contains(&word);
@@ -83,7 +84,8 @@ fn names_in_shader(text: &str) -> Vec<usize> {
     text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && has_name(line)).map(|(n, _)| n + 1).collect()
 }
 
-/// Fails with the places that `lines` finds in files of some kinds, if it finds any.
+/// Fails with the places that `lines` finds in files of some kinds, if it finds any. `what` says what is wrong with
+/// them.
 fn check(what: &str, extensions: &[&str], lines: impl Fn(&str) -> Vec<usize>) {
     let files = texts(PLACES, extensions);
     assert!(files.len() > 100, "only {} files", files.len());
@@ -93,7 +95,8 @@ fn check(what: &str, extensions: &[&str], lines: impl Fn(&str) -> Vec<usize>) {
     assert!(wrong.is_empty(), "{what}:\n{}", wrong.join("\n"));
 }
 
-/// No comment in the repository begins with one of the words in `UNCLEAR`.
+/// No comment in the repository begins with one of the words in `UNCLEAR`. A comment is often read alone, beside its
+/// item.
 #[test]
 fn comments_begin_with_their_subject() {
     check(&format!("comments begin with {UNCLEAR:?}"), EXTENSIONS, unclear);
@@ -111,8 +114,8 @@ fn variables_and_functions_have_names_that_say_something() {
     check(&what, &GLSL, names_in_shader);
 }
 
-/// Examples of Rust with the lines on which a name is found: declarations and captured arguments count; paths, strings,
-/// comments and words of macros do not.
+/// Examples of Rust give the lines on which a name is found: declarations and captured arguments count; paths, strings,
+/// comments and words of macros do not. The test above relies on this.
 #[test]
 fn names_are_told_from_words_of_macros() {
     for (text, lines) in [

@@ -1,5 +1,5 @@
-//! `planar` against the triangles: on a flat mirror both find what one ray sees, by a mirrored camera and by tracing
-//! the ray.
+//! Compares `planar` with the triangles. On a flat mirror both find what one ray sees: the method by a mirrored camera,
+//! the reference by tracing the ray.
 
 use crate::common::{Builder, Shown, Truth, beside_truth, camera, gpu, show};
 use glam::Vec3;
@@ -13,8 +13,8 @@ use ssct_scenes::{Camera, Scene};
 /// Size of the images in pixels.
 const EXTENT: [u32; 2] = [321, 239];
 
-/// A mirror that leans forward, coloured boards in front of it, and a red board behind it, which it must not show. A
-/// second, smaller mirror stands at its side.
+/// Returns a mirror that leans forward, coloured boards in front of it, and a red board behind it, which it must not
+/// show. A second, smaller mirror stands at its side.
 fn scene() -> Scene {
     let mut b = Builder::new("mirrors");
     b.light(Vec3::new(0.3, -0.6, 0.5));
@@ -36,18 +36,18 @@ fn scene() -> Scene {
     b.0
 }
 
-/// A camera that looks at the mirror.
+/// Returns a camera that looks at the mirror.
 fn look(extent: [u32; 2]) -> Camera {
     camera(Vec3::new(0.3, 1.4, 0.0), Vec3::new(0.5, 1.0, 4.0), extent)
 }
 
-/// A setup of `planar` with a way of drawing and a number of mirrored planes.
+/// Returns a setup of `planar` with a kind of drawing and a number of mirrored planes.
 fn setup(variant: MirrorDrawing, planes: u32) -> Setup {
     Setup::new(EXTENT).with(|p: &mut PlanarParams| (p.planar_variant, p.planar_planes) = (variant, planes))
 }
 
-/// In over 99 % of the pixels of the mirrors, `planar` shows the traced colour within 0.01. Two ways of drawing give
-/// one image; with one plane, the second mirror is black.
+/// In over 99 % of the pixels of the mirrors, `planar` shows the traced colour within 0.01. Both kinds of drawing give
+/// one image; with one plane, the second mirror is black. Without a clip at the mirror, the board behind it would show.
 #[test]
 fn a_mirror_shows_what_its_rays_meet() {
     let gpu = gpu();
@@ -59,7 +59,7 @@ fn a_mirror_shows_what_its_rays_meet() {
             let Truth { reflection, world: truth, first_hits } =
                 beside_truth(&gpu, &scene, look(EXTENT), "planar", &setup, &Globals::default());
             // Only the first mirror reflects unless both are mirrored; the second stands to the right of it.
-            let (mut of_mirror, mut alike, mut lit) = (0, 0, 0);
+            let (mut mirror_pixels, mut alike, mut lit) = (0, 0, 0);
             for ((texel, truth), receiver) in reflection.texels().zip(&truth).zip(&first_hits.receivers) {
                 let Some(receiver) = receiver else {
                     assert_eq!(texel, [0.0; 4], "a reflection where nothing reflects");
@@ -69,16 +69,16 @@ fn a_mirror_shows_what_its_rays_meet() {
                     assert_eq!(texel, [0.0; 4], "the second plane");
                     continue;
                 }
-                of_mirror += 1;
+                mirror_pixels += 1;
                 let error = (Vec3::from_slice(texel) - *truth).abs().max_element();
                 alike += u32::from(error < 0.01);
                 lit += u32::from(truth.max_element() > 0.0);
                 assert!(truth.max_element() == 0.0 || texel[0] < 0.9 || truth.x > 0.8, "the board behind the mirror");
             }
-            println!("{variant:?}, {planes}: {alike} of {of_mirror} pixels alike, {lit} not black");
-            assert!(of_mirror > 8_000 && lit > of_mirror / 3, "{of_mirror}, {lit}");
+            println!("{variant:?}, {planes}: {alike} of {mirror_pixels} pixels alike, {lit} not black");
+            assert!(mirror_pixels > 8_000 && lit > mirror_pixels / 3, "{mirror_pixels}, {lit}");
             // Pixels differ at edges, and where a ray meets the other mirror, which is shown black.
-            assert!(f64::from(alike) > 0.99 * f64::from(of_mirror), "{variant:?}: {alike} of {of_mirror}");
+            assert!(f64::from(alike) > 0.99 * f64::from(mirror_pixels), "{variant:?}: {alike} of {mirror_pixels}");
             images.push(reflection.values);
         }
     }
@@ -86,7 +86,8 @@ fn a_mirror_shows_what_its_rays_meet() {
     assert!(images[0] != images[1]);
 }
 
-/// With the stencil, the mirrored scene covers fewer than nine tenths of the pixels that it covers without.
+/// With the stencil, the mirrored scene covers fewer than nine tenths of the pixels that it covers without. The stencil
+/// changes no image, so that only the work shows that it is used.
 #[test]
 fn the_stencil_spares_what_the_mirror_does_not_show() {
     let gpu = gpu();
@@ -101,8 +102,8 @@ fn the_stencil_spares_what_the_mirror_does_not_show() {
     assert!(stencil > 4_000 && stencil < target * 9 / 10, "{stencil} of {target}");
 }
 
-/// Behind `ssct`, `planar` shows exactly its own colour where `ssct` misses. Where only `ssct` shows something, its
-/// colour stays.
+/// If `planar` is the fallback of `ssct`, it shows exactly its own colour in pixels that `ssct` misses. If only `ssct`
+/// shows something, its colour stays.
 #[test]
 fn as_a_fallback_the_mirror_shows_where_the_screen_does_not() {
     let gpu = gpu();

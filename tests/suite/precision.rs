@@ -1,5 +1,5 @@
-//! The precision ladder: it begins at the truth and falls as formats get coarser. Its rung of this project's own
-//! formats is the content of the G-buffer's images.
+//! Tests the precision ladder: it begins at the truth, and its errors grow as formats get coarser. The rung of this
+//! project's own formats has the content of the G-buffer's images.
 
 use crate::common::gpu;
 use glam::Vec3;
@@ -16,8 +16,8 @@ use ssct_truth::reference::surface::World;
 /// Size of the image in pixels.
 const SIZE: [u32; 2] = [161, 91];
 
-/// Over the formats of depth, normals and colours in the corridor: the finest has no error, coarser normals and 16-bit
-/// depth have more wrong hits, and colours move no ray.
+/// For the formats of depth, normals and colours in the corridor, the finest has no error, coarser normals and 16-bit
+/// depth have more wrong hits, and colours move no ray. The study rounds on the host, which must do as the device does.
 #[test]
 fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
     let gpu = gpu();
@@ -30,9 +30,9 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
     let own = Storage::OWN.store(&exact);
     let mut context = FrameContext::new(&gpu).unwrap();
     let images = GBufferImages::upload(&mut context, &exact.data).unwrap();
-    let held = images.gbuffer();
-    assert!(context.read(held.depth.all()).unwrap().values == own.depth);
-    for (image, values) in [(held.normal.all(), &own.normal), (held.color.level(0), &own.color)] {
+    let uploaded = images.gbuffer();
+    assert!(context.read(uploaded.depth.all()).unwrap().values == own.depth);
+    for (image, values) in [(uploaded.normal.all(), &own.normal), (uploaded.color.level(0), &own.color)] {
         let read: Vec<Vec3> = context.read(image).unwrap().texels().map(Vec3::from_slice).collect();
         assert!(read == *values, "an image of the G-buffer rounds otherwise than its rung");
     }
@@ -70,12 +70,12 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
             // Coarser colours cost both alike. Coarser normals cost the method more, since the reference averages over
             // a pixel.
             let cost_of = |coarser: Storage| masked_rmse(&finest_image, &own(coarser), &mask);
-            let of_oracle = |coarser: Storage| oracle.iter().find(|r| r.storage == coarser).unwrap().rmse[0];
+            let oracle_rmse = |coarser: Storage| oracle.iter().find(|r| r.storage == coarser).unwrap().rmse[0];
             let color = Storage { color: ColorFormat::Rgba8Srgb, ..finest };
-            let costs = [cost_of(color), of_oracle(color)];
+            let costs = [cost_of(color), oracle_rmse(color)];
             assert!(costs[0] > 0.0 && (costs[0] - costs[1]).abs() < 1e-3, "{method}: {costs:?}");
             let normals = normal(NormalFormat::Rgb10a2);
-            let costs = [cost_of(normals), of_oracle(normals)];
+            let costs = [cost_of(normals), oracle_rmse(normals)];
             assert!(costs[0] > costs[1] && costs[0] < 0.02, "{method}: {costs:?}");
         }
         assert!(wrong(halves) < wrong(normal(NormalFormat::Rgb10a2)), "{method}");

@@ -1,5 +1,5 @@
-//! Rays that ray queries of the device follow (`--tracer query`): they end where a walk through the tree ends them. A
-//! device without ray queries refuses with a sentence.
+//! Tests rays that ray queries of the device follow (`--tracer query`). They end at the triangles where a walk through
+//! the tree ends them. A device without ray queries refuses with a sentence.
 
 use crate::common::folder::Folder;
 use crate::common::{check_validation, gpu};
@@ -13,10 +13,10 @@ use ssct::methods::{EffectParams, MethodInfo, Setup, Wants};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{Encoding, Material, Scene, Texture};
 
-/// One ray in so many may end on another triangle, which is equally near within rounding.
+/// The number of rays for each of which one may end on another triangle that is equally near within rounding.
 const RAYS_TO_A_TIE: usize = 1000;
 
-/// A setup with a tracer.
+/// Returns a setup with a tracer.
 fn by(setup: &Setup, tracer: Tracer) -> Setup {
     setup.with(|p: &mut EffectParams| p.tracer = tracer)
 }
@@ -36,7 +36,7 @@ fn draw(stage: &mut Stage, shot: &Shot) -> Drawn {
     Drawn { hits, reflection, recorded: report.recorded }
 }
 
-/// Shots of one view with both tracers, first the tree and then the query.
+/// Makes shots of one view with both tracers, first the tree and then the query.
 fn both(
     stage: &mut Stage,
     (scene, view): (&Scene, &str),
@@ -48,16 +48,16 @@ fn both(
         .map(|tracer| Shot::new(stage, method, &by(setup, tracer), Wants::HITS, camera, materials.to_vec()).unwrap())
 }
 
-/// The number of texels with an end of a ray, and the number of texels in which the two images differ.
+/// Returns the number of texels with an end of a ray, and the number of texels in which the two images differ.
 fn differing(tree: &Pixels, query: &Pixels) -> (usize, usize) {
-    let far = |a: &[f32], b: &[f32]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-3 * (1.0 + a.abs()));
-    let there = |a: &[f32]| a[3] > 0.0;
-    let rays = tree.texels().filter(|a| there(a)).count();
-    (rays, tree.texels().zip(query.texels()).filter(|(a, b)| far(a, b)).count())
+    let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-3 * (1.0 + a.abs()));
+    let has_end = |a: &[f32]| a[3] > 0.0;
+    let rays = tree.texels().filter(|a| has_end(a)).count();
+    (rays, tree.texels().zip(query.texels()).filter(|(a, b)| differ(a, b)).count())
 }
 
 /// In three scenes with two methods, fewer than one ray in 1000 ends elsewhere by queries than by the tree, and as few
-/// colours differ.
+/// colours differ. The device builds its own structure of the same triangles.
 #[test]
 fn queries_end_rays_where_the_tree_does() {
     let gpu = gpu();
@@ -72,10 +72,13 @@ fn queries_end_rays_where_the_tree_does() {
             let shots = both(&mut stage, (&scene, view), &materials, (method, &setup));
             let [tree, query] = shots.each_ref().map(|shot| draw(&mut stage, shot));
             assert_eq!(tree.recorded, query.recorded);
-            let (rays, others) = differing(tree.hits.as_ref().unwrap(), query.hits.as_ref().unwrap());
+            let (rays, differing_ends) = differing(tree.hits.as_ref().unwrap(), query.hits.as_ref().unwrap());
             let (_, colors) = differing(&tree.reflection, &query.reflection);
-            println!("{name} {view}, {}: {others} of {rays} rays end elsewhere, {colors} colours differ", method.name);
-            assert!(rays > 1000 && others * RAYS_TO_A_TIE <= rays, "{name} {view}: {others} of {rays}");
+            println!(
+                "{name} {view}, {}: {differing_ends} of {rays} rays end elsewhere, {colors} colours differ",
+                method.name
+            );
+            assert!(rays > 1000 && differing_ends * RAYS_TO_A_TIE <= rays, "{name} {view}: {differing_ends} of {rays}");
             assert!(colors * RAYS_TO_A_TIE <= rays, "{name} {view}: {colors} of {rays}");
         }
     }
@@ -107,7 +110,8 @@ fn lobes_of_both_tracers_are_alike() {
     check_validation(&gpu).unwrap();
 }
 
-/// Rays pass through holes of masks and through the backs of surfaces with one side, equally for both tracers.
+/// Rays pass through holes of masks and through the backs of surfaces with one side, equally for both tracers. The
+/// device's query takes every triangle for solid unless the shader says otherwise.
 #[test]
 fn holes_and_backs_let_queries_through() {
     let gpu = gpu();
@@ -139,7 +143,8 @@ fn holes_and_backs_let_queries_through() {
     check_validation(&gpu).unwrap();
 }
 
-/// After a mesh has moved, queries find it in its new place, as the tree does.
+/// After a mesh has moved, queries find it in its new place, as the tree does. The device's structure must be rebuilt
+/// before the frame.
 #[test]
 fn queries_see_a_mesh_where_it_stands_now() {
     let gpu = gpu();
@@ -160,16 +165,16 @@ fn queries_see_a_mesh_where_it_stands_now() {
     check_validation(&gpu).unwrap();
 }
 
-/// Holds that a device without ray queries refuses them, with a sentence that says what it lacks.
+/// Checks that a device without ray queries refuses them, with a sentence that says what it lacks.
 fn refuses(gpu: &Gpu) {
     let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let camera = scene.views[0].camera(&scene, EXTENT);
     let setup = by(&Setup::new(EXTENT), Tracer::Query);
-    let made = Shot::new(&mut stage, traced(), &setup, Wants::IMAGE, camera, mirrors(&scene, &scene.views[0].name));
-    let said = made.err().expect("refused").to_string();
+    let shot = Shot::new(&mut stage, traced(), &setup, Wants::IMAGE, camera, mirrors(&scene, &scene.views[0].name));
+    let message = shot.err().expect("refused").to_string();
     let name = &gpu.info().name;
-    assert!(said.starts_with(&format!("{name} has no ray queries: it lacks ")), "{said}");
+    assert!(message.starts_with(&format!("{name} has no ray queries: it lacks ")), "{message}");
     check_validation(gpu).unwrap();
 }
 
@@ -185,13 +190,13 @@ fn the_command_draws_with_queries_or_says_why_not() {
         folder.run(&[&["render", "--method", "traced", "--tracer", tracer], &size[..]].concat())
     };
     let query = output("query");
-    let [said, printed] = [&query.stderr, &query.stdout].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+    let [errors, printed] = [&query.stderr, &query.stdout].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
     if !has {
-        assert_eq!(query.status.code(), Some(2), "{said}");
-        assert!(said.contains(" has no ray queries: it lacks ") && said.lines().count() == 1, "{said}");
+        assert_eq!(query.status.code(), Some(2), "{errors}");
+        assert!(errors.contains(" has no ray queries: it lacks ") && errors.lines().count() == 1, "{errors}");
         return;
     }
-    assert_eq!(query.status.code(), Some(0), "{said}");
+    assert_eq!(query.status.code(), Some(0), "{errors}");
     assert!(printed.contains("structure for ray queries: "), "{printed}");
     let tree = output("tree");
     let printed = String::from_utf8_lossy(&tree.stdout).into_owned();

@@ -1,4 +1,4 @@
-//! Captures that frames renew, and their error over age. Renewed faces equal faces made anew, to the bit, and the
+//! Tests captures that frames renew, and their error over age. Renewed faces equal faces made anew, to the bit, and the
 //! passes are counted. A mesh that moves is seen in captures as late as they are old.
 
 use crate::common::{Builder, check_validation, gpu};
@@ -17,7 +17,7 @@ use ssct_lab::study::journal::Journal;
 use ssct_scenes::{Capture, Light, Scene, View};
 use std::sync::Arc;
 
-/// A mirror floor, a mirror wall, a lit wall, and a red screen behind the eye, which both mirrors show.
+/// Returns a mirror floor, a mirror wall, a lit wall, and a red screen behind the eye, which both mirrors show.
 fn scene() -> Scene {
     let mut b = Builder::new("moving");
     b.light(Vec3::new(0.2, -0.5, 1.0));
@@ -38,26 +38,26 @@ fn scene() -> Scene {
 /// The mesh that moves.
 const MOVING: &str = "red";
 
-/// Replaces the lights, and puts the moving mesh in its new place.
+/// Replaces the lights, and moves the moving mesh to its new place.
 fn changed(data: &mut SceneData) {
     let lights = [Light::Point { position: Vec3::new(1.0, 3.0, -1.0), energy: 4.0 }];
     data.set_lights(&lights).unwrap();
     data.place_meshes(MOVING, Vec3::new(2.25, 0.5, -0.25)).unwrap();
 }
 
-/// The bits of captures: normals, each level of the colour, and the cells of all levels of the pyramids.
+/// Returns the bits of captures: normals, each level of the colour, and the cells of all levels of the pyramids.
 fn bits(context: &mut FrameContext, images: &CaptureImages) -> Vec<Vec<u32>> {
     let captures = images.captures();
     let levels = (0..captures.color.levels()).map(|level| captures.color.level(level));
-    let all = [captures.normal.level(0)].into_iter().chain(levels);
+    let slices = [captures.normal.level(0)].into_iter().chain(levels);
     let float_bits = |pixels: Pixels| pixels.values.iter().map(|v| v.to_bits()).collect();
-    let mut all: Vec<Vec<u32>> = all.map(|slice| float_bits(context.read(slice).unwrap())).collect();
-    all.push(cells(&context.read(captures.pyramid.level(0)).unwrap(), captures.normal.extent(), images.faces()));
-    all
+    let mut slices: Vec<Vec<u32>> = slices.map(|slice| float_bits(context.read(slice).unwrap())).collect();
+    slices.push(cells(&context.read(captures.pyramid.level(0)).unwrap(), captures.normal.extent(), images.faces()));
+    slices
 }
 
-/// The bits of the pyramids' cells, face by face and level by level, as they lie in strips (`pyramid.glsl`). Texels
-/// between levels are left out, since no pass writes them.
+/// Returns the bits of the pyramids' cells, face by face and level by level, as they lie in strips (`pyramid.glsl`).
+/// Texels between levels are left out, since no pass writes them.
 fn cells(pyramids: &Pixels, extent: [u32; 2], faces: u32) -> Vec<u32> {
     let ([width, height], strip) = (pyramid::padded(extent), pyramid::strip(extent));
     let rows = pyramid::size(extent, strip)[1];
@@ -74,7 +74,8 @@ fn cells(pyramids: &Pixels, extent: [u32; 2], faces: u32) -> Vec<u32> {
 }
 
 /// Two captures of 12 faces are renewed by 1, 5, 6, 12 or 48 faces a frame. Once all faces had their turn, and not
-/// before, they equal captures that were made after the change, to the bit.
+/// before, they equal captures that were made after the change, to the bit. A face that is left out or filtered
+/// otherwise would differ.
 #[test]
 fn captures_that_were_renewed_in_turn_equal_captures_made_anew() {
     let gpu = gpu();
@@ -106,7 +107,7 @@ fn captures_that_were_renewed_in_turn_equal_captures_made_anew() {
     check_validation(&gpu).unwrap();
 }
 
-/// A shot of the scene with captures of which `per_frame` faces are renewed in each frame.
+/// Makes a shot of the scene with captures of which `per_frame` faces are renewed in each frame.
 fn shot(stage: &mut Stage, scene: &Scene, method: &MethodInfo, per_frame: u32) -> Shot {
     let setup = Setup::new([80, 45]).with(|p: &mut EffectParams| {
         (p.captures, p.captures_per_frame) = (CaptureCount::Auto, per_frame);
@@ -118,7 +119,7 @@ fn shot(stage: &mut Stage, scene: &Scene, method: &MethodInfo, per_frame: u32) -
     Shot::new(stage, method, &setup, Wants::REFLECTION, camera, scene.materials.clone()).unwrap()
 }
 
-/// The bits of the reflection of one frame, and the names of its passes with whether each counts.
+/// Draws one frame. Returns the bits of the reflection, and the names of its passes with whether each counts.
 fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<u32>, Vec<(String, bool)>) {
     let (report, _, output) = stage.output_in(Mode::Timed, shot).unwrap();
     let pixels = gbuffer::reflection(&mut stage.context, &output).unwrap();
@@ -162,7 +163,7 @@ fn captures_are_drawn_once_for_all_effects_until_they_move_or_the_scene_changes(
 }
 
 /// With 5 of 12 faces a frame, each frame has the passes of five faces, all of which count. After three frames, and not
-/// before, the image shows the change, to the bit.
+/// before, the image shows the change, to the bit. The method's time must include what it costs to keep captures new.
 #[test]
 fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
     let gpu = gpu();
@@ -173,14 +174,14 @@ fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
         let renewed = shot(&mut stage, &scene, method, 5);
         let (before, passes) = frame(&mut stage, &old);
         assert!(!passes.iter().any(|(name, _)| name.starts_with("capture/")), "{}: {passes:?}", method.name);
-        let others = |all: &[(String, bool)]| {
-            all.iter().filter(|(name, _)| !name.starts_with("capture/")).cloned().collect::<Vec<_>>()
+        let others = |recorded_passes: &[(String, bool)]| {
+            recorded_passes.iter().filter(|(name, _)| !name.starts_with("capture/")).cloned().collect::<Vec<_>>()
         };
         changed(stage.scene_mut());
         let fresh = shot(&mut stage, &scene, method, 0);
         let truth = frame(&mut stage, &fresh).0;
         for n in 0..3 {
-            let (made, all) = frame(&mut stage, &renewed);
+            let (reflection, recorded_passes) = frame(&mut stage, &renewed);
             // Passes for each face; the colour has five more levels, from 33 texels down to 1.
             let per_face = [
                 ("capture/g-buffer/depth", 1),
@@ -193,14 +194,14 @@ fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
                 ("capture/color", 5),
             ];
             for (name, count) in per_face {
-                let recorded = all.iter().filter(|(pass, _)| pass == name).count();
+                let recorded = recorded_passes.iter().filter(|(pass, _)| pass == name).count();
                 assert_eq!(recorded, 5 * count, "{}: {name}", method.name);
             }
             let added: usize = per_face.iter().map(|(_, count)| 5 * count).sum();
-            assert_eq!(all.len(), passes.len() + added, "{}", method.name);
-            assert!(all.iter().all(|(name, counted)| !name.starts_with("capture/") || *counted));
-            assert_eq!(others(&all), others(&passes), "{}: other passes change", method.name);
-            assert_eq!(made == truth, n == 2, "{}: after {} of 3 frames", method.name, n + 1);
+            assert_eq!(recorded_passes.len(), passes.len() + added, "{}", method.name);
+            assert!(recorded_passes.iter().all(|(name, counted)| !name.starts_with("capture/") || *counted));
+            assert_eq!(others(&recorded_passes), others(&passes), "{}: other passes change", method.name);
+            assert_eq!(reflection == truth, n == 2, "{}: after {} of 3 frames", method.name, n + 1);
         }
         assert_ne!(frame(&mut stage, &old).0, truth, "{}: captures that nothing renews stay old", method.name);
         assert_ne!(before, truth, "{}", method.name);
@@ -208,7 +209,8 @@ fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
     check_validation(&gpu).unwrap();
 }
 
-/// After the first frame, four frames that renew captures allocate no Vulkan object.
+/// After the first frame, four frames that renew captures allocate no Vulkan object. Images that are made anew in each
+/// frame would cost time and fill the memory.
 #[test]
 fn renewal_makes_no_object_in_the_steady_state() {
     let watch = Arc::<Watch>::default();
@@ -232,13 +234,13 @@ fn what_moves_or_lights_a_scene_is_checked() {
     let gpu = gpu();
     let mut context = FrameContext::new(&gpu).unwrap();
     let mut data = SceneData::upload(&mut context, &scene()).unwrap();
-    let said = data.place_meshes("green", Vec3::ZERO).unwrap_err().to_string();
-    assert!(said.contains("no mesh \"green\""), "{said}");
-    let said = data.place_meshes(MOVING, Vec3::NAN).unwrap_err().to_string();
-    assert!(said.contains("finite"), "{said}");
+    let message = data.place_meshes("green", Vec3::ZERO).unwrap_err().to_string();
+    assert!(message.contains("no mesh \"green\""), "{message}");
+    let message = data.place_meshes(MOVING, Vec3::NAN).unwrap_err().to_string();
+    assert!(message.contains("finite"), "{message}");
     let many = vec![Light::Directional { direction: Vec3::X, energy: 1.0 }; 1000];
-    let said = data.set_lights(&many).unwrap_err().to_string();
-    assert!(said.contains("1000 lights"), "{said}");
+    let message = data.set_lights(&many).unwrap_err().to_string();
+    assert!(message.contains("1000 lights"), "{message}");
 }
 
 /// A mesh that the device draws at an offset has the depth of a scene in which its vertices were moved, but for 8
@@ -263,13 +265,13 @@ fn a_mesh_that_is_placed_is_drawn_where_the_moved_scene_has_it() {
         gbuffer::read(&mut stage.context, &shot).unwrap().depth
     };
     let (still, placed, truth) = (depth(&scene(), None), depth(&scene(), Some(offset)), depth(&moved, None));
-    let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-5 * b.abs()).count();
-    assert!(differ(&still, &truth) > 100, "{}", differ(&still, &truth));
-    assert!(differ(&placed, &truth) <= 8, "{}", differ(&placed, &truth));
+    let differing = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-5 * b.abs()).count();
+    assert!(differing(&still, &truth) > 100, "{}", differing(&still, &truth));
+    assert!(differing(&placed, &truth) <= 8, "{}", differing(&placed, &truth));
 }
 
-/// The study of age on a moving screen with 0, 1, 4 and 12 renewed faces a frame: the error grows with the age of the
-/// captures, and less the more faces are renewed.
+/// In the study of age on a moving screen with 0, 1, 4 and 12 renewed faces a frame, the error grows with the age of
+/// the captures, and less the more faces are renewed.
 #[test]
 fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     let gpu = gpu();
@@ -297,21 +299,25 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     for (record, faces) in records.iter().zip(&study.faces) {
         assert_eq!((record.faces, record.faces_per_frame, record.frames.len()), (12, *faces, 9));
         assert_eq!(record.head.setup["captures_per_frame"], *faces);
-        for (n, f) in record.frames.iter().enumerate() {
-            assert!((f.moved_m - 0.25 * n as f32).abs() < 1e-6);
-            assert_eq!(f.age_frames, age::mean_age(12, *faces, n as u32));
-            assert!(f.rmse.is_finite() && f.standard_error.is_finite());
-            assert_eq!(f.capture_ms > 0.0, *faces > 0);
-            assert!(f.capture_ms < f.effect_ms);
+        for (n, frame_record) in record.frames.iter().enumerate() {
+            assert!((frame_record.moved_m - 0.25 * n as f32).abs() < 1e-6);
+            assert_eq!(frame_record.age_frames, age::mean_age(12, *faces, n as u32));
+            assert!(frame_record.rmse.is_finite() && frame_record.standard_error.is_finite());
+            assert_eq!(frame_record.capture_ms > 0.0, *faces > 0);
+            assert!(frame_record.capture_ms < frame_record.effect_ms);
         }
     }
     // In the first frame, all captures show the scene as it stands, so that all rows have one error.
     assert!((1..4).all(|row| rmse(row, 0) == rmse(0, 0)), "{:?}", (0..4).map(|row| rmse(row, 0)).collect::<Vec<_>>());
     let last = |row: usize| rmse(row, 8);
     // Only pixels that show a moved thing are touched; in the first frame, nothing has moved.
-    for (n, f) in records[0].frames.iter().enumerate() {
-        assert_eq!((f.touched > 0.0, f.touched_rmse.is_some()), (n > 0, n > 0), "{f:?}");
-        assert!(f.touched < 0.5, "{f:?}");
+    for (n, frame_record) in records[0].frames.iter().enumerate() {
+        assert_eq!(
+            (frame_record.touched > 0.0, frame_record.touched_rmse.is_some()),
+            (n > 0, n > 0),
+            "{frame_record:?}"
+        );
+        assert!(frame_record.touched < 0.5, "{frame_record:?}");
     }
     let touched = |row: usize| records[row].frames[8].touched_rmse.unwrap();
     println!("touched: {:?}", [0, 1, 2, 3].map(touched));
@@ -319,8 +325,8 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     println!("{:?}, then {:?}", rmse(0, 0), [0, 1, 2, 3].map(last));
     assert!(last(0) > 1.2 * last(3), "{:?}", [0, 1, 2, 3].map(last));
     assert!(last(2) < last(0) && last(3) <= last(2), "{:?}", [0, 1, 2, 3].map(last));
-    let said = AgeStudy { setup: Setup::new([96, 54]), ..study }.check().unwrap_err().to_string();
-    assert!(said.contains("unified has no captures"), "{said}");
+    let message = AgeStudy { setup: Setup::new([96, 54]), ..study }.check().unwrap_err().to_string();
+    assert!(message.contains("unified has no captures"), "{message}");
     check_validation(&gpu).unwrap();
 }
 

@@ -1,4 +1,5 @@
-//! Reflections at half resolution (thesis §4.4): in place, of the right surface, and for a quarter of the rays.
+//! Tests reflections at half resolution (thesis §4.4): they are in place, belong to the right surface, and take a
+//! quarter of the rays.
 
 use crate::common::{check_validation, clutter, clutter_camera, gpu, show};
 use crate::unified::random_gbuffer;
@@ -14,20 +15,20 @@ use ssct_truth::metrics::rmse;
 /// Glossy mirrors of full reflectivity.
 const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: None };
 
-/// The values of an image that is moved right and down by whole pixels, with its border repeated.
+/// Returns the values of an image that is moved right and down by whole pixels, with its border repeated.
 fn moved(image: &Pixels, dx: i32, dy: i32) -> Vec<f32> {
     let shifted = |v: u32, d: i32, side: u32| (v as i32 - d).clamp(0, side as i32 - 1) as u32;
     let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
     pixels.flat_map(|(x, y)| image.texel(shifted(x, dx, image.width), shifted(y, dy, image.height)).to_vec()).collect()
 }
 
-/// A setup that traces one pixel of `divisor` × `divisor`.
+/// Returns a setup that traces one pixel of `divisor` × `divisor`.
 fn divided(extent: [u32; 2], divisor: u32) -> Setup {
     Setup::new(extent).with(|p: &mut EffectParams| p.resolution_scale = 1.0 / divisor as f32)
 }
 
 /// The reflection at half resolution is nearer to the full one than to the full one moved by 2 pixels in any direction,
-/// and errs by less than half of a black image.
+/// and errs by less than half of a black image. An offset of half a pixel in one of its passes would shift it.
 #[test]
 fn half_resolution_lies_where_full_resolution_does() {
     let gpu = gpu();
@@ -40,13 +41,13 @@ fn half_resolution_lies_where_full_resolution_does() {
         };
         let (full, half) = (shown(1), shown(2));
         let (full, small) = (full.get("reflection"), half.get("reflection"));
-        let here = rmse(&full.values, &small.values);
-        let black = rmse(&full.values, &vec![0.0; full.values.len()]);
-        println!("{method}, {extent:?}: half resolution errs by {here:.4}, no reflection by {black:.4}");
-        assert!(here < 0.5 * black, "{extent:?}: {here} of {black}");
+        let error = rmse(&full.values, &small.values);
+        let error_of_black = rmse(&full.values, &vec![0.0; full.values.len()]);
+        println!("{method}, {extent:?}: half resolution errs by {error:.4}, no reflection by {error_of_black:.4}");
+        assert!(error < 0.5 * error_of_black, "{extent:?}: {error} of {error_of_black}");
         for (dx, dy) in [(2, 0), (-2, 0), (0, 2), (0, -2)] {
-            let elsewhere = rmse(&full.values, &moved(small, dx, dy));
-            assert!(here < elsewhere, "{extent:?}: closer when moved by {dx}, {dy}: {elsewhere} < {here}");
+            let error_if_moved = rmse(&full.values, &moved(small, dx, dy));
+            assert!(error < error_if_moved, "{extent:?}: closer when moved by {dx}, {dy}: {error_if_moved} < {error}");
         }
         // Whether a pixel reflects is decided at full resolution.
         for ((full, small), material) in full.texels().zip(small.texels()).zip(half.get("material").texels()) {
@@ -55,7 +56,7 @@ fn half_resolution_lies_where_full_resolution_does() {
     }
 }
 
-/// The bilinear mean of the full reflection at the traced pixels around a pixel, without regard to surfaces.
+/// Returns the bilinear mean of the full reflection at the traced pixels around a pixel, without regard to surfaces.
 fn between_traced(full: &Pixels, x: u32, y: u32) -> Vec<f32> {
     let texel = |i: u32| {
         let (across, down) = (i & 1, i >> 1);
@@ -67,7 +68,7 @@ fn between_traced(full: &Pixels, x: u32, y: u32) -> Vec<f32> {
     (0..4).map(texel).reduce(|a: Vec<f32>, b| a.iter().zip(&b).map(|(a, b)| a + b).collect()).unwrap()
 }
 
-/// At pixels whose traced neighbours lie on other surfaces, half resolution errs by less than 0.42 of plain
+/// In pixels whose traced neighbours lie on other surfaces, half resolution errs by less than 0.42 of plain
 /// interpolation.
 #[test]
 fn half_resolution_takes_reflections_of_the_pixels_own_surface() {
@@ -79,8 +80,8 @@ fn half_resolution_takes_reflections_of_the_pixels_own_surface() {
     };
     let (full, half) = (shown(1), shown(2));
     let (normals, full, half) = (full.get("normal"), full.get("reflection"), half.get("reflection"));
-    // Whether a traced neighbour's normal is turned away from the pixel's normal.
-    let turns = |x: u32, y: u32| {
+    // Returns whether a traced neighbour's normal is turned away from the pixel's normal.
+    let has_turned_neighbour = |x: u32, y: u32| {
         let own = normals.texel(x, y);
         let facing = |n: &[f32]| n.iter().zip(own).take(3).map(|(a, b)| a * b).sum::<f32>();
         [(0, 0), (2, 0), (0, 2), (2, 2)]
@@ -88,18 +89,21 @@ fn half_resolution_takes_reflections_of_the_pixels_own_surface() {
             .any(|(dx, dy)| facing(normals.texel(x / 2 * 2 + dx, y / 2 * 2 + dy)) < 0.9)
     };
     let places = (0..extent[1] - 2).flat_map(|y| (0..extent[0] - 2).map(move |x| (x, y)));
-    let edges: Vec<_> = places.filter(|&(x, y)| (x % 2, y % 2) != (0, 0) && turns(x, y)).collect();
-    let of_edges =
+    let edges: Vec<_> = places.filter(|&(x, y)| (x % 2, y % 2) != (0, 0) && has_turned_neighbour(x, y)).collect();
+    let at_edges =
         |image: &dyn Fn(u32, u32) -> Vec<f32>| edges.iter().flat_map(|&(x, y)| image(x, y)).collect::<Vec<_>>();
-    let truth = of_edges(&|x, y| full.texel(x, y).to_vec());
-    let here = rmse(&truth, &of_edges(&|x, y| half.texel(x, y).to_vec()));
-    let plain = rmse(&truth, &of_edges(&|x, y| between_traced(full, x, y)));
-    println!("{} pixels at edges: half resolution errs by {here:.4}, plain interpolation by {plain:.4}", edges.len());
-    assert!(edges.len() > 1000 && here < 0.42 * plain, "{here} of {plain}");
+    let truth = at_edges(&|x, y| full.texel(x, y).to_vec());
+    let error = rmse(&truth, &at_edges(&|x, y| half.texel(x, y).to_vec()));
+    let plain_error = rmse(&truth, &at_edges(&|x, y| between_traced(full, x, y)));
+    println!(
+        "{} pixels at edges: half resolution errs by {error:.4}, plain interpolation by {plain_error:.4}",
+        edges.len()
+    );
+    assert!(edges.len() > 1000 && error < 0.42 * plain_error, "{error} of {plain_error}");
 }
 
-/// At half resolution, the trace has a quarter of the fragment invocations, within a 64th, where the device counts
-/// them.
+/// At half resolution, the trace has a quarter of the fragment invocations, within a 64th, if the device counts them.
+/// The image alone does not show how many rays were traced.
 #[test]
 fn half_resolution_traces_a_quarter_of_the_pixels() {
     let gpu = gpu();
@@ -123,7 +127,7 @@ fn half_resolution_traces_a_quarter_of_the_pixels() {
 }
 
 /// Downsampling by 2 and by 4 keeps depth, normal and material of the block's first pixel and the mean of its colours,
-/// in both kinds of shader.
+/// in both kinds of shader. A mean of depths would be a place at which nothing stands.
 #[test]
 fn a_block_has_the_surface_of_its_first_pixel_and_the_mean_of_its_colors() {
     let gpu = gpu();
@@ -156,8 +160,8 @@ fn a_block_has_the_surface_of_its_first_pixel_and_the_mean_of_its_colors() {
             for channel in 0..3 {
                 let mean = block.iter().map(|texel| texel[channel]).sum::<f32>() / block.len() as f32;
                 let found = part.texel(x, y)[channel];
-                let what = format!("{stage:?}, 1/{divisor}, ({x}, {y}), channel {channel}");
-                assert!((found - mean).abs() <= 1e-3 * mean.abs().max(1.0), "{what}: {found}, not {mean}");
+                let case = format!("{stage:?}, 1/{divisor}, ({x}, {y}), channel {channel}");
+                assert!((found - mean).abs() <= 1e-3 * mean.abs().max(1.0), "{case}: {found}, not {mean}");
             }
         }
     }

@@ -1,5 +1,6 @@
-//! Equal images everywhere: a G-buffer gives the same image, to the bit, in every run, on any number of threads and in
-//! subgroups of any size. On lavapipe both are set for a process, so that each configuration is a process of its own.
+//! Tests that images are equal everywhere: a G-buffer gives the same image, to the bit, in every run, on any number of
+//! threads and in subgroups of any size. Lavapipe reads both from its process's environment, so that each configuration
+//! is a process of its own.
 
 use crate::common::{clutter, clutter_camera, expected_failures, gpu, repository, with_small_captures};
 use sha2::{Digest, Sha256};
@@ -19,15 +20,15 @@ const EXTENT: [u32; 2] = [161, 97];
 /// The environment variable by which [`child`] learns the file of its G-buffer.
 const GBUFFER: &str = "SSCT_TEST_GBUFFER";
 
-/// A hash of the values of some images.
+/// Returns a hash of the values of some images.
 fn hash(images: &[&Pixels]) -> String {
     let mut hash = Sha256::new();
     images.iter().for_each(|p| hash.update(bytemuck::cast_slice::<_, u8>(&p.values)));
     hash.finalize().iter().take(8).map(|b| format!("{b:02x}")).collect()
 }
 
-/// A hash of the images of every method: made from the G-buffer of a file, or from a drawn scene if the method needs
-/// one.
+/// Returns a hash of the images of every method: made from the G-buffer of a file, or from a drawn scene if the method
+/// needs one.
 fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
     let data = gbuffer_file::load(file).unwrap();
     let scene = clutter();
@@ -36,21 +37,22 @@ fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     for method in METHODS {
         let setup = with_small_captures(&Setup::new(EXTENT));
-        let made = if method.is_screen_space() {
-            let made = gbuffer::reflect(gpu, &data, None, method, &setup).unwrap();
-            hash(&[&made.reflection, &made.composite])
+        let image_hash = if method.is_screen_space() {
+            let image_hash = gbuffer::reflect(gpu, &data, None, method, &setup).unwrap();
+            hash(&[&image_hash.reflection, &image_hash.composite])
         } else {
             let camera = clutter_camera(EXTENT);
             let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
-            let made = render(&mut stage, &shot, false).unwrap();
-            hash(&[&made.reflection, &made.composite])
+            let image_hash = render(&mut stage, &shot, false).unwrap();
+            hash(&[&image_hash.reflection, &image_hash.composite])
         };
-        all.insert(method.name.to_owned(), made);
+        all.insert(method.name.to_owned(), image_hash);
     }
     all
 }
 
-/// Prints the subgroup size and the hashes of all methods, in a process of its own.
+/// Prints the subgroup size and the hashes of all methods, in a process of its own. The test below compares them with
+/// those of other processes.
 #[test]
 #[ignore = "a process that the test beside it starts"]
 fn child() {
@@ -62,7 +64,8 @@ fn child() {
     }
 }
 
-/// The hashes of a process with some environment variables, and its subgroup size; none if the process crashed.
+/// Returns the hashes of a process with some environment variables, and its subgroup size, or `None` if the process
+/// crashed.
 fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<String, String>, u32)> {
     let output = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "same::child", "--ignored", "--nocapture"])
@@ -70,22 +73,22 @@ fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<Str
         .envs(variables.iter().copied())
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     // A panic of this program has a status; a crash of the driver ends in a signal.
     output.status.code()?;
-    assert!(output.status.success(), "{variables:?}: {said}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{variables:?}: {printed}{}", String::from_utf8_lossy(&output.stderr));
     let image = |line: &str| {
         let (method, hash) = line.strip_prefix("image ")?.split_once(' ')?;
         Some((method.to_owned(), hash.to_owned()))
     };
-    let images: BTreeMap<_, _> = said.lines().filter_map(image).collect();
-    assert_eq!(images.len(), METHODS.len(), "{said}");
-    let subgroup = said.lines().find_map(|l| l.strip_prefix("subgroup ")).unwrap().parse().unwrap();
+    let images: BTreeMap<_, _> = printed.lines().filter_map(image).collect();
+    assert_eq!(images.len(), METHODS.len(), "{printed}");
+    let subgroup = printed.lines().find_map(|l| l.strip_prefix("subgroup ")).unwrap().parse().unwrap();
     Some((images, subgroup))
 }
 
 /// The images of all methods have equal hashes in two runs of one process, with three numbers of threads, and with
-/// smaller subgroups.
+/// smaller subgroups. A missing barrier or an order of atomics would change them.
 #[test]
 fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
     let folder = tempfile::tempdir().unwrap();
@@ -107,16 +110,16 @@ fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
     // the bits of its vectors, which decide the size of subgroups.
     let expected = expected_failures("threads", &gpu);
     for threads in ["0", "1", "5"] {
-        let (there, _) = in_a_process(&file, &[("LP_NUM_THREADS", threads)]).expect("no crash");
+        let (hashes, _) = in_a_process(&file, &[("LP_NUM_THREADS", threads)]).expect("no crash");
         for (method, image) in &here {
             let is_known = expected.contains(&format!("{method} LP_NUM_THREADS={threads}"));
-            assert!(is_known || there[method] == *image, "{method}: another image on {threads} threads");
+            assert!(is_known || hashes[method] == *image, "{method}: another image on {threads} threads");
         }
     }
     match in_a_process(&file, &[("LP_NATIVE_VECTOR_WIDTH", "128")]) {
-        Some((there, subgroup)) => {
+        Some((hashes, subgroup)) => {
             println!("subgroups of {} and {subgroup}", gpu.subgroup_size());
-            assert_eq!(there, here, "subgroups of {subgroup}");
+            assert_eq!(hashes, here, "subgroups of {subgroup}");
         }
         None => {
             let expected = expected_failures("subgroup", &gpu);
@@ -126,7 +129,7 @@ fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
     }
 }
 
-/// No shader names an extension of subgroup operations, without which a shader cannot depend on the size of subgroups.
+/// No shader names an extension of subgroup operations. Without one, a shader cannot depend on the size of subgroups.
 #[test]
 fn no_shader_asks_for_subgroups() {
     let mut folders = vec![repository().join("shaders-glsl")];

@@ -1,5 +1,5 @@
-//! Loading scenes: every quirk of OBJ, MTL, glTF and scene files that is promised to be handled, every error with its
-//! sentence, the large shared scenes if they are there, and mutated files.
+//! Tests loading scenes: every quirk of OBJ, MTL, glTF and scene files that is promised to be handled, every error with
+//! its sentence, the large shared scenes if they are present, and mutated files.
 
 mod allowed;
 mod compressed;
@@ -29,6 +29,7 @@ use tempfile::TempDir;
 struct Folder(TempDir);
 
 impl Folder {
+    /// Makes a folder with files, each a name and a text.
     fn new(files: &[(&str, &str)]) -> Self {
         let folder = Self(tempfile::tempdir().unwrap());
         for (name, text) in files {
@@ -37,10 +38,12 @@ impl Folder {
         folder
     }
 
+    /// Returns the path of a file in the folder.
     fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
+    /// Writes a file, and makes the folders in which it lies.
     fn write(&self, name: &str, bytes: &[u8]) {
         let path = self.path(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -64,17 +67,17 @@ impl Folder {
         obj::load(&[ObjFile::from(self.path(name))], options)
     }
 
-    /// The error of loading `a.obj`, without the path of the folder.
+    /// Returns the error of loading `a.obj`, without the path of the folder.
     fn error(&self) -> String {
         self.without_folder(&self.load("a.obj", &LEFT).unwrap_err().to_string())
     }
 
-    /// A text without the path of the folder.
+    /// Returns a text without the path of the folder.
     fn without_folder(&self, text: &str) -> String {
         text.replace(&format!("{}/", self.0.path().display()), "")
     }
 
-    /// The warnings about a scene, without the path of the folder.
+    /// Returns the warnings about a scene, without the path of the folder.
     fn warnings(&self, scene: &Scene) -> Vec<String> {
         scene.warnings.iter().map(|w| self.without_folder(w)).collect()
     }
@@ -83,7 +86,7 @@ impl Folder {
 /// Options for left-handed coordinates that are not scaled.
 const LEFT: ObjOptions = ObjOptions { handedness: Handedness::Left, load: scaled(1.0) };
 
-/// Options that multiply coordinates by a factor and change nothing else.
+/// Returns options that multiply coordinates by a factor and change nothing else.
 const fn scaled(scale: f32) -> LoadOptions {
     LoadOptions { scale, texture_side: MAX_EXTENT }
 }
@@ -91,32 +94,34 @@ const fn scaled(scale: f32) -> LoadOptions {
 /// A unit square in the xy plane, its normal along +z by winding, textured upright.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 
-/// A folder with `a.obj`: the square's vertices, and then other lines such as faces.
+/// Makes a folder with `a.obj`: the square's vertices, and then other lines such as faces.
 fn square(rest: &str) -> Folder {
     Folder::new(&[("a.obj", &format!("{SQUARE}{rest}"))])
 }
 
+/// Returns the position of a vertex.
 fn position(vertex: &Vertex) -> Vec3 {
     vertex.position.into()
 }
 
+/// Returns the normal of a vertex.
 fn normal(vertex: &Vertex) -> Vec3 {
     vertex.normal.into()
 }
 
-/// The three vertices of each triangle.
+/// Returns the three vertices of each triangle.
 fn triangles(mesh: &Mesh) -> impl Iterator<Item = [Vertex; 3]> + '_ {
     mesh.indices.chunks_exact(3).map(|t| [0, 1, 2].map(|i| mesh.vertices[t[i] as usize]))
 }
 
-/// The sum of the areas of all triangles.
+/// Returns the sum of the areas of all triangles.
 fn area(scene: &Scene) -> f32 {
     let cross = |[a, b, c]: [Vertex; 3]| (position(&b) - position(&a)).cross(position(&c) - position(&a));
     scene.meshes.iter().flat_map(triangles).map(|t| 0.5 * cross(t).length()).sum()
 }
 
-/// Holds the properties of every loaded scene, whatever its files are like: finite vertices, unit normals, tangents at
-/// right angles, indices within their lists, and a winding that fits the normals.
+/// Checks the properties that every loaded scene has, whatever its files are like: finite vertices, unit normals,
+/// tangents at right angles, indices within their lists, and a winding that fits the normals.
 fn assert_sound(scene: &Scene) {
     assert!(!scene.views.is_empty() && !scene.lights.is_empty());
     for mesh in &scene.meshes {
@@ -133,10 +138,10 @@ fn assert_sound(scene: &Scene) {
         for [a, b, c] in triangles(mesh) {
             let edge = |v: &Vertex| (position(v) - position(&a)).as_dvec3();
             let cross = edge(&b).cross(edge(&c));
-            // Normals may lean behind their face, but do not point to its back.
-            let stated = (normal(&a) + normal(&b) + normal(&c)).as_dvec3();
-            let least = -(0.5 * stated.length() + 1e-4) * cross.length();
-            assert!(cross.dot(stated) >= least, "the winding disagrees with the normals: {a:?} {b:?} {c:?}");
+            // Smooth normals may lean behind their face, but must not point to its back.
+            let normal_sum = (normal(&a) + normal(&b) + normal(&c)).as_dvec3();
+            let least_dot = -(0.5 * normal_sum.length() + 1e-4) * cross.length();
+            assert!(cross.dot(normal_sum) >= least_dot, "the winding disagrees with the normals: {a:?} {b:?} {c:?}");
         }
     }
     for material in &scene.materials {

@@ -1,5 +1,5 @@
-//! `ssr` and `ssr-fast` against the closed form of a mirror before a wall, and against what their listings say of every
-//! hit.
+//! Compares `ssr` and `ssr-fast` with the closed form of a mirror before a wall, and with what their listings say of
+//! every hit.
 
 use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, unfaded};
 use glam::{DVec2, DVec3, Vec3};
@@ -10,13 +10,13 @@ use ssct_ground::math::projection::{project, unproject};
 use ssct_lab::stage::Globals;
 use ssct_scenes::{Camera, Lens};
 
-/// Eq. 28 as printed, of a standard depth z: 2 · near / (far + near − z · (far − near)).
+/// Returns the linear depth of a standard depth z by Eq. 28 as printed: 2 · near / (far + near − z · (far − near)).
 fn linear_depth(z: f64) -> f64 {
     let (near, far) = (f64::from(Lens::default().near_m), f64::from(Lens::default().far_m));
     2.0 * near / (far + near - z * (far - near))
 }
 
-/// The path code of a texel of the hits.
+/// Returns the path code of a texel of the hits.
 fn path(hit: &[f32]) -> PathCode {
     PathCode::from_channel(hit[3]).expect("a path code")
 }
@@ -26,7 +26,7 @@ const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
 /// The wall stands at this z, in metres.
 const WALL_Z: f64 = 6.0;
 
-/// Shows a mirror floor that ends at a wall.
+/// Renders a mirror floor that ends at a wall, by a method, with or without fade.
 fn wall(camera: Camera, extent: [u32; 2], method: &str, fade: bool) -> Shown {
     let mut b = Builder::new("wall");
     b.light(Vec3::Z);
@@ -56,12 +56,15 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
                 continue;
             }
             let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
-            let d = unproject(uv.extend(0.5), &inverse).normalize();
-            let p = d * (f64::from(-EYE.y) / d.y);
-            let r = DVec3::new(d.x, -d.y, d.z);
-            let (from, end) = (project(p, &to_clip), project(p + r * ((WALL_Z - p.z) / r.z), &to_clip));
-            let advance = (end - from).normalize() * step;
-            let length = from.distance(end);
+            let direction = unproject(uv.extend(0.5), &inverse).normalize();
+            let origin = direction * (f64::from(-EYE.y) / direction.y);
+            let reflected = DVec3::new(direction.x, -direction.y, direction.z);
+            let (start, end) = (
+                project(origin, &to_clip),
+                project(origin + reflected * ((WALL_Z - origin.z) / reflected.z), &to_clip),
+            );
+            let advance = (end - start).normalize() * step;
+            let length = start.distance(end);
             let is_on_screen = end.truncate().cmpge(DVec2::ZERO).all() && end.truncate().cmple(DVec2::ONE).all();
             // The march skips two steps, its last step may overshoot, and the number of steps is limited.
             if !is_on_screen || length > 1.0 - 2.0 * step || length < 3.0 * step {

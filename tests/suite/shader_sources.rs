@@ -1,6 +1,6 @@
-//! The names in the pragmas of shader sources, and the declarations that `build.rs` makes of them in Rust.
+//! Tests the names in the pragmas of shader sources, and the declarations that `build.rs` makes of them in Rust.
 
-// `build.rs` uses all of it.
+// `build.rs` uses all of this module, and the tests use a part.
 #[allow(dead_code)]
 #[path = "../../src/gpu/declarations.rs"]
 mod declarations;
@@ -11,11 +11,11 @@ use ssct::gpu::interface::{self, Interface, StageBinding};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A permutation of the program `Made`, with bindings of some names and kinds and a number of outputs.
+/// Returns a permutation of the program `Made`, with bindings of some names and kinds and a number of outputs.
 fn made(source: &str, bindings: &[(&str, &'static str)], outputs: usize) -> Permutation {
     let path = Path::new(source);
     let named = glsl::programs("#pragma program(Made: Tree)\n", path).unwrap().remove(0);
-    let bound = |(n, (name, kind)): (usize, &(&str, &'static str))| StageBinding {
+    let binding = |(n, (name, kind)): (usize, &(&str, &'static str))| StageBinding {
         binding: n as u32,
         name: (*name).to_owned(),
         kind,
@@ -24,7 +24,7 @@ fn made(source: &str, bindings: &[(&str, &'static str)], outputs: usize) -> Perm
         read_only: *kind != "StorageImage",
     };
     let interface = Interface {
-        bindings: bindings.iter().enumerate().map(bound).collect(),
+        bindings: bindings.iter().enumerate().map(binding).collect(),
         push: None,
         outputs: vec![("out_color".into(), "f32"); outputs],
         constants: Vec::new(),
@@ -36,7 +36,7 @@ fn made(source: &str, bindings: &[(&str, &'static str)], outputs: usize) -> Perm
     Permutation { named, stage, file: source.into(), module: String::new(), interface, stored: Vec::new() }
 }
 
-/// The Rust text that is declared for some permutations and groups, or the error.
+/// Returns the Rust text that is declared for some permutations and groups, or the error.
 fn declared(permutations: &mut [Permutation], groups: &[(&str, &[&str])]) -> Result<String, String> {
     let named = groups.iter().map(|(name, members)| Group {
         name: (*name).to_owned(),
@@ -56,7 +56,7 @@ const ONLY: (&str, &str) = ("tree", "StorageBuffer");
 const STORED: (&str, &str) = ("color_image", "StorageImage");
 
 /// A binding that one of two permutations lacks is an `Option`. The storage image that stands for an output is listed
-/// as stored and is no field.
+/// as stored and is no field: the frame binds it as a target.
 #[test]
 fn a_binding_of_some_permutations_is_an_option_and_an_output_is_no_field() {
     let text = declared(&mut [made("a.frag", &[READ], 1), made("a.comp", &[READ, ONLY, STORED], 0)], &[]).unwrap();
@@ -64,7 +64,7 @@ fn a_binding_of_some_permutations_is_an_option_and_an_output_is_no_field() {
     assert!(text.contains("stored: &[(2, vk::Format::R32_SFLOAT), ]") && !text.contains("pub color_image"), "{text}");
 }
 
-/// Bindings of a group become one field of the struct; a group without all of its bindings is refused.
+/// Bindings of a group become one field of the struct. A group of which no permutation has all bindings is refused.
 #[test]
 fn bindings_of_a_group_are_one_field() {
     let group: (&str, &[&str]) = ("TreeParts", &["depth", "tree"]);
@@ -74,7 +74,8 @@ fn bindings_of_a_group_are_one_field() {
     assert!(unused.contains("TreeParts"), "{unused}");
 }
 
-/// Permutations of one program with other outputs, other kinds of a binding or one stage are refused.
+/// Permutations of one program with other outputs, other kinds of a binding or one stage are refused. One struct could
+/// not describe both.
 #[test]
 fn permutations_that_do_not_fit_each_other_are_refused() {
     let refused = |mut permutations: Vec<Permutation>| declared(&mut permutations, &[]).unwrap_err();
@@ -85,8 +86,8 @@ fn permutations_that_do_not_fit_each_other_are_refused() {
     assert!(refused(vec![made("a.frag", &[READ], 1), made("b.frag", &[READ], 2)]).contains("outputs"));
 }
 
-/// The pragma `in_either_stage` adds compute programs to a fragment program, with the macro COMPUTE and its own macros;
-/// wrong pragmas are refused with their line.
+/// The pragma `in_either_stage` adds compute programs to a fragment program, with the macro COMPUTE and its own macros.
+/// Wrong pragmas are refused with their line, since GLSL itself ignores unknown pragmas.
 #[test]
 fn compute_programs_of_fragment_programs_are_read_off_their_pragmas() {
     let path = Path::new("a.frag");
@@ -101,7 +102,7 @@ fn compute_programs_of_fragment_programs_are_read_off_their_pragmas() {
     }
 }
 
-/// The pragma `program` gives a name, an optional source of rays and macros; wrong pragmas are refused with their line.
+/// The pragma `program` gives a name, an optional source of rays and macros. Wrong pragmas are refused with their line.
 #[test]
 fn programs_are_read_off_their_pragmas() {
     let named = |source| programs(source, Path::new("a.frag"));
@@ -130,6 +131,7 @@ fn programs_are_read_off_their_pragmas() {
     }
 }
 
+/// The pragma `group` gives a name and its members. Wrong pragmas are refused with their file.
 #[test]
 fn groups_are_read_off_their_pragmas() {
     let named = |source: &str| groups_in(source, Path::new("a.glsl"));

@@ -1,5 +1,5 @@
-//! `ssct shaders`: its sentences about a device that tells nothing and about an absent GPU, and the comparison of two
-//! of its runs. `tests/alone/compiled.rs` has the numbers themselves.
+//! Tests `ssct shaders`: its sentences about a device without statistics and about an absent GPU, and the comparison of
+//! two of its runs. `tests/alone/compiled.rs` tests the numbers themselves.
 
 use crate::common::folder::Folder;
 use crate::common::repository;
@@ -11,8 +11,8 @@ use std::process::{Command, Output};
 /// Mesa's driver for AMD's GPUs, as Debian installs it beside lavapipe.
 const RADV: &str = "/usr/share/vulkan/icd.d/radeon_icd.x86_64.json";
 
-/// Runs the program for a GPU of a family that is not in the machine, by Mesa's driver for AMD; none where the system
-/// has no such driver.
+/// Runs the program for a GPU of a family that is not in the machine, by Mesa's driver for AMD. Returns `None` if the
+/// system has no such driver.
 fn on_absent_gpu(folder: &Folder, family: &str, arguments: &[&str]) -> Option<Output> {
     if !Path::new(RADV).is_file() {
         println!("skipped: {RADV} is absent");
@@ -25,7 +25,7 @@ fn on_absent_gpu(folder: &Folder, family: &str, arguments: &[&str]) -> Option<Ou
     Some(command.output().unwrap())
 }
 
-/// The text on standard error.
+/// Returns the text on standard error.
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
@@ -43,7 +43,7 @@ fn a_device_that_tells_nothing_of_its_compiler_is_refused_in_a_sentence() {
 }
 
 /// For an absent GPU, each program has registers, code size and no spilled register in its record, and two equal runs
-/// compare as 1.000.
+/// compare as 1.000. The driver compiles although the device cannot draw.
 #[test]
 fn programs_compile_for_a_gpu_that_is_not_there() {
     let folder = Folder::new();
@@ -51,13 +51,13 @@ fn programs_compile_for_a_gpu_that_is_not_there() {
     let Some(output) = on_absent_gpu(&folder, "NAVI21", &arguments) else { return };
     assert!(output.status.success(), "{}", said(&output));
     let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
-    let of_method = |name: &str| records.iter().filter(|r| r["method"] == name).collect::<Vec<_>>();
-    let trace = of_method("ssct").into_iter().find(|r| r["program"] == "thesis/ssct.frag").unwrap();
+    let records_of = |name: &str| records.iter().filter(|r| r["method"] == name).collect::<Vec<_>>();
+    let trace = records_of("ssct").into_iter().find(|r| r["program"] == "thesis/ssct.frag").unwrap();
     assert_eq!((&trace["stage"], &trace["runs_in"]), (&"fragment".into(), &"frame".into()), "{trace}");
     // Among triangles, mirrors run one program and wide lobes three or more.
     let programs = |roughness: f64| {
         let is_it = |record: &&&Value| (record["roughness"].as_f64().unwrap() - roughness).abs() < 1e-6;
-        of_method("unified").iter().filter(is_it).count()
+        records_of("unified").iter().filter(is_it).count()
     };
     assert!(programs(0.0) >= 1 && programs(0.3) >= 3, "{} {}", programs(0.0), programs(0.3));
     for record in &records {
@@ -88,7 +88,7 @@ fn a_gpu_that_is_not_there_draws_nothing_and_an_unknown_one_is_named() {
     assert!(output.status.code() == Some(1) && text.contains("RADV_FORCE_FAMILY=NAVI99"), "{text}");
 }
 
-/// A record of a program with a number of registers and of subgroups.
+/// Returns a record of a program with a number of registers and of subgroups.
 fn record(program: &str, roughness: f64, registers: u32, subgroups: u32) -> Value {
     json!({
         "kind": "shaders", "definitions": 2, "version": "0.1.0", "commit": "unknown",
@@ -104,8 +104,8 @@ fn record(program: &str, roughness: f64, registers: u32, subgroups: u32) -> Valu
     })
 }
 
-/// Two runs with known registers: a frame has the greatest registers and the least subgroups of its programs. Equal
-/// programs and hashes are not listed.
+/// In a comparison of two runs with known registers, a frame has the greatest registers and the fewest subgroups of its
+/// programs. Equal programs and hashes are not listed.
 #[test]
 fn two_runs_are_compared_by_frames_and_by_programs() {
     let folder = Folder::new();
@@ -134,7 +134,7 @@ fn two_runs_are_compared_by_frames_and_by_programs() {
     assert!(output.status.code() == Some(1) && said(&output).contains("b/shaders.json: holds other records"));
 }
 
-/// A copy of the shaders in a folder, with a text of one of them replaced by another.
+/// Copies the shaders to a folder, with a text of one of them replaced by another.
 fn changed_shaders(folder: &Folder, file: &str, from: &str, to: &str) {
     let sources = repository().join("shaders-glsl");
     for path in glsl::files(&sources, &["vert", "frag", "comp", "glsl"]).unwrap() {
@@ -148,26 +148,26 @@ fn changed_shaders(folder: &Folder, file: &str, from: &str, to: &str) {
 }
 
 /// With a history, the records have the program of moving frames with the constant SEARCH on, and that of frames at
-/// rest with it off.
+/// rest with it off. Each is compiled only in the frames in which it runs.
 #[test]
 fn a_history_runs_one_program_at_rest_and_another_while_the_camera_moves() {
     let folder = Folder::new();
     let arguments = ["shaders", "--variant", "unified --history on", "--roughness", "0.1", "--json"];
     let Some(output) = on_absent_gpu(&folder, "NAVI21", &arguments) else { return };
     let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
-    let of_history = |r: &&Value| r["program"].as_str().is_some_and(|name| name.starts_with("common/history"));
-    let found: Vec<&Value> = records.iter().filter(of_history).collect();
+    let is_of_history = |r: &&Value| r["program"].as_str().is_some_and(|name| name.starts_with("common/history"));
+    let found: Vec<&Value> = records.iter().filter(is_of_history).collect();
     let constants = |runs_in: &str| {
-        let here: Vec<_> = found.iter().filter(|r| r["runs_in"] == runs_in).map(|r| &r["constants"]).collect();
-        assert_eq!(here.len(), 1, "{runs_in}: {found:?}");
-        here[0].as_str().unwrap()
+        let found_here: Vec<_> = found.iter().filter(|r| r["runs_in"] == runs_in).map(|r| &r["constants"]).collect();
+        assert_eq!(found_here.len(), 1, "{runs_in}: {found:?}");
+        found_here[0].as_str().unwrap()
     };
     // The constant SEARCH of shaders-glsl/common/history_inputs.glsl.
     assert!(constants("frame").contains(" 3=1") && constants("frame at rest").contains(" 3=0"), "{found:?}");
 }
 
 /// With `SSCT_SHADERS`, a changed shader changes the image, and records say so. Mistakes, changed bindings and an empty
-/// folder are refused.
+/// folder are refused, where the built shaders would be drawn unnoticed.
 #[test]
 fn shaders_of_a_named_folder_stand_for_those_that_were_built_in() {
     let folder = Folder::new();

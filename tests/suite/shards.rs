@@ -1,5 +1,5 @@
-//! Studies divided among machines: each shard is a run of its own, and the merged shards are the study that one machine
-//! would have measured.
+//! Tests studies divided among machines: each shard is a run of its own, and the merged shards are the study that one
+//! machine would have measured.
 
 use crate::common::hang::wait_until;
 use serde_json::Value;
@@ -15,41 +15,43 @@ const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
 const ERROR: [&str; 11] =
     ["error", "--quick", "--method", "ssct,hzct", "--rays", "4", "--samples", "20", "--size", "96x54", "--scene=rooms"];
 
-/// Runs a command to its end, without a panic: its exit status, standard output and standard error.
+/// Runs a command to its end, without a panic. Returns its exit status, standard output and standard error.
 fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
     let output = Command::new(SSCT).args(arguments).output().unwrap();
-    let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
-    assert!(!said.contains("panicked"), "{said}");
-    (output.status.code(), out, said)
+    let [printed, errors] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(!errors.contains("panicked"), "{errors}");
+    (output.status.code(), printed, errors)
 }
 
-/// The output of a command that succeeds and prints nothing to standard error.
+/// Returns the output of a command, which must succeed and print nothing to standard error.
 fn run_successfully(arguments: &[&str]) -> String {
-    let (status, out, said) = run(arguments);
-    assert_eq!((status, said.as_str()), (Some(0), ""), "{arguments:?}");
-    out
+    let (status, printed, errors) = run(arguments);
+    assert_eq!((status, errors.as_str()), (Some(0), ""), "{arguments:?}");
+    printed
 }
 
-/// The single line that a command prints to standard error when it fails.
+/// Returns the single line that a command prints to standard error when it fails.
 fn refused(arguments: &[&str]) -> String {
-    let (status, _, said) = run(arguments);
-    assert_eq!((status, said.lines().count()), (Some(1), 1), "{arguments:?}: {said}");
-    said
+    let (status, _, errors) = run(arguments);
+    assert_eq!((status, errors.lines().count()), (Some(1), 1), "{arguments:?}: {errors}");
+    errors
 }
 
 /// Folders below a temporary one.
 struct Folders(tempfile::TempDir);
 
 impl Folders {
+    /// Makes the temporary folder.
     fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
 
+    /// Returns the path of a folder or file by its name.
     fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    /// The path of a folder as a text.
+    /// Returns the path of a folder as a text.
     fn name(&self, name: &str) -> String {
         self.path(name).to_str().unwrap().to_owned()
     }
@@ -60,17 +62,17 @@ impl Folders {
         run_successfully(&[command, &["--shard", &shard, "-o", &folder]].concat());
     }
 
-    /// The content of a JSON file.
+    /// Returns the content of a JSON file.
     fn json(&self, file: &str) -> Value {
         serde_json::from_slice(&std::fs::read(self.path(file)).unwrap()).unwrap()
     }
 
-    /// Paths of all files below a folder.
+    /// Returns the paths of all files below a folder.
     fn files(&self, folder: &str) -> BTreeSet<String> {
-        let (top, mut left, mut found) = (self.path(folder), vec![self.path(folder)], BTreeSet::new());
-        while let Some(path) = left.pop() {
+        let (top, mut to_visit, mut found) = (self.path(folder), vec![self.path(folder)], BTreeSet::new());
+        while let Some(path) = to_visit.pop() {
             if path.is_dir() {
-                left.extend(std::fs::read_dir(path).unwrap().map(|e| e.unwrap().path()));
+                to_visit.extend(std::fs::read_dir(path).unwrap().map(|e| e.unwrap().path()));
             } else {
                 found.insert(path.strip_prefix(&top).unwrap().to_string_lossy().into_owned());
             }
@@ -96,7 +98,7 @@ const TIMES: [&str; 13] = [
     "fps",
 ];
 
-/// A record without times.
+/// Returns a record without its times.
 fn figures(mut value: Value) -> Value {
     match &mut value {
         Value::Object(fields) => {
@@ -109,7 +111,7 @@ fn figures(mut value: Value) -> Value {
     value
 }
 
-/// The names of the cells that a shard owns, and those of all cells.
+/// Returns the names of the cells that a shard owns, and those of all cells.
 fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
     let names = |is_own: &dyn Fn(&Value) -> bool| {
         let cells = list["cells"].as_array().unwrap().iter().filter(|c| is_own(c));
@@ -118,7 +120,7 @@ fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
     (names(&|c| c["own"] == true), names(&|_| true))
 }
 
-/// Starts a run and kills it once its journal has some number of lines.
+/// Starts a run and kills it once its journal has at least `lines` lines.
 fn killed(arguments: &[&str], folder: &Path, lines: usize) {
     let mut child = Command::new(SSCT).args(arguments).stdout(Stdio::null()).spawn().unwrap();
     let journal = || std::fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
@@ -128,8 +130,8 @@ fn killed(arguments: &[&str], folder: &Path, lines: usize) {
     assert!(!journal().contains("finished"), "it was killed before its end");
 }
 
-/// A study in three shards, one of which was killed and resumed: the merged run has the figures and images of the whole
-/// study, to the bit. An incomplete merge names the missing cells.
+/// A study is measured in three shards, one of which is killed and resumed. The merged run has the figures and images
+/// of the whole study, to the bit. An incomplete merge names the missing cells.
 #[test]
 fn merged_shards_of_an_error_study_are_the_study() {
     let folders = Folders::new();
@@ -145,23 +147,23 @@ fn merged_shards_of_an_error_study_are_the_study() {
     // The cells that the killed shard has not measured are named.
     let [second, third_folder] = ["2", "3"].map(|name| folders.name(name));
     let merge = ["merge", &first, &second, &third_folder, "-o", &all];
-    let said = refused(&merge);
+    let message = refused(&merge);
     let lists = ["1", "2", "3"].map(|n| cells(&folders.json(&format!("{n}/cells.json"))));
     let everything = &lists[0].1;
     assert!(everything.len() == 4 && lists.iter().all(|(_, all)| all == everything));
     let owned: Vec<&String> = lists.iter().flat_map(|(own, _)| own).collect();
     assert!(owned.len() == 4 && owned.iter().collect::<BTreeSet<_>>().len() == 4, "each cell is in one shard");
-    let named = said.split("are missing: ").nth(1).and_then(|rest| rest.split(';').next()).unwrap();
+    let named = message.split("are missing: ").nth(1).and_then(|rest| rest.split(';').next()).unwrap();
     let missing: Vec<&str> = named.split(", ").collect();
-    assert!(missing.iter().all(|name| lists[0].0.contains(*name)), "{said}");
-    assert!(said.contains(&format!("{} of the 4 cells are missing", missing.len())), "{said}");
+    assert!(missing.iter().all(|name| lists[0].0.contains(*name)), "{message}");
+    assert!(message.contains(&format!("{} of the 4 cells are missing", missing.len())), "{message}");
 
     // The shards can be merged anyway, and the page names the missing cells.
     let partial = folders.name("partial");
-    let out = run_successfully(&["merge", &first, &second, &third_folder, "-o", &partial, "--partial"]);
+    let printed = run_successfully(&["merge", &first, &second, &third_folder, "-o", &partial, "--partial"]);
     let page = std::fs::read_to_string(folders.path("partial/index.html")).unwrap();
     for name in &missing {
-        assert!(out.contains(&format!("missing: {name}")) && page.contains(name), "{out}");
+        assert!(printed.contains(&format!("missing: {name}")) && page.contains(name), "{printed}");
     }
     run_successfully(&[&third[..], &["--resume"]].concat());
     let done_again = run_successfully(&[&merge[..], &["--json"]].concat());
@@ -188,7 +190,7 @@ fn merged_shards_of_an_error_study_are_the_study() {
 }
 
 /// Shards with other setups, cells, commits or figures, and folders that are no shards, are refused with the
-/// difference.
+/// difference. Merged, they would look like one study.
 #[test]
 fn what_does_not_belong_together_is_not_merged() {
     let folders = Folders::new();
@@ -207,14 +209,14 @@ fn what_does_not_belong_together_is_not_merged() {
     ] {
         let _ = std::fs::remove_dir_all(&other);
         run_successfully(&[&command(&more)[..], &["--shard", "2/2", "-o", &other]].concat());
-        let said = merge(&other);
-        assert!(said.contains("is not of the same study as") && said.contains(part), "{said}");
+        let message = merge(&other);
+        assert!(message.contains("is not of the same study as") && message.contains(part), "{message}");
     }
     assert!(merge(&folders.name("nothing")).contains("cannot read"));
     std::fs::create_dir(folders.path("empty")).unwrap();
     assert!(merge(&folders.name("empty")).contains("does not say which cells it has"));
-    let (status, _, said) = run(&["merge", &a, &b, "-o", &a]);
-    assert!(status == Some(2) && said.contains("must lie beside"), "{said}");
+    let (status, _, message) = run(&["merge", &a, &b, "-o", &a]);
+    assert!(status == Some(2) && message.contains("must lie beside"), "{message}");
 
     // A shard of another commit, and a shard with another value of an error.
     let changed = |file: &str, from: &str, to: &str| {
@@ -236,17 +238,18 @@ fn what_does_not_belong_together_is_not_merged() {
     let text = std::fs::read_to_string(folders.path("copy/journal.jsonl")).unwrap();
     let changed: Vec<String> = text.lines().map(|l| l.replacen("\"flip\":0.", "\"flip\":1.", 1)).collect();
     std::fs::write(folders.path("copy/journal.jsonl"), changed.join("\n") + "\n").unwrap();
-    let said = merge(&copy);
-    assert!(said.contains("is not as in") && said.contains("flip is 1."), "{said}");
+    let message = merge(&copy);
+    assert!(message.contains("is not as in") && message.contains("flip is 1."), "{message}");
     for wrong in ["0/2", "3/2", "1", "x/y"] {
-        let (status, _, said) = run(&[&base[..], &["--shard", wrong, "-o", &other]].concat());
-        assert!(status == Some(2) && said.contains("shard"), "{said}");
+        let (status, _, message) = run(&[&base[..], &["--shard", wrong, "-o", &other]].concat());
+        assert!(status == Some(2) && message.contains("shard"), "{message}");
     }
-    let (status, _, said) = run(&[&base[..], &["--shard", "1/2"]].concat());
-    assert!(status == Some(2) && said.contains("--output"), "{said}");
+    let (status, _, message) = run(&[&base[..], &["--shard", "1/2"]].concat());
+    assert!(status == Some(2) && message.contains("--output"), "{message}");
 }
 
-/// Runs a study undivided and in two shards, merges these, and compares all but times.
+/// Runs a study undivided and in two shards, merges the shards, and checks that both are equal but for times. `records`
+/// is the file of the records.
 fn divided(command: &[&str], records: &str) -> Folders {
     let folders = Folders::new();
     let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
@@ -267,8 +270,8 @@ fn divided(command: &[&str], records: &str) -> Folders {
 /// are compared on one machine.
 #[test]
 fn times_are_divided_by_size_and_roughness() {
-    let what = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--roughness", "0,0.1", "--samples", "3"];
-    let folders = divided(&[&what[..], &["--method", "ssct,unified"]].concat(), "time.json");
+    let study = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--roughness", "0,0.1", "--samples", "3"];
+    let folders = divided(&[&study[..], &["--method", "ssct,unified"]].concat(), "time.json");
     let samples = std::fs::read_to_string(folders.path("all/time-samples.csv")).unwrap();
     assert!(samples.lines().count() > 4 * 2 * 3 && folders.json("all/time.json").as_array().unwrap().len() == 8);
     // Each shard has both methods, since the methods are compared with each other.
@@ -292,18 +295,18 @@ fn of_another_device(folder: &Path) {
 }
 
 /// Shards of two devices merge into one run with a folder of times for each device and one table of errors. Times of
-/// two devices are not compared.
+/// two devices cannot be compared, so a merge that mixed them would be wrong.
 #[test]
 fn times_of_two_devices_stay_apart() {
-    let what = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--samples", "3", "--method", "ssct,unified"];
+    let study = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--samples", "3", "--method", "ssct,unified"];
     let folders = Folders::new();
     for n in [1, 2] {
-        folders.shard(&what, n, 2);
+        folders.shard(&study, n, 2);
     }
     of_another_device(&folders.path("2"));
     let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
-    let out = run_successfully(&["merge", &a, &b, "-o", &all]);
-    assert!(out.contains("2 devices, whose times stay apart"), "{out}");
+    let printed = run_successfully(&["merge", &a, &b, "-o", &all]);
+    assert!(printed.contains("2 devices, whose times stay apart"), "{printed}");
     assert_eq!(folders.json("all/time.json").as_array().unwrap().len(), 4);
     let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
     assert!(page.contains("another (") && page.matches("total ms").count() == 2, "a table for each device");
@@ -335,8 +338,8 @@ fn times_of_two_devices_stay_apart() {
     assert!(folders.path("all/devices/2/error-world.svg").exists());
 }
 
-/// Five other studies in two shards equal the undivided studies in figures and files. One engine divides all studies; stress, paths
-/// and figures are merged in ways of their own.
+/// Five other studies in two shards equal the undivided studies in figures and files. One engine divides all studies,
+/// but stress, paths and figures each have code of their own that merges them.
 #[test]
 fn other_studies_are_divided_too() {
     divided(&["stress", "--quick", "--method", "ssct", "--case", "straight"], "stress.json");
@@ -374,12 +377,12 @@ fn other_studies_are_divided_too() {
     assert_eq!(folders.files("whole"), folders.files("all"));
     let [a, b] = ["whole", "all"].map(|f| std::fs::read_to_string(folders.path(f).join("index.html")).unwrap());
     assert_eq!(a, b, "one page");
-    let out = run_successfully(&[&figures[..], &["-o", &all, "--resume"]].concat());
-    assert!(out.contains("3 figures, 0 left out"), "{out}");
+    let printed = run_successfully(&[&figures[..], &["-o", &all, "--resume"]].concat());
+    assert!(printed.contains("3 figures, 0 left out"), "{printed}");
 }
 
 /// A reference in three shards of rays merges into the samples of one run, to the bit. Missing samples are named, and
-/// other methods refuse shards.
+/// other methods refuse shards. Each shard must trace its own part of one sequence of rays.
 #[test]
 fn a_reference_is_divided_by_its_rays() {
     let folders = Folders::new();
@@ -387,16 +390,16 @@ fn a_reference_is_divided_by_its_rays() {
     let scene = ["render", "--method", "reference", "--scene", "corridor", "--size", "24x16", "--roughness", "0.3"];
     let render = [&scene[..], &["--max-rays", "200"]].concat();
     let image = |name: &str| folders.name(&format!("{name}.exr"));
-    let (status, _, said) = run(&[&render[..], &["--shard", "1/3", "-o", &image("none")]].concat());
-    assert!(status == Some(2) && said.contains("--cache"), "{said}");
+    let (status, _, message) = run(&[&render[..], &["--shard", "1/3", "-o", &image("none")]].concat());
+    assert!(status == Some(2) && message.contains("--cache"), "{message}");
     for (n, folder) in [&a, &b, &c].into_iter().enumerate() {
         let (shard, file) = (format!("{}/3", n + 1), image(&n.to_string()));
         run_successfully(&[&render[..], &["--shard", &shard, "-o", &file, "--cache", folder]].concat());
     }
-    let said = refused(&["merge", &a, &c, "-o", &all]);
-    assert!(said.contains("samples 64 to 127 of corridor") && said.contains("are missing"), "{said}");
-    let out = run_successfully(&["merge", &c, &a, &b, "-o", &all]);
-    assert!(out.contains("200 of 200 rays") && out.contains(&format!("--cache {all} -o FILE")), "{out}");
+    let message = refused(&["merge", &a, &c, "-o", &all]);
+    assert!(message.contains("samples 64 to 127 of corridor") && message.contains("are missing"), "{message}");
+    let printed = run_successfully(&["merge", &c, &a, &b, "-o", &all]);
+    assert!(printed.contains("200 of 200 rays") && printed.contains(&format!("--cache {all} -o FILE")), "{printed}");
 
     // The merged samples are those of one run, and the image is drawn without any more.
     let most = ["--standard-error", "0.000001"];
@@ -409,17 +412,18 @@ fn a_reference_is_divided_by_its_rays() {
     run_successfully(&[&render[..], &most, &["-o", &image("merged"), "--cache", &all]].concat());
     assert!(std::fs::read(image("merged")).unwrap() == std::fs::read(image("whole")).unwrap());
     // Where there are more shards than groups of rays, some shards have none. Images of other methods have no shards.
-    let (status, _, said) = run(&[&render[..], &["--shard", "9/9", "-o", &image("x"), "--cache", &a]].concat());
-    assert_eq!((status, said.as_str()), (Some(0), ""), "four groups of rays: the last shard has one");
-    let (status, _, said) = run(&[&render[..], &["--shard", "1/9", "-o", &image("x"), "--cache", &a]].concat());
-    assert!(status == Some(0) && said.contains("shard 1/9 has no rays"), "{said}");
+    let (status, _, message) = run(&[&render[..], &["--shard", "9/9", "-o", &image("x"), "--cache", &a]].concat());
+    assert_eq!((status, message.as_str()), (Some(0), ""), "four groups of rays: the last shard has one");
+    let (status, _, message) = run(&[&render[..], &["--shard", "1/9", "-o", &image("x"), "--cache", &a]].concat());
+    assert!(status == Some(0) && message.contains("shard 1/9 has no rays"), "{message}");
     let ssct = ["render", "--scene", "corridor", "--size", "24x16", "--shard", "1/2", "--cache", &a, "-o"];
-    let (status, _, said) = run(&[&ssct[..], &[&image("x")]].concat());
-    assert!(status == Some(2) && said.contains("--method reference"), "{said}");
+    let (status, _, message) = run(&[&ssct[..], &[&image("x")]].concat());
+    assert!(status == Some(2) && message.contains("--method reference"), "{message}");
 }
 
-/// The digest of each built-in scene, from which the shard of a cell follows, is the known one. Every bit of a scene
-/// goes into its digest: a change of a scene needs a new digest here.
+/// The digest of each built-in scene, which decides the shard of a cell, is the known one. Every bit of a scene goes
+/// into its digest, so that a difference in rounding between machines would change it. A change of a scene needs a new
+/// digest here.
 #[test]
 fn the_shards_of_built_in_scenes_are_the_same_on_every_machine() {
     let known = [

@@ -1,6 +1,6 @@
-//! Every method makes the same images with its passes in fragment and in compute shaders (`--stage`), to the bit and by
-//! passes of the same names. In compute shaders, no pass over the whole image is drawn. `unified` with stages of its
-//! own is in `unified_stages`.
+//! Tests that every method makes the same images with its passes in fragment and in compute shaders (`--stage`), to the
+//! bit and by passes of the same names. In compute shaders, no pass over the whole image is drawn. `unified_stages`
+//! tests `unified` with stages of its own.
 
 use crate::common::engine::bits;
 use crate::common::{built_in, check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, with_small_captures};
@@ -38,7 +38,8 @@ struct Place<'s> {
     materials: &'s [Material],
 }
 
-/// Makes a frame with every intermediate, and with compute shaders another frame that counts the work of each pass.
+/// Makes a frame with every intermediate image. If the setup's stage is compute shaders, another frame counts the work
+/// of each pass.
 fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> Made {
     let Place { stage, camera, materials } = place;
     let shot = Shot::new(stage, method, setup, wants, *camera, materials.to_vec()).unwrap();
@@ -50,7 +51,7 @@ fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> 
     Made { images, passes, work: counted.recorded.into_iter().zip(counted.work).collect() }
 }
 
-/// Whether a pass copies or draws the scene in either stage, or marks a stencil.
+/// Returns whether a pass may draw even in the compute stage: it copies, draws the scene, or marks a stencil.
 fn is_drawn_anyway(pass: &str) -> bool {
     // A blur has a pass for each direction, such as "color/1h".
     let is_blur = |rest: &str| rest.strip_suffix(['h', 'v']).is_some_and(|level| level.parse::<u32>().is_ok());
@@ -60,32 +61,33 @@ fn is_drawn_anyway(pass: &str) -> bool {
     copies || scene || pass == "lighting" || pass.ends_with("/encode")
 }
 
-/// Holds the images of a method in compute shaders against those in fragment shaders. Returns 1 if the reflection shows
-/// something, else 0.
+/// Checks that a method's images and passes in compute shaders equal those in fragment shaders. Returns 1 if the
+/// reflection shows something, else 0.
 fn check_same(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> usize {
     let [drawn, stored] = [ShaderStage::Fragment, ShaderStage::Compute]
         .map(|stage| make(place, method, &setup.with(|p: &mut EffectParams| p.stage = stage), wants));
-    let what = format!("{}, {setup:?}, {wants:?}", method.name);
-    assert_eq!(drawn.images.keys().collect::<Vec<_>>(), stored.images.keys().collect::<Vec<_>>(), "{what}");
+    let case = format!("{}, {setup:?}, {wants:?}", method.name);
+    assert_eq!(drawn.images.keys().collect::<Vec<_>>(), stored.images.keys().collect::<Vec<_>>(), "{case}");
     for ((name, expected), found) in drawn.images.iter().zip(stored.images.values()) {
-        let differ: Vec<_> = found.iter().zip(expected).enumerate().filter(|(_, (a, b))| a != b).collect();
-        let first = differ.first().map(|(i, (a, b))| (i, f32::from_bits(**a), f32::from_bits(**b)));
+        let differing: Vec<_> = found.iter().zip(expected).enumerate().filter(|(_, (a, b))| a != b).collect();
+        let first = differing.first().map(|(i, (a, b))| (i, f32::from_bits(**a), f32::from_bits(**b)));
         assert!(
-            found.len() == expected.len() && differ.is_empty(),
-            "{what}, {name}: {} numbers differ, the first: {first:?}",
-            differ.len()
+            found.len() == expected.len() && differing.is_empty(),
+            "{case}, {name}: {} numbers differ, the first: {first:?}",
+            differing.len()
         );
     }
-    let others = |passes: &[String]| passes.iter().filter(|p| !p.ends_with("/encode")).cloned().collect::<Vec<_>>();
-    assert_eq!(others(&stored.passes), drawn.passes, "{what}");
+    let without_encoding =
+        |passes: &[String]| passes.iter().filter(|p| !p.ends_with("/encode")).cloned().collect::<Vec<_>>();
+    assert_eq!(without_encoding(&stored.passes), drawn.passes, "{case}");
     for (pass, work) in &stored.work {
-        assert!(work.fragment_invocations == 0 || is_drawn_anyway(pass), "{what}: the pass {pass} is drawn: {work:?}");
+        assert!(work.fragment_invocations == 0 || is_drawn_anyway(pass), "{case}: the pass {pass} is drawn: {work:?}");
     }
     let is_empty = |name: &str| drawn.images[name].iter().all(|word| *word == 0);
     usize::from(!is_empty("reflection"))
 }
 
-/// Setups of a method that together run all of its programs.
+/// Returns setups of a method, each with the wanted images, that together run all of its programs.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
     let usual = with_small_captures(&usual);
@@ -114,7 +116,7 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     all
 }
 
-/// Setups of the effect around a screen-space method: fallbacks, half resolution, bounces, other normals, and a
+/// Returns setups of the effect around a screen-space method: fallbacks, half resolution, bounces, other normals, and a
 /// history.
 fn around(extent: [u32; 2]) -> Vec<Setup> {
     let changes: [fn(&mut EffectParams); 7] = [
@@ -129,13 +131,14 @@ fn around(extent: [u32; 2]) -> Vec<Setup> {
     changes.map(|change| Setup::on_screen(extent).with(change)).to_vec()
 }
 
-/// Whether a method other than `unified` has passes in either kind of shader.
+/// Returns whether a method has the parameter `stage` and is not `unified`, which has stages of its own.
 fn is_published(method: &&MethodInfo) -> bool {
     method.name != "unified" && method.reads().iter().any(|p| p.name == "stage")
 }
 
 /// Every method with each of its settings, at four sizes, makes equal images in both kinds of shader, without a message
-/// of the layers.
+/// of the validation layers. A workgroup that misses a row at the border, or arithmetic that a compiler rounds
+/// otherwise, would differ.
 #[test]
 fn every_method_makes_the_same_images_in_either_stage() {
     let gpu = gpu();
@@ -157,13 +160,14 @@ fn every_method_makes_the_same_images_in_either_stage() {
             }
         }
     }
-    // The scene has no place for a capture, and no probe.
-    let dark = |name: &str| ["captures", "local-map", "pccm"].contains(&name);
-    assert!(shown.iter().all(|(name, lit)| *lit > 0 || dark(name)), "{shown:?} images show something");
+    // Three methods may show nothing, since the scene has no place for a capture, and no probe.
+    let may_show_nothing = |name: &str| ["captures", "local-map", "pccm"].contains(&name);
+    assert!(shown.iter().all(|(name, lit)| *lit > 0 || may_show_nothing(name)), "{shown:?} images show something");
 }
 
-/// Fallbacks, half resolution, bounces, bumps and a history around three methods, and methods that see the scene, make
-/// equal images in both kinds of shader.
+/// Fallbacks, half resolution, bounces, bumps and a history around three methods make equal images in both kinds of
+/// shader, and so do methods that see the scene. These passes have compute programs of their own, which could differ
+/// from the drawn ones.
 #[test]
 fn what_stands_around_a_method_makes_the_same_images_in_either_stage() {
     let gpu = gpu();

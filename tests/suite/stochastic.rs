@@ -1,5 +1,4 @@
-//! `stochastic`: the mean of its rays, the hits of its two walks, and the effect and the pass of a history around any
-//! method.
+//! Tests `stochastic`: the mean of its rays, the hits of its two walks, and the pass of a history around any method.
 
 use crate::common::{clutter, clutter_camera, gpu, unfaded};
 use glam::Vec3;
@@ -16,18 +15,18 @@ use ssct_truth::reference::screen::{Sampling, ScreenReference};
 /// Size of the images in pixels.
 const EXTENT: [u32; 2] = [161, 91];
 
-/// A setup without fade, of rays from all of the lobe.
+/// Returns a setup without fade, with rays from all of the lobe (`stochastic_part` 1) and a further change.
 fn setup(change: impl FnOnce(&mut StochasticParams)) -> Setup {
     unfaded(EXTENT).with(|p: &mut StochasticParams| p.stochastic_part = 1.0).with(change)
 }
 
-/// The setup with a history of a number of frames.
+/// Returns the setup with a history of a number of frames.
 fn with_history(setup: &Setup, frames: u32) -> Setup {
     setup.with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, frames))
 }
 
-/// The G-buffer of a view of the rooms, with one roughness for all surfaces. Windows count as lit surfaces, so that a
-/// ray that meets one shows the colour of the screen, and not the sky along the ray.
+/// Returns the G-buffer of a view of the rooms, with one roughness for all surfaces. Windows count as lit surfaces, so
+/// that a ray that meets one shows the colour of the screen, and not the sky along the ray.
 fn rooms(view: &str, roughness: f32) -> GBufferData {
     let gpu = gpu();
     let scene = crate::common::built_in("rooms");
@@ -42,38 +41,38 @@ fn rooms(view: &str, roughness: f32) -> GBufferData {
     GBufferData { surface: vec![Surface::Lit; data.surface.len()], ..data }
 }
 
-/// The reflection that a method makes of a G-buffer, with a camera at rest.
+/// Returns the reflection that a method makes of a G-buffer, with a camera at rest.
 fn made(data: &GBufferData, method: &str, setup: &Setup) -> Pixels {
     let gpu = gpu();
-    let made = gbuffer::reflect(&gpu, data, None, find(method).unwrap(), setup).unwrap().reflection;
+    let reflection = gbuffer::reflect(&gpu, data, None, find(method).unwrap(), setup).unwrap().reflection;
     gpu.check_validation().unwrap();
-    made
+    reflection
 }
 
-/// The colours of an image without the fourth channel.
+/// Returns the colours of an image without the fourth channel.
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
     pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }
 
-/// For each pixel, whether it reflects.
+/// Returns, for each pixel, whether it reflects.
 fn mask(data: &GBufferData) -> Vec<bool> {
     (0..data.depth.len()).map(|i| data.reflects(i)).collect()
 }
 
-/// The screen reference with a number of samples a pixel.
+/// Returns the colours of the screen reference with a number of samples for each pixel.
 fn truth(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
     let sampling = Sampling { samples, seed: 1, oracle: OracleVersion::V1, bounces: 1 };
     let image = ScreenReference::render(data, &mask(data), sampling, &|| ());
     image.color.iter().map(Vec3::to_array).collect()
 }
 
-/// The mean of all channels of all pixels.
+/// Returns the sum of all channels divided by the number of pixels. Only ratios of two such means are used.
 fn mean(color: &[[f32; 3]]) -> f64 {
     color.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / color.len() as f64
 }
 
 /// With 64 rays a pixel and no gathering, the error against the screen reference falls below 0.16 of that of one ray,
-/// and the mean is right within 0.5 %.
+/// and the mean is right within 0.5 %. Rays drawn with a wrong density would converge to another image.
 #[test]
 fn many_rays_by_themselves_come_to_the_screen_reference() {
     for (view, roughness) in [("corridor", 0.1), ("window", 0.4)] {
@@ -91,7 +90,8 @@ fn many_rays_by_themselves_come_to_the_screen_reference() {
     }
 }
 
-/// Gathering nine rays lowers the error of one ray below three quarters and keeps the mean within 5 %.
+/// Gathering nine rays lowers the error of one ray below three quarters and keeps the mean within 5 %. Weights that do
+/// not follow the pixel's own lobe would change the mean.
 #[test]
 fn what_pixels_gather_keeps_the_mean_and_lowers_the_error() {
     for (view, roughness) in [("corridor", 0.1), ("window", 0.4)] {
@@ -99,9 +99,9 @@ fn what_pixels_gather_keeps_the_mean_and_lowers_the_error() {
         let (truth, mask) = (truth(&data, 256), mask(&data));
         let gathered = |n| colors(&made(&data, "stochastic", &setup(|p| p.stochastic_gathered = n)));
         let [alone, nine] = [1, 9].map(gathered);
-        let [of_alone, of_nine] = [&alone, &nine].map(|image| masked_rmse(&truth, image, &mask));
-        println!("{view}: alone {of_alone:.4}, of nine {of_nine:.4}");
-        assert!(of_nine < 0.75 * of_alone, "{view}: {of_nine} against {of_alone}");
+        let [error_alone, error_of_nine] = [&alone, &nine].map(|image| masked_rmse(&truth, image, &mask));
+        println!("{view}: alone {error_alone:.4}, of nine {error_of_nine:.4}");
+        assert!(error_of_nine < 0.75 * error_alone, "{view}: {error_of_nine} against {error_alone}");
         let bias = mean(&nine) / mean(&truth) - 1.0;
         // Gathering divides two sums, which is biased where the rays around a pixel see other things than the pixel's
         // own ray.
@@ -110,7 +110,7 @@ fn what_pixels_gather_keeps_the_mean_and_lowers_the_error() {
 }
 
 /// For mirrors, the hits are those of `unified`, to the bit, or with the thesis's walk those of `ssct` in 98 % of the
-/// pixels.
+/// pixels. The rays of a mirror have one direction, so that only a wrong walk could change the hits.
 #[test]
 fn mirrors_are_those_of_the_walk_that_is_chosen() {
     let gpu = gpu();
@@ -126,23 +126,24 @@ fn mirrors_are_those_of_the_walk_that_is_chosen() {
         (hits, gbuffer::reflection(&mut stage.context, &output).unwrap())
     };
     let exact = setup(|p| p.stochastic_rays = 3);
-    let ((own, color), (unified, same)) = (hits("stochastic", &exact), hits("unified", &exact));
+    let ((own, color), (unified, unified_color)) = (hits("stochastic", &exact), hits("unified", &exact));
     assert_eq!(own.values, unified.values);
-    // Both methods read the colour of the hit between four texels.
-    let far = color.values.iter().zip(&same.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    assert!(far < 2e-3, "{far}");
+    // Both methods interpolate the colour of the hit between four texels.
+    let greatest = color.values.iter().zip(&unified_color.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(greatest < 2e-3, "{greatest}");
 
     let thesis = setup(|p| p.stochastic_walk = StochasticWalk::Thesis);
     let ((own, _), (ssct, _)) = (hits("stochastic", &thesis), hits("ssct", &thesis));
     let all: Vec<_> = own.texels().zip(ssct.texels()).filter(|(_, s)| s[3] > 0.0).collect();
     let near = |a: &[f32], b: &[f32]| a[3] == b[3] && (0..2).all(|i| (a[i] - b[i]).abs() < 1e-3);
     let same = all.iter().filter(|(a, b)| near(a, b)).count();
-    // The mirror direction is rounded otherwise, which now and then sends a ray another way.
+    // The two methods round the mirror direction differently, which now and then sends a ray another way.
     assert!(all.len() > 1000 && same as f64 > 0.98 * all.len() as f64, "{same} of {}", all.len());
     gpu.check_validation().unwrap();
 }
 
-/// Two frames without a history are equal to the bit: rays do not change from frame to frame.
+/// Two frames without a history are equal to the bit. Rays that changed from frame to frame would flicker where nothing
+/// averages them.
 #[test]
 fn frames_without_a_history_are_equal() {
     let data = rooms("corridor", 0.3);
@@ -150,8 +151,9 @@ fn frames_without_a_history_are_equal() {
     assert_eq!(first.values, second.values);
 }
 
-/// A history of 16 frames lowers the error of one ray below 0.45. Around `ssct`, whose image does not change, it
-/// changes less than 0.001.
+/// A history of 16 frames lowers the error of one ray below 0.45 of itself. The image of `ssct` does not change from
+/// frame to frame, and a history changes it by less than 0.001. A history whose weights did not sum to 1 would change
+/// it.
 #[test]
 fn at_rest_a_history_lowers_the_error_of_rays_and_leaves_what_does_not_change() {
     let data = rooms("corridor", 0.3);
@@ -164,12 +166,13 @@ fn at_rest_a_history_lowers_the_error_of_rays_and_leaves_what_does_not_change() 
 
     let plain = setup(|_| {});
     let [without, with] = [&plain, &with_history(&plain, 4)].map(|setup| colors(&made(&data, "ssct", setup)));
-    let far = masked_rmse(&without, &with, &mask);
-    // The history averages one image with itself, and rounds it to 16 bits once more.
-    assert!(far < 1e-3, "{far}");
+    let difference = masked_rmse(&without, &with, &mask);
+    // The history averages equal images, and rounds the result to 16-bit floats once more.
+    assert!(difference < 1e-3, "{difference}");
 }
 
-/// Draws a scene with a method by one camera after the other. Returns the last reflection and the passes of its frame.
+/// Draws a scene with a method, one frame for each camera in order. Returns the last reflection and the passes of its
+/// frame.
 fn frames(scene: &Scene, method: &str, setup: &Setup, cameras: &[Camera]) -> (Pixels, Vec<String>) {
     let gpu = gpu();
     let mut stage = Stage::new(&gpu, scene).unwrap();
@@ -186,7 +189,8 @@ fn frames(scene: &Scene, method: &str, setup: &Setup, cameras: &[Camera]) -> (Pi
     last.unwrap()
 }
 
-/// The camera turns round at once: the next frame with a history is the frame without one, within 0.001.
+/// When the camera turns round at once, the next frame with a history equals the frame without one, within 0.001. A
+/// history that trusts the old pixels would show the earlier view.
 #[test]
 fn after_a_cut_nothing_of_the_earlier_frames_is_left() {
     let scene = crate::common::built_in("rooms");
@@ -205,13 +209,15 @@ fn after_a_cut_nothing_of_the_earlier_frames_is_left() {
     assert!(after_cut < 1e-3 && at_rest < 1e-3, "{after_cut}, {at_rest}");
 }
 
-/// The camera moves aside by 1 cm a frame: a history lowers the error of one ray below 0.6.
+/// While the camera moves aside by 1 cm a frame, a history lowers the error of one ray below 0.6 of itself. A history
+/// that reads the old pixels in the wrong place would blur the image.
 #[test]
 fn a_history_follows_what_a_moving_camera_sees() {
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").unwrap();
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
-    let aside = |m: f32| View { eye: view.eye + right * m, look_at: view.look_at + right * m, ..view.clone() };
+    let aside =
+        |metres: f32| View { eye: view.eye + right * metres, look_at: view.look_at + right * metres, ..view.clone() };
     let cameras: Vec<_> = (0..12).map(|n| aside(0.01 * n as f32).camera(&scene, EXTENT)).collect();
     let plain = setup(|p| p.stochastic_gathered = 1);
     let error = |setup: &Setup, reference: &[[f32; 3]]| {
@@ -227,7 +233,8 @@ fn a_history_follows_what_a_moving_camera_sees() {
     assert!(averaged < 0.6 * alone, "{averaged} against {alone}");
 }
 
-/// With a history, a frame has one pass more, and without one it has no such pass, for four methods.
+/// For four methods, a frame with a history has one history pass, and a frame without one has none. A pass that ran
+/// anyway would cost time.
 #[test]
 fn a_history_is_a_pass_and_its_absence_is_none() {
     let scene = clutter();
@@ -241,8 +248,9 @@ fn a_history_is_a_pass_and_its_absence_is_none() {
     }
 }
 
-/// Over the environment, a history of 16 frames lowers the error of one ray below 0.45 and, with wide bounds, keeps the
-/// mean within 2 %.
+/// Over the environment, a history of 16 frames lowers the error of one ray below 0.45 of itself. With wide bounds, it
+/// keeps the mean of nine gathered rays within 2 %. The history must average the colour with its fade, since rays that
+/// miss leave the fallback visible.
 #[test]
 fn over_a_fallback_a_history_averages_what_is_there() {
     let scene = crate::common::built_in("rooms");
@@ -251,7 +259,7 @@ fn over_a_fallback_a_history_averages_what_is_there() {
         setup(|p| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1))
             .with(|p: &mut EffectParams| p.fallback = Fallback::Environment)
     };
-    let image = |setup: &Setup, count| colors(&frames(&scene, "stochastic", setup, &vec![camera; count]).0);
+    let image = |setup: &Setup, frame_count| colors(&frames(&scene, "stochastic", setup, &vec![camera; frame_count]).0);
     let (many, one, averaged) = (image(&over(64), 1), image(&over(1), 1), image(&with_history(&over(1), 16), 16));
     let all = vec![true; many.len()];
     let [alone, averaged_error] = [&one, &averaged].map(|image| masked_rmse(&many, image, &all));

@@ -1,4 +1,5 @@
-//! Rays that are reflected at other normals than those of shading, and bumps applied after the tracing (thesis §4.4).
+//! Tests rays that are reflected at other normals than those of shading, and bumps that are applied after the tracing
+//! (thesis §4.4).
 
 use crate::common::{Shown, clutter, clutter_camera, gpu, show};
 use glam::Vec3;
@@ -8,20 +9,22 @@ use ssct::methods::{EffectParams, METHODS, Setup, Wants, find};
 use ssct::passes::trace_normals::TraceNormals;
 use ssct_lab::stage::{Globals, Shot, Stage};
 
-/// A setup with a choice of normals for tracing and a strength of bumps.
+/// Returns a setup with a choice of normals for tracing and a strength of bumps.
 fn setup(extent: [u32; 2], normals: TraceNormals, bump: f32) -> Setup {
     Setup::new(extent).with(|p: &mut EffectParams| (p.trace_normals, p.bump_after) = (normals, bump))
 }
 
-/// The share of reflecting pixels whose colours differ by more than a step of 8 bits.
+/// Returns the share of reflecting pixels in which a channel of `a` and `b` differs by more than a step of 8 bits. The
+/// first channel of `material` is the reflectivity.
 fn differ(a: &Pixels, b: &Pixels, material: &Pixels) -> f64 {
-    let pairs = a.texels().zip(b.texels()).zip(material.texels()).filter(|(_, m)| m[0] > 1e-4);
-    let all: Vec<bool> = pairs.map(|((a, b), _)| (0..3).any(|c| (a[c] - b[c]).abs() > 1.0 / 255.0)).collect();
-    all.iter().filter(|d| **d).count() as f64 / all.len() as f64
+    let pairs = a.texels().zip(b.texels()).zip(material.texels()).filter(|(_, material)| material[0] > 1e-4);
+    let differing: Vec<bool> = pairs.map(|((a, b), _)| (0..3).any(|c| (a[c] - b[c]).abs() > 1.0 / 255.0)).collect();
+    differing.iter().filter(|differs| **differs).count() as f64 / differing.len() as f64
 }
 
-/// Without normal maps, geometric normals change less than a fifth of the pixels, at edges; bumps displace hardly any
-/// more. Upward normals for all surfaces change over a fifth more.
+/// Without normal maps, geometric normals change less than a fifth of the pixels, all of them at edges, and bumps
+/// displace hardly any more. Upward normals for all surfaces change over a fifth more. Geometric normals are found from
+/// depth, which could turn them.
 #[test]
 fn without_normal_maps_the_geometry_is_what_shades() {
     let gpu = gpu();
@@ -48,8 +51,10 @@ fn without_normal_maps_the_geometry_is_what_shades() {
     assert!(bumped < geometric + 0.1, "{bumped}");
 }
 
-/// The share of displaced pixels that show the reflection of the pixel to which the bump displaces them. With y = 1,
-/// bumps displace downwards in the image, and with y = −1 upwards.
+/// Returns the share of displaced pixels that show the reflection of the pixel to which the bump displaces them.
+///
+/// `flat` is the frame without bumps after the tracing, `bumped` the frame with them, and `geometric` the image of
+/// geometric normals. With `y` = 1, bumps displace downwards in the image, and with `y` = −1 upwards.
 fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y: f32) -> f64 {
     let (reflection, material, shading) = (flat.get("reflection"), flat.get("material"), flat.get("normal"));
     let [width, height] = [reflection.width, reflection.height];
@@ -61,10 +66,10 @@ fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y:
         }
         let traced = normal(geometric, x0, y0);
         let shift = (normal(shading, x0, y0) - traced) * strength * height as f32;
-        let to = |coordinate: u32, by: f32, end: u32| {
-            ((coordinate as f32 + 0.5 + by).floor().clamp(0.0, end as f32 - 1.0)) as u32
+        let displaced_coordinate = |coordinate: u32, shift_px: f32, side: u32| {
+            ((coordinate as f32 + 0.5 + shift_px).floor().clamp(0.0, side as f32 - 1.0)) as u32
         };
-        let (x, y) = (to(x0, shift.x, width), to(y0, -shift.y * y, height));
+        let (x, y) = (displaced_coordinate(x0, shift.x, width), displaced_coordinate(y0, -shift.y * y, height));
         if (x, y) != (x0, y0) && material.texel(x, y)[0] > 1e-4 && normal(geometric, x, y).dot(traced) > 0.9 {
             moved += 1;
             right += usize::from(bumped.get("reflection").texel(x0, y0) == reflection.texel(x, y));
@@ -74,7 +79,8 @@ fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y:
     f64::from(right as u32) / f64::from(moved)
 }
 
-/// With two methods, over 90 % of the displaced pixels show the right pixel; upside down, clearly fewer would be right.
+/// With two methods, over 90 % of the displaced pixels show the right pixel. With the sign of y turned round, clearly
+/// fewer would be right, so that the check notices a wrong sign.
 #[test]
 fn bumps_after_the_tracing_displace_reflections_by_what_normal_maps_bend() {
     let gpu = gpu();
@@ -99,17 +105,18 @@ fn bumps_after_the_tracing_displace_reflections_by_what_normal_maps_bend() {
 }
 
 /// Methods that are not screen-space refuse other normals, and bumps are refused without other normals for tracing.
+/// Both settings would otherwise be ignored without a word.
 #[test]
 fn what_cannot_have_other_normals_says_so() {
     let gpu = gpu();
     let scene = clutter();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let view = clutter_camera([16, 16]);
-    let mut refuse = |method: &str, setup: &Setup, why: &str| {
+    let mut refuse = |method: &str, setup: &Setup, reason: &str| {
         let made =
             Shot::new(&mut stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone());
-        let Err(Error::Usage(said)) = made else { panic!("{method} took it") };
-        assert!(said.contains(why), "{said}");
+        let Err(Error::Usage(message)) = made else { panic!("{method} took it") };
+        assert!(message.contains(reason), "{message}");
     };
     for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
         refuse(method.name, &setup([16, 16], TraceNormals::Up, 0.0), "are for screen-space methods");

@@ -1,5 +1,5 @@
-//! Rays that are followed among the triangles of a scene (docs/definitions.md, "Triangles"): the device against the
-//! hierarchy in 64-bit floats, both ways of reading buffers, and no passes without need.
+//! Tests rays that are followed among the triangles of a scene (docs/definitions.md, "Triangles"): the device against
+//! the hierarchy in 64-bit floats, both ways of reading buffers, and no passes without need.
 
 use crate::common::{Builder, camera, check_validation, gpu, show};
 use glam::Vec3;
@@ -20,13 +20,13 @@ use ssct_truth::reference::surface::World;
 /// Size of the images in pixels.
 pub(crate) const EXTENT: [u32; 2] = [160, 90];
 
-/// The materials of a view as mirrors with flat normals.
+/// Returns the materials of a view as mirrors with flat normals.
 pub(crate) fn mirrors(scene: &Scene, view: &str) -> Vec<Material> {
     let view = scene.view(view).unwrap();
     Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() }.materials(scene, view)
 }
 
-/// The results of a method: the G-buffer, the hits, the reflection and the names of the passes.
+/// The results of a method: the G-buffer, the hits, the reflection and the names of the recorded passes.
 pub(crate) struct Drawn {
     pub(crate) data: GBufferData,
     hits: Pixels,
@@ -34,8 +34,8 @@ pub(crate) struct Drawn {
     recorded: Vec<String>,
 }
 
-/// Draws a view with a method. The buffers of triangles are read as blocks of storage if `by_blocks` is true, and else
-/// as texels.
+/// Draws a view of a scene by its name, with a method in a setup. The buffers of triangles are read as blocks of
+/// storage if `by_blocks` is true, and else as texels.
 pub(crate) fn draw(
     gpu: &Gpu,
     (scene, view): (&Scene, &str),
@@ -53,23 +53,25 @@ pub(crate) fn draw(
     Drawn { data: gbuffer::read(&mut stage.context, &shot).unwrap(), hits, reflection, recorded: report.recorded }
 }
 
-/// The method `traced`.
+/// Returns the method `traced`.
 pub(crate) fn traced() -> &'static MethodInfo {
     methods::find("traced").unwrap()
 }
 
-/// A setup whose rays go on among triangles, and that is traced first on the screen or among triangles.
+/// Returns a setup whose rays go on among triangles. `first` says whether a ray is traced on the screen or among
+/// triangles first.
 pub(crate) fn beyond(first: FirstTraced) -> Setup {
     Setup::new(EXTENT)
         .with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles)
         .with(|p: &mut UnifiedParams| p.first = first)
 }
 
-/// The number of rays that end at a triangle or in the sky, and the number of those that end elsewhere than the world
-/// says. A place may be off by 2 cm and 0.5 % of the distance.
+/// Compares the mirror rays of a frame with the world reference. Returns the number of rays that end at a triangle or
+/// in the sky, and the number of those that the world ends elsewhere. A hit may be off by 2 cm and 0.5 % of the ray's
+/// length.
 pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]) -> (usize, usize) {
     let world = World::new(scene, materials);
-    let rays = RaySetup::new(&drawn.data);
+    let ray_setup = RaySetup::new(&drawn.data);
     let data = &drawn.data;
     let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
     let shown = FirstHits::shown(&world, data);
@@ -78,7 +80,7 @@ pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]
     for (i, found) in drawn.hits.texels().enumerate() {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
         assert!(found.iter().all(|v| v.is_finite()), "({x}, {y}): {found:?}");
-        let (Some(receiver), Some(direction)) = (&shown.receivers[i], rays.mirror(x, y)) else { continue };
+        let (Some(receiver), Some(direction)) = (&shown.receivers[i], ray_setup.mirror(x, y)) else { continue };
         let code = PathCode::from_channel(found[3]);
         if !matches!(code, Some(PathCode::Triangle | PathCode::Sky)) {
             continue;
@@ -86,20 +88,21 @@ pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]
         rays_seen += 1;
         let direction = view_to_world.transform_vector3(direction).normalize();
         let ray = WorldRay { origin: receiver.position, direction, t_min: 1e-3, t_max: f64::INFINITY };
-        let right = match (world.closest(&ray), code) {
+        let is_right = match (world.closest(&ray), code) {
             (None, code) => code == Some(PathCode::Sky),
             (Some(hit), Some(PathCode::Triangle)) => {
-                let place = (eye + Vec3::from_slice(found)).as_dvec3();
-                place.distance(ray.point_at(hit.t)) <= 0.02 + 0.005 * hit.t
+                let hit_position = (eye + Vec3::from_slice(found)).as_dvec3();
+                hit_position.distance(ray.point_at(hit.t)) <= 0.02 + 0.005 * hit.t
             }
             _ => false,
         };
-        wrong += usize::from(!right);
+        wrong += usize::from(!is_right);
     }
     (rays_seen, wrong)
 }
 
-/// In four views, at most one mirror ray of `traced` in 200 ends elsewhere than the 64-bit hierarchy says.
+/// In four views, at most one mirror ray of `traced` in 200 ends elsewhere than the 64-bit hierarchy says. A device
+/// that walks its tree wrongly misses whole triangles.
 #[test]
 fn traced_rays_end_where_the_world_says() {
     let gpu = gpu();
@@ -117,27 +120,29 @@ fn traced_rays_end_where_the_world_says() {
 }
 
 /// With the screen first, at most one ray in 50 ends elsewhere than the world says. With triangles first, the passes of
-/// the screen are left out, and `unified` equals `traced`.
+/// the screen are left out, and `unified` equals `traced`. A ray that is handed over at a wrong place would miss
+/// triangles.
 #[test]
 fn the_screen_and_the_triangles_agree() {
     let gpu = gpu();
     let scene = crate::common::built_in("rooms");
     let materials = mirrors(&scene, "corridor");
-    let drawing =
+    let draw_traced_first =
         |first| draw(&gpu, (&scene, "corridor"), materials.clone(), (&methods::unified::INFO, &beyond(first)), false);
-    let (screen, triangles) = (drawing(FirstTraced::Screen), drawing(FirstTraced::Triangles));
+    let (screen, triangles) = (draw_traced_first(FirstTraced::Screen), draw_traced_first(FirstTraced::Triangles));
     let (rays, wrong) = against_world(&screen, &scene, &materials);
     assert!(rays > 1000 && wrong * 50 <= rays, "{wrong} of {rays} end elsewhere");
     let has = |drawn: &Drawn, pass: &str| drawn.recorded.iter().any(|p| p.starts_with(pass));
     assert!(has(&screen, "pyramid") && has(&screen, "triangles/mirrors"), "{:?}", screen.recorded);
     assert!(!has(&triangles, "pyramid") && !has(&triangles, "color"), "{:?}", triangles.recorded);
-    // Without a walk over the screen, unified is the method traced.
+    // Without a walk over the screen, `unified` makes the image of `traced`.
     let plain = draw(&gpu, (&scene, "corridor"), materials.clone(), (traced(), &Setup::new(EXTENT)), false);
     assert_eq!(plain.reflection.values, triangles.reflection.values);
     check_validation(&gpu).unwrap();
 }
 
-/// Buffers of triangles that are read as blocks or as texels give one image, to the bit, at three roughnesses.
+/// Buffers of triangles that are read as blocks or as texels give one image, to the bit, at three roughnesses. The two
+/// ways are different programs, chosen by the limits of the device.
 #[test]
 fn blocks_and_texels_give_the_same_image() {
     let gpu = gpu();
@@ -146,9 +151,9 @@ fn blocks_and_texels_give_the_same_image() {
         let view = scene.view("car").unwrap();
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
         let setup = beyond(FirstTraced::Screen);
-        let drawing =
+        let draw_reading =
             |by_blocks| draw(&gpu, (&scene, "car"), materials.clone(), (&methods::unified::INFO, &setup), by_blocks);
-        let (texels, blocks) = (drawing(false), drawing(true));
+        let (texels, blocks) = (draw_reading(false), draw_reading(true));
         assert_eq!(texels.reflection.values, blocks.reflection.values, "roughness {roughness}");
         assert!(texels.reflection.values.iter().all(|v| v.is_finite() && *v >= 0.0));
         assert!(texels.reflection.texels().any(|t| t[0] > 0.1), "black at roughness {roughness}");
@@ -156,7 +161,8 @@ fn blocks_and_texels_give_the_same_image() {
     check_validation(&gpu).unwrap();
 }
 
-/// At reflectivity 0, a frame of `traced` has the scene passes alone.
+/// At reflectivity 0, a frame of `traced` has only the passes that draw the scene. Tracing for no pixel would still
+/// cost time.
 #[test]
 fn without_reflectors_no_triangle_is_asked() {
     let gpu = gpu();
@@ -171,89 +177,104 @@ fn without_reflectors_no_triangle_is_asked() {
     assert!(report.recorded.iter().all(|p| scene_passes.contains(&p.as_str())), "{:?}", report.recorded);
 }
 
-/// Without the scene, `traced` and `unified` among triangles are refused with a sentence.
+/// With a G-buffer but no scene, `traced` and `unified` among triangles are refused with a sentence. They would have no
+/// triangles to read.
 #[test]
 fn a_g_buffer_alone_has_no_triangles() {
     let gpu = gpu();
     let mut context = ssct::gpu::FrameContext::new(&gpu).unwrap();
-    let none: Option<&SceneInput> = None;
+    let no_scene: Option<&SceneInput> = None;
     for (method, setup) in [(traced(), Setup::new(EXTENT)), (&methods::unified::INFO, beyond(FirstTraced::Auto))] {
-        let made = methods::Effect::new(&mut context, method, &setup, Wants::IMAGE, none);
-        let said = made.err().expect("refused").to_string();
-        assert!(said.contains(method.name) && said.contains("G-buffer alone"), "{said}");
+        let made = methods::Effect::new(&mut context, method, &setup, Wants::IMAGE, no_scene);
+        let message = made.err().expect("refused").to_string();
+        assert!(message.contains(method.name) && message.contains("G-buffer alone"), "{message}");
     }
 }
 
-/// The tree of each built-in scene has more levels than one that divides its triangles by halves: it was built by their
-/// neighbourhood.
+/// The tree of each built-in scene has more levels than a tree that divides the list of triangles by halves. So it was
+/// built by their neighbourhood, and not by the fallback, whose boxes overlap and are slow.
 #[test]
 fn no_built_in_scene_has_a_tree_by_halves() {
     for name in ssct_scenes::library::every_name() {
         let scene = crate::common::built_in(name);
         let tree = Tree::build(&scene).unwrap();
-        // A tree that divides by halves is nearly full, and a tree that joins neighbours has more levels.
-        let full = scene.triangle_count().next_power_of_two().ilog2().div_ceil(3);
-        println!("{name}: {} levels, {full} in a full tree", tree.levels);
+        // A node has up to eight children, three halvings in one. A tree by halves is nearly full, and a tree that
+        // joins neighbours has more levels.
+        let full_levels = scene.triangle_count().next_power_of_two().ilog2().div_ceil(3);
+        println!("{name}: {} levels, {full_levels} in a full tree", tree.levels);
         assert!(
-            tree.levels > full + 1 || tree.slots.len() < 100,
+            tree.levels > full_levels + 1 || tree.slots.len() < 100,
             "{name}: a tree of {} levels is one by halves",
             tree.levels
         );
     }
 }
 
-/// Two walls stand in one place, of which the first is all hole: 99 % of the rays show the second, and none the first.
+/// Two walls stand in one place, and the first is all hole: 99 % of the rays show the second, and none the first. A ray
+/// that goes on from a hole beyond its distance would miss the second wall.
 #[test]
 fn behind_a_surface_that_lets_a_ray_pass_the_one_in_the_same_place_stops_it() {
     let gpu = gpu();
-    let mut b = Builder::new("two walls in one place");
-    b.light(Vec3::Z);
-    let [passed, stops] = [Vec3::X, Vec3::Y].map(|albedo| b.matt(albedo));
+    let mut builder = Builder::new("two walls in one place");
+    builder.light(Vec3::Z);
+    let [passed, stops] = [Vec3::X, Vec3::Y].map(|albedo| builder.matt(albedo));
     // Both walls have masks, which are read at each hit: the first is a hole everywhere, and the second has none.
     for (material, mask) in [(passed, 0), (stops, 255)] {
-        b.picture(1, 1, |_, _| [mask; 3]);
-        b.0.materials[material].alpha_mask = Some(b.0.textures.len() - 1);
-        b.quad(material, Vec3::new(-30.0, 0.0, 6.0), Vec3::X * 60.0, Vec3::Y * 30.0, -Vec3::Z);
+        builder.picture(1, 1, |_, _| [mask; 3]);
+        builder.0.materials[material].alpha_mask = Some(builder.0.textures.len() - 1);
+        builder.quad(material, Vec3::new(-30.0, 0.0, 6.0), Vec3::X * 60.0, Vec3::Y * 30.0, -Vec3::Z);
     }
-    let mirror = b.mirror();
-    b.quad(mirror, Vec3::new(-8.0, 0.0, 0.0), Vec3::X * 16.0, Vec3::Z * 5.9, Vec3::Y);
+    let mirror = builder.mirror();
+    builder.quad(mirror, Vec3::new(-8.0, 0.0, 0.0), Vec3::X * 16.0, Vec3::Z * 5.9, Vec3::Y);
     let seen_from = camera(Vec3::new(0.0, 1.2, 0.0), Vec3::new(0.0, 0.6, 4.0), EXTENT);
-    let shown = show(&gpu, &b.0, seen_from, "traced", &Setup::new(EXTENT), &Globals::default());
+    let shown = show(&gpu, &builder.0, seen_from, "traced", &Setup::new(EXTENT), &Globals::default());
     let (reflection, material) = (shown.get("reflection"), shown.get("material"));
     let floor = reflection.texels().zip(material.texels()).filter(|(_, material)| material[0] > 0.5);
-    let (found, of_first): (Vec<_>, Vec<_>) = floor.map(|(color, _)| (color[1] > 0.1, color[0] > 0.1)).unzip();
-    let count = |all: &[bool]| all.iter().filter(|is| **is).count();
-    assert!(found.len() > 3000 && count(&of_first) == 0, "{} rays see what they pass", count(&of_first));
-    assert!(count(&found) * 100 > 99 * found.len(), "{} of {} rays are stopped", count(&found), found.len());
+    let (shows_second, shows_first): (Vec<_>, Vec<_>) =
+        floor.map(|(color, _)| (color[1] > 0.1, color[0] > 0.1)).unzip();
+    let count_true = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
+    assert!(
+        shows_second.len() > 3000 && count_true(&shows_first) == 0,
+        "{} rays see what they pass",
+        count_true(&shows_first)
+    );
+    assert!(
+        count_true(&shows_second) * 100 > 99 * shows_second.len(),
+        "{} of {} rays are stopped",
+        count_true(&shows_second),
+        shows_second.len()
+    );
 }
 
-/// A G-buffer that was read back does not know its triangles: fewer than one pixel in 100 shows another step of stairs
-/// over a mirror than the traced rays.
+/// A G-buffer that was read back does not know its triangles. Fewer than one pixel in 100 shows another step of stairs
+/// over a mirror than the traced rays. A screen hit without a triangle could take any triangle nearby for its own.
 #[test]
 fn a_hit_on_a_pixel_of_unknown_triangle_is_not_confirmed_by_another_triangle() {
     let gpu = gpu();
     // The stairs are tried in two directions, so that either time another triangle is the first of the tree.
-    for (along, turned) in [(Vec3::Z, 1.0), (-Vec3::Z, -1.0)] {
-        let mut b = Builder::new("stairs over a mirror");
-        b.light(along);
-        let mirror = b.mirror();
-        b.quad(mirror, Vec3::new(-8.0, 0.0, 0.0), Vec3::X * 16.0, along * 7.0, Vec3::Y);
+    for (along, side) in [(Vec3::Z, 1.0), (-Vec3::Z, -1.0)] {
+        let mut builder = Builder::new("stairs over a mirror");
+        builder.light(along);
+        let mirror = builder.mirror();
+        builder.quad(mirror, Vec3::new(-8.0, 0.0, 0.0), Vec3::X * 16.0, along * 7.0, Vec3::Y);
         for step in 0..6 {
             let albedo = Vec3::new((step % 2) as f32, (step / 2 % 2) as f32, 1.0);
-            let (material, up) = (b.matt(albedo), 0.5 + 0.5 * step as f32);
-            let corner = Vec3::new(-8.0, 0.0, 0.0) + along * (3.5 + up);
-            b.quad(material, corner, Vec3::X * 16.0, Vec3::Y * up, -along);
+            let (material, height) = (builder.matt(albedo), 0.5 + 0.5 * step as f32);
+            let corner = Vec3::new(-8.0, 0.0, 0.0) + along * (3.5 + height);
+            builder.quad(material, corner, Vec3::X * 16.0, Vec3::Y * height, -along);
         }
-        let seen_from = camera(Vec3::Y * 1.2, Vec3::new(0.0, 0.8, 4.0 * turned), EXTENT);
-        let mut stage = Stage::new(&gpu, &b.0).unwrap();
+        let seen_from = camera(Vec3::Y * 1.2, Vec3::new(0.0, 0.8, 4.0 * side), EXTENT);
+        let mut stage = Stage::new(&gpu, &builder.0).unwrap();
         let setup = Setup::new(EXTENT);
-        let shot = Shot::new(&mut stage, traced(), &setup, Wants::IMAGE, seen_from, b.0.materials.clone()).unwrap();
+        let shot =
+            Shot::new(&mut stage, traced(), &setup, Wants::IMAGE, seen_from, builder.0.materials.clone()).unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
         // The G-buffer that is read back has no numbers of triangles.
         let data = gbuffer::read(&mut stage.context, &shot).unwrap();
-        let made = |method, setup| gbuffer::reflect_in(&gpu, &b.0, &data, method, setup).unwrap().reflection;
-        let (screen, world) = (made(&methods::unified::INFO, &beyond(FirstTraced::Screen)), made(traced(), &setup));
-        let differ = |(a, b): (&[f32], &[f32])| (0..3).any(|c| (a[c] - b[c]).abs() > 0.05);
+        let reflect = |method, setup| gbuffer::reflect_in(&gpu, &builder.0, &data, method, setup).unwrap().reflection;
+        let (screen, world) =
+            (reflect(&methods::unified::INFO, &beyond(FirstTraced::Screen)), reflect(traced(), &setup));
+        let differ = |(first, second): (&[f32], &[f32])| (0..3).any(|c| (first[c] - second[c]).abs() > 0.05);
         let pixels: Vec<_> = screen.texels().zip(world.texels()).filter(|(_, world)| world[2] > 0.1).collect();
         let wrong = pixels.iter().filter(|pair| differ(**pair)).count();
         println!("{wrong} of {} pixels show another step", pixels.len());

@@ -1,5 +1,5 @@
-//! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`, `--history-stage`) makes the same
-//! images, to the bit and in passes of the same names.
+//! Tests that `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`, `--history-stage`)
+//! makes the same images, to the bit and in passes of the same names.
 
 use crate::common::engine::{Engine, ForeignGBuffer, NATIVE, bits, info, view_of_rooms};
 use crate::common::{check_validation, gpu, is_gpu_assisted};
@@ -26,37 +26,38 @@ const STAGES: [[StageChoice; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fr
 /// The images of a frame, as bits by their names, and the passes that the frame recorded.
 type Made = (Vec<(&'static str, Vec<u32>)>, Vec<String>);
 
-/// The setup with the kinds of shader for tracing and for gathering; a history has that of gathering.
+/// Returns the setup with the kinds of shader for tracing and for gathering. A history has the kind of gathering.
 fn in_stages(setup: &Setup, stages: [StageChoice; 2]) -> Setup {
     let setup = setup.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
     setup.with(|p: &mut EffectParams| p.history_stage = stages[1])
 }
 
-/// Holds the images and the passes of each pair of stages against those of fragment shaders.
-fn check_same(what: &str, mut make: impl FnMut([StageChoice; 2]) -> Made) {
+/// Checks that the images and the passes of each pair of stages equal those of fragment shaders.
+fn check_same(case: &str, mut make: impl FnMut([StageChoice; 2]) -> Made) {
     let (expected, passes) = make(STAGES[0]);
     // Compiling an instrumented shader takes half a minute.
     let tried = if is_gpu_assisted() { &STAGES[1..2] } else { &STAGES[1..] };
     for stages in tried {
         let (found, recorded) = make(*stages);
-        assert_eq!(found.len(), expected.len(), "{what}, {stages:?}");
+        assert_eq!(found.len(), expected.len(), "{case}, {stages:?}");
         for ((name, found), (_, expected)) in found.iter().zip(&expected) {
-            let differ: Vec<_> = found.iter().zip(expected).enumerate().filter(|(_, (a, b))| a != b).collect();
-            let first = differ.first().map(|(i, (a, b))| (i, f32::from_bits(**a), f32::from_bits(**b)));
+            let differing: Vec<_> = found.iter().zip(expected).enumerate().filter(|(_, (a, b))| a != b).collect();
+            let first = differing.first().map(|(i, (a, b))| (i, f32::from_bits(**a), f32::from_bits(**b)));
             assert!(
-                found.len() == expected.len() && differ.is_empty(),
-                "{what}, {stages:?}, {name}: {} numbers differ, the first: {first:?}",
-                differ.len()
+                found.len() == expected.len() && differing.is_empty(),
+                "{case}, {stages:?}, {name}: {} numbers differ, the first: {first:?}",
+                differing.len()
             );
         }
         // A compute program has no attachment that is cleared along with it: a pass of its own clears the hits.
         let is_clear = |pass: &&String| **pass == "hits" || pass.ends_with("/hits");
-        let others = |passes: &[String]| passes.iter().filter(|p| !is_clear(p)).cloned().collect::<Vec<_>>();
-        assert_eq!(others(&recorded), others(&passes), "{what}, {stages:?}");
+        let without_clears = |passes: &[String]| passes.iter().filter(|p| !is_clear(p)).cloned().collect::<Vec<_>>();
+        assert_eq!(without_clears(&recorded), without_clears(&passes), "{case}, {stages:?}");
     }
 }
 
-/// The images that a frame of the method alone makes of a G-buffer.
+/// Returns the images that a frame of the method alone makes of a G-buffer, and its passes. `reflectors` says which
+/// kinds of reflector the frame may have.
 fn alone(
     gpu: &Gpu,
     images: &GBufferImages,
@@ -80,7 +81,7 @@ fn alone(
     (images.into_iter().filter_map(read).collect(), report.recorded)
 }
 
-/// Sizes of images: with sides of one texel, with odd sides, and with more tiles than a row of workgroups has.
+/// Returns sizes of images: with sides of one texel, with odd sides, and with more tiles than a row of workgroups has.
 fn sizes() -> Vec<[u32; 2]> {
     let all = [[1, 1], [1, 37], [53, 1], [2, 2], [5, 3], [16, 16], [66, 65], [161, 97], [641, 359]];
     all.into_iter().filter(|size| !is_gpu_assisted() || [[5, 3], [66, 65]].contains(size)).collect()
@@ -93,7 +94,8 @@ const WAYS: [(Wants, OracleVersion, Fallback); 3] = [
     (Wants::IMAGE, V1, Fallback::None),
 ];
 
-/// Noise and views at nine sizes, of one roughness and mixed: all pairs of kinds of shader make equal images.
+/// Over noise and views at nine sizes, of one roughness and mixed, all pairs of kinds of shader make equal images.
+/// Workgroups cover tiles and borders otherwise than drawn squares do.
 #[test]
 fn over_any_gbuffer_both_stages_make_the_same_images() {
     let gpu = gpu();
@@ -133,7 +135,8 @@ fn over_any_gbuffer_both_stages_make_the_same_images() {
     assert!(shown.iter().all(|n| *n > 20 || is_gpu_assisted()), "{shown:?} images show something");
 }
 
-/// The images of the last of some frames of the whole effect.
+/// Draws a number of frames of the whole effect in a view by its name. Returns the images and passes of the last frame.
+/// `roughness` is that of all materials, or `None` for their own.
 fn effect(
     stage: &mut Stage,
     (scene, view): (&Scene, &str),
@@ -154,8 +157,8 @@ fn effect(
     (vec![("composite", composite), ("reflection", reflection), ("hits", hits)], report.recorded)
 }
 
-/// Captures, fallbacks, a history and two bounces in the street, at four roughnesses: all pairs of kinds of shader make
-/// equal images.
+/// With captures, fallbacks, a history and two bounces in the street, at four roughnesses, all pairs of kinds of shader
+/// make equal images. Each of these features adds passes with a program in either stage.
 #[test]
 fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     let gpu = gpu();
@@ -193,7 +196,7 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
 }
 
 /// With rays that go on among triangles, and with either source of hit colours, all pairs of kinds of shader make equal
-/// images.
+/// images. Tracing hands each lost ray to another pass, whose list either stage writes.
 #[test]
 fn among_triangles_both_stages_see_the_same_on_the_screen() {
     let gpu = gpu();
@@ -214,7 +217,8 @@ fn among_triangles_both_stages_see_the_same_on_the_screen() {
     }
 }
 
-/// Through the door, parameters choose the kinds of shader, and both make one image; an unknown kind is refused.
+/// Through the interface for engines, parameters choose the kinds of shader, and both make one image. An unknown kind
+/// is refused with a sentence, since a default in its place would go unnoticed.
 #[test]
 fn through_the_door_both_stages_make_the_same_image() {
     let gpu = gpu();

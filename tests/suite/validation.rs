@@ -1,6 +1,6 @@
 //! The validation layers (core, synchronization, best practices; with SSCT_GPU_AV=1 GPU-assisted, too) give no message
-//! about any method in any mode, except those on the allow-list. Each entry of the list is a message that they do give.
-//! A hazard in `gpu::validation` shows that the layers listen at all.
+//! about any method in any mode, except messages on the allow-list. Each entry of the list is a message that they do
+//! give. A hazard in `gpu::validation` shows that the layers listen at all.
 
 use crate::common::{
     check_validation, clutter, clutter_camera, expected_failures, is_gpu_assisted, own_gpu, with_small_captures,
@@ -30,13 +30,14 @@ use ssct_lab::stage::{Globals, Shot, Stage};
 use ssct_lab::study::sweep;
 use ssct_scenes::View;
 
-/// The modes of a method: all combinations for those that see the screen alone, and each fallback.
+/// Returns setups of a method with the wanted images: all modes at the middle size if the method sees the screen alone,
+/// and else one setup.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     use StageChoice::{Compute, Fragment};
     let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
     let usual = with_small_captures(&usual);
-    // The modes do not depend on the size, so that only the middle size has all. The largest image is a flat strip, whose chains
-    // are as long as those of a whole image.
+    // The modes do not depend on the size, so that only the middle size has all. The largest image is a flat strip,
+    // whose chains are as long as those of a whole image.
     if !method.is_screen_space() || extent[0] > 500 || extent == [1, 1] {
         return vec![(usual, Wants::REFLECTION)];
     }
@@ -56,32 +57,33 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
             }
         }
     }
-    let around = |change: &dyn Fn(&mut EffectParams)| usual.with(|p: &mut EffectParams| change(p));
-    let blurred = around(&|p| p.fallback = Fallback::Environment).with(|p: &mut SsrFastParams| p.distance_blur = true);
+    let with_effect = |change: &dyn Fn(&mut EffectParams)| usual.with(|p: &mut EffectParams| change(p));
+    let blurred =
+        with_effect(&|p| p.fallback = Fallback::Environment).with(|p: &mut SsrFastParams| p.distance_blur = true);
     setups.push((blurred, Wants::REFLECTION));
-    setups.push((around(&|p| p.fallback = Fallback::Pccm), Wants::REFLECTION));
-    setups.push((around(&|p| p.resolution_scale = 0.5), Wants::HITS));
+    setups.push((with_effect(&|p| p.fallback = Fallback::Pccm), Wants::REFLECTION));
+    setups.push((with_effect(&|p| p.resolution_scale = 0.5), Wants::HITS));
     let has_stages = method.own_parameters().iter().any(|p| p.name == "trace_stage");
     for stages in [[Compute; 2], [Compute, Fragment], [Fragment, Compute]].into_iter().filter(|_| has_stages) {
         for beyond in [BeyondScreen::None, BeyondScreen::Triangles] {
-            let setup =
-                around(&|p| p.beyond = beyond).with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
+            let setup = with_effect(&|p| p.beyond = beyond)
+                .with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
             setups.extend([Wants::REFLECTION, Wants::HITS].map(|wants| (setup.clone(), wants)));
         }
     }
     if has_stages {
         for first in [FirstTraced::Screen, FirstTraced::Triangles] {
             let set = |p: &mut UnifiedParams| (p.first, p.hit_color) = (first, HitColor::Screen);
-            setups.push((around(&|p| p.beyond = BeyondScreen::Triangles).with(set), Wants::HITS));
+            setups.push((with_effect(&|p| p.beyond = BeyondScreen::Triangles).with(set), Wants::HITS));
         }
     }
-    let quarter = around(&|p| (p.resolution_scale, p.fallback) = (0.25, Fallback::Environment));
+    let quarter = with_effect(&|p| (p.resolution_scale, p.fallback) = (0.25, Fallback::Environment));
     setups.push((quarter, Wants::REFLECTION));
     setups
 }
 
 /// Every method in all its modes and settings, at three sizes, plain, timed and counted, draws and is read back without
-/// a message. Each allowed message is still given.
+/// a message. Each allowed message is still given. A missing barrier often shows only in the messages of the layers.
 #[test]
 fn every_method_in_every_mode_is_valid() {
     let gpu = own_gpu();
@@ -99,23 +101,23 @@ fn every_method_in_every_mode_is_valid() {
             for (setup, wants) in setups(method, extent) {
                 let camera = clutter_camera(extent);
                 let shot = Shot::new(&mut stage, method, &setup, wants, camera, materials.clone()).unwrap();
-                let what = format!("{}, {setup:?}", method.name);
-                // Each kind of barrier runs twice, since those of the second frame start from the states that the first frame
-                // left. Frames that are counted have the barriers of those that are timed.
+                let case = format!("{}, {setup:?}", method.name);
+                // Each kind of barrier runs twice, since those of the second frame start from the states that the first
+                // frame left. Frames that are counted have the barriers of frames that are timed.
                 for mode in [Mode::Plain, Mode::Plain, Mode::Timed, Mode::Counted] {
                     let (report, drawn) = stage.run(&shot, mode).unwrap();
-                    check_validation(&gpu).unwrap_or_else(|e| panic!("{what}, {mode:?}: {e}"));
-                    assert!(drawn.meshes > 0, "{what}");
+                    check_validation(&gpu).unwrap_or_else(|e| panic!("{case}, {mode:?}: {e}"));
+                    assert!(drawn.meshes > 0, "{case}");
                     assert_eq!(report.passes.len(), if mode == Mode::Timed { report.recorded.len() } else { 0 });
                     frames += 1;
                 }
                 let image = render(&mut stage, &shot, true).unwrap();
-                check_validation(&gpu).unwrap_or_else(|e| panic!("{what}, read back: {e}"));
+                check_validation(&gpu).unwrap_or_else(|e| panic!("{case}, read back: {e}"));
                 assert_eq!([image.composite.width, image.composite.height], extent);
             }
         }
     }
-    // Each setting of each method, as settings that are off by default are not covered above.
+    // Then each setting of each method, since settings that are off by default are not covered above.
     for method in METHODS {
         for setup in sweep::setups(method, &with_small_captures(&Setup::new([33, 17]))) {
             let camera = clutter_camera(setup.extent);
@@ -131,16 +133,16 @@ fn every_method_in_every_mode_is_valid() {
     // The layers also give no message when all resources are destroyed.
     drop((stage, compiled));
     check_validation(&gpu).unwrap();
-    let said = |id: &str| gpu.validation().iter().any(|m| m.id == id);
+    let is_given = |id: &str| gpu.validation().iter().any(|m| m.id == id);
     // SAFETY: enumeration has no preconditions.
     let layers = unsafe { gpu.shared().entry.enumerate_instance_layer_properties() }.unwrap();
     let version = layers.iter().find(|l| l.layer_name_as_c_str() == Ok(LAYER)).unwrap().spec_version;
     let driver = &gpu.info().driver;
     for allowed in ALLOWED.iter().filter(|a| a.versions.contains(&version) && driver.starts_with(a.driver)) {
-        assert!(said(allowed.id), "the layer of version {version:#x} does not give this message: {allowed:?}");
+        assert!(is_given(allowed.id), "the layer of version {version:#x} does not give this message: {allowed:?}");
     }
     for id in expected_failures("gpu-assisted", &gpu).iter().filter(|_| is_gpu_assisted()) {
-        assert!(said(id), "nothing says {id} any more: take it off the expected failures");
+        assert!(is_given(id), "nothing says {id} any more: take it off the expected failures");
     }
 }
 
@@ -152,7 +154,7 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         println!("skipped: SSCT_GPU_AV is not 1");
         return;
     }
-    let said = |bytes: u64| {
+    let violations = |bytes: u64| {
         let gpu = own_gpu();
         let material = Image::target(&gpu, "material", vk::Format::R16G16_SFLOAT, [4, 4]).unwrap();
         let buffer = |name, size| {
@@ -185,8 +187,8 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         FrameContext::new(&gpu).unwrap().once(record).unwrap();
         gpu.violations()
     };
-    let whole = said(ARGUMENT_BYTES);
+    let whole = violations(ARGUMENT_BYTES);
     assert!(whole.is_empty(), "{whole:?}");
-    let cut_off = said(16);
+    let cut_off = violations(16);
     assert!(cut_off.iter().any(|m| m.text.contains("access out of bounds")), "{cut_off:?}");
 }

@@ -1,4 +1,5 @@
-//! `ssct video`: films of variants beside that of the world reference, held against still images of the same frames.
+//! Tests `ssct video`: films of variants beside that of the world reference, compared with still images of the same
+//! frames.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
@@ -8,22 +9,23 @@ use std::fs::File;
 const STAGE: [&str; 11] =
     ["--scene", "rooms", "--view", "corridor", "--size", "96x54", "--roughness", "0.1", "--rays", "4", "--json"];
 
-/// The records of a command on the small view.
+/// Returns the records of a command on the small view.
 fn records(folder: &Folder, command: &str, more: &[&str]) -> Vec<Value> {
     serde_json::from_str(&folder.succeed(&[&[command], &STAGE[..], more].concat())).unwrap()
 }
 
-/// The records of `ssct video` on the small view.
+/// Returns the records of `ssct video` on the small view.
 fn films(folder: &Folder, more: &[&str]) -> Vec<Value> {
     records(folder, "video", more)
 }
 
-/// A number of a record.
+/// Returns a number of a record by the name of its field.
 fn number(record: &Value, name: &str) -> f64 {
     record[name].as_f64().unwrap_or_else(|| panic!("no {name} in {record}"))
 }
 
-/// With the camera at rest, each frame of two variants has the error of the still image, and nothing flickers.
+/// With the camera at rest, each frame of two variants has the error of the still image, and nothing flickers. A film
+/// that prepared a frame differently would have another error.
 #[test]
 fn at_rest_every_frame_is_the_still_image() {
     let folder = Folder::new();
@@ -50,13 +52,13 @@ fn at_rest_every_frame_is_the_still_image() {
     assert!(unified > ssct, "with what the screen lacks, {unified}, and without, {ssct}");
 }
 
-/// A walk of four frames: frames differ, a history lowers the flicker, clips have their frames, the page shows them,
-/// and `--resume` films nothing again.
+/// A walk of four frames: frames differ, a history lowers the flicker, clips have their frames, the page shows the
+/// clips, and `--resume` films nothing again. A clip of equal frames would look like a film.
 #[test]
 fn a_walk_is_kept_as_records_clips_and_a_page() {
     let folder = Folder::new();
-    let how = ["--way", "walk", "--frames", "4", "--variant", "stochastic", "--variant", "stochastic --history on"];
-    let records = films(&folder, &[&how[..], &["-o", "out"]].concat());
+    let options = ["--way", "walk", "--frames", "4", "--variant", "stochastic", "--variant", "stochastic --history on"];
+    let records = films(&folder, &[&options[..], &["-o", "out"]].concat());
     for record in &records {
         assert!(number(record, "reference_flicker") > 0.0 && number(record, "flicker") > 0.0, "{record}");
         let rmse: Vec<f64> = record["frames"].as_array().unwrap().iter().map(|f| number(f, "rmse")).collect();
@@ -79,27 +81,30 @@ fn a_walk_is_kept_as_records_clips_and_a_page() {
     let rows =
         csv::Reader::from_reader(File::open(folder.path("out/video-frames.csv")).unwrap()).into_records().count();
     assert_eq!(rows, 8, "a row a frame");
-    // Films that the folder has are not made again, and their records are the same.
-    let again = films(&folder, &[&how[..], &["-o", "out", "--resume"]].concat());
+    // With --resume, films that the folder has are not made again, and their records are the same.
+    let again = films(&folder, &[&options[..], &["-o", "out", "--resume"]].concat());
     assert_eq!(again, records);
 }
 
-/// With a ball that moves, each frame has another error, and the world reference flickers, too.
+/// With a ball that moves, each frame has another error, and the world reference flickers, too. A reference of the
+/// ball's first place would not flicker.
 #[test]
 fn what_moves_is_filmed_where_it_is() {
     let folder = Folder::new();
-    let how = ["--way", "rest", "--frames", "3", "--variant", "ssct"];
-    let moving = films(&folder, &[&how[..], &["--moving", "ball", "--step", "0.1,0,0"]].concat());
+    let options = ["--way", "rest", "--frames", "3", "--variant", "ssct"];
+    let moving = films(&folder, &[&options[..], &["--moving", "ball", "--step", "0.1,0,0"]].concat());
     let frames = moving[0]["frames"].as_array().unwrap();
     assert!(frames.windows(2).all(|pair| pair[0]["rmse"] != pair[1]["rmse"]), "{frames:?}");
     assert_eq!((&moving[0]["moving"][0], moving[0]["step_m"][0].as_f64()), (&"ball".into(), Some(0.1)));
     assert!(number(&moving[0], "reference_flicker") > 0.0);
 }
 
+/// Paths, rates, meshes and options that do not exist or do not fit are refused with status 2 and the option's name,
+/// before anything is filmed.
 #[test]
 fn what_cannot_be_filmed_is_refused_in_a_sentence() {
     let folder = Folder::new();
-    for (flags, says) in [
+    for (flags, expected) in [
         (&["--way", "nowhere"][..], "--way nowhere: neither a path of scene rooms"),
         (&["--way", "views"], "--way: a path says where the camera is"),
         (&["--way", "rest", "--fps", "0"], "--fps 0: must lie between 1 and 1000"),
@@ -110,7 +115,7 @@ fn what_cannot_be_filmed_is_refused_in_a_sentence() {
         (&["--step", "1,0,0"], "--moving"),
     ] {
         let output = folder.run(&[&["video"], &STAGE[..], flags].concat());
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(2) && said.contains(says), "{flags:?}: {said}");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && errors.contains(expected), "{flags:?}: {errors}");
     }
 }

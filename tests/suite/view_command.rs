@@ -1,11 +1,12 @@
-//! `ssct view`, which hands all arguments on to the window's program. The window itself is tested in tests/window.
+//! Tests `ssct view`, which hands all arguments on to the window's program. The window itself is tested in
+//! tests/window.
 
 use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::Command;
 
 /// Without the window's program, `ssct view` says how to build it. With one, all arguments are handed on and its status
-/// is returned.
+/// is returned. An argument such as `-h` must not be answered by `ssct` itself.
 #[test]
 fn the_window_is_a_program_of_its_own_beside_the_command_or_on_the_path() {
     // Hard links must stay on one file system, and a program finds itself by the name of its link.
@@ -15,13 +16,13 @@ fn the_window_is_a_program_of_its_own_beside_the_command_or_on_the_path() {
     std::fs::hard_link(program, &own).unwrap();
     let view = |arguments: &[&str]| {
         let output = Command::new(&own).arg("view").args(arguments).env("PATH", folder.path()).output().unwrap();
-        let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
-        (output.status.code(), out, err)
+        let [printed, errors] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (output.status.code(), printed, errors)
     };
-    let (status, out, said) = view(&["--frames", "1"]);
-    assert_eq!((status, out.as_str(), said.lines().count()), (Some(1), "", 1), "{said}");
-    assert!(said.contains("no window") && said.contains("`make view` builds it"), "{said}");
-    // All arguments are handed on, that of the help as well.
+    let (status, printed, message) = view(&["--frames", "1"]);
+    assert_eq!((status, printed.as_str(), message.lines().count()), (Some(1), "", 1), "{message}");
+    assert!(message.contains("no window") && message.contains("`make view` builds it"), "{message}");
+    // All arguments are handed on, also `-h`, which asks for the help.
     let window = folder.path().join("ssct-view");
     symlink("/bin/echo", &window).unwrap();
     assert_eq!(view(&["-h", "--scene", "rooms"]), (Some(0), "-h --scene rooms\n".into(), String::new()));
@@ -30,6 +31,6 @@ fn the_window_is_a_program_of_its_own_beside_the_command_or_on_the_path() {
     assert_eq!(view(&[]), (Some(1), String::new(), String::new()), "the status is the window's");
     std::fs::remove_file(&window).unwrap();
     symlink(folder.path(), &window).unwrap();
-    let (status, _, said) = view(&[]);
-    assert!(status == Some(1) && said.contains("cannot be started"), "{said}");
+    let (status, _, message) = view(&[]);
+    assert!(status == Some(1) && message.contains("cannot be started"), "{message}");
 }

@@ -1,5 +1,5 @@
-//! The world reference on Crytek Sponza, if `../shared/scenes` is there: a quarter of a million triangles, and plants
-//! with masks.
+//! Tests the world reference on Crytek Sponza, if `../shared/scenes` is there: a quarter of a million triangles, and
+//! plants with masks.
 
 use crate::common::sponza;
 use ssct_scenes::Camera;
@@ -7,7 +7,7 @@ use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::surface::World;
 
 /// Every ray straight down into the court meets the building. Without masks, no first hit is further away and some are
-/// nearer.
+/// nearer. Cracks between triangles and masks that are read wrongly would show here.
 #[test]
 fn sponza_is_ready_for_rays_and_has_no_cracks() {
     let Some(scene) = sponza() else { return };
@@ -15,8 +15,8 @@ fn sponza_is_ready_for_rays_and_has_no_cracks() {
     // From the middle of the court straight down, only the floor can be seen.
     let view = scene.views[0].clone();
     let camera = Camera::new(view.eye, view.eye - glam::Vec3::Y, scene.lens, 1.0);
-    let seen = FirstHits::trace(&world, &camera, [64, 64]);
-    assert!(seen.view_z_m.iter().all(|z| z.is_finite()), "every ray downwards meets the building");
+    let first_hits = FirstHits::trace(&world, &camera, [64, 64]);
+    assert!(first_hits.view_z_m.iter().all(|z| z.is_finite()), "every ray downwards meets the building");
 
     // With the masks taken out, the plants are solid: some first hits come nearer, none goes further.
     let mut solid = scene.materials.clone();

@@ -1,5 +1,5 @@
-//! The world reference's own first hits against the G-buffer and the lit colour of the device: two implementations of
-//! geometry, materials, normals and light that share no code.
+//! Compares the world reference's own first hits with the G-buffer and the lit colour of the device: two
+//! implementations of geometry, materials, normals and light that share no code.
 
 use glam::{DVec3, Vec3};
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
@@ -23,7 +23,7 @@ struct ReferenceAndDevice {
     hits: Vec<WorldHit>,
 }
 
-/// The corridor of the rooms, with a strength of normal maps and with or without images.
+/// Returns the corridor of the rooms, with a strength of normal maps and with or without images.
 fn both(normal_deviation: f32, maps: bool) -> ReferenceAndDevice {
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").expect("a view of the rooms");
@@ -35,7 +35,7 @@ fn both(normal_deviation: f32, maps: bool) -> ReferenceAndDevice {
     both_of(&scene, materials)
 }
 
-/// The corridor of a scene, with some materials.
+/// Returns the corridor of a scene, with some materials.
 fn both_of(scene: &Scene, materials: Vec<Material>) -> ReferenceAndDevice {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let camera = scene.view("corridor").expect("a view of the rooms").camera(scene, SIZE);
@@ -66,8 +66,8 @@ fn both_of(scene: &Scene, materials: Vec<Material>) -> ReferenceAndDevice {
     ReferenceAndDevice { first_hits, shown, camera, gbuffer, hits }
 }
 
-/// Whether a pixel and its eight neighbours lie on one smooth surface: 1/z is linear in the image on
-/// a plane, so its second differences are small away from silhouettes and edges.
+/// Returns whether a pixel and its eight neighbours lie on one smooth surface. On a plane, 1/z is linear in the image,
+/// so that its second differences are small away from silhouettes and edges.
 fn inside_a_surface(both: &ReferenceAndDevice, x: u32, y: u32) -> bool {
     if x == 0 || y == 0 || x + 1 == SIZE[0] || y + 1 == SIZE[1] {
         return false;
@@ -76,13 +76,13 @@ fn inside_a_surface(both: &ReferenceAndDevice, x: u32, y: u32) -> bool {
         let index = both.gbuffer.index((x as i32 + dx) as u32, (y as i32 + dy) as u32);
         1.0 / both.first_hits.view_z_m[index]
     };
-    let second = |dx, dy| (inverse_z(dx, dy) + inverse_z(-dx, -dy) - 2.0 * inverse_z(0, 0)).abs();
+    let second_difference = |dx, dy| (inverse_z(dx, dy) + inverse_z(-dx, -dy) - 2.0 * inverse_z(0, 0)).abs();
     inverse_z(0, 0) > 0.0
-        && [(1, 0), (0, 1), (1, 1), (1, -1)].iter().all(|&(dx, dy)| second(dx, dy) < 1e-4 * inverse_z(0, 0))
+        && [(1, 0), (0, 1), (1, 1), (1, -1)].iter().all(|&(dx, dy)| second_difference(dx, dy) < 1e-4 * inverse_z(0, 0))
 }
 
-/// Away from silhouettes, which are over half of the pixels, the device's depth differs from the reference's by less
-/// than 1e-4 of the depth.
+/// Away from silhouettes, where more than half of the pixels lie, the device's depth differs from the reference's by
+/// less than 1e-4 of the depth. A wrong projection or transform would differ everywhere.
 #[test]
 fn depth_agrees_within_one_in_ten_thousand_away_from_silhouettes() {
     let both = both(0.0, false);
@@ -102,7 +102,7 @@ fn depth_agrees_within_one_in_ten_thousand_away_from_silhouettes() {
     assert!(worst < 1e-4, "{worst}");
 }
 
-/// The greatest difference of a channel, for each pixel, in rising order.
+/// Returns for each pixel the greatest difference of a channel of the lit colour, in rising order.
 fn differences(both: &ReferenceAndDevice) -> Vec<f32> {
     let pairs = both.gbuffer.color.iter().zip(&both.first_hits.lit);
     let mut all: Vec<f32> = pairs.map(|(gpu, cpu)| (*gpu - *cpu).abs().max_element()).collect();
@@ -110,12 +110,13 @@ fn differences(both: &ReferenceAndDevice) -> Vec<f32> {
     all
 }
 
-/// The share of differences within a tolerance.
+/// Returns the share of differences within a tolerance.
 fn share_within(tolerance: f32, differences: &[f32]) -> f64 {
     differences.iter().filter(|d| **d <= tolerance).count() as f64 / differences.len() as f64
 }
 
-/// Without images, the lit colour differs by less than 0.001 in 99.5 % of the pixels.
+/// Without images, the lit colour differs by less than 0.001 in 99.5 % of the pixels. Light and shadow are computed
+/// twice, in a shader and on the host, so that a factor may be missing in one of them.
 #[test]
 fn lit_colour_without_images_agrees_within_half_floats() {
     // The colour is a 16-bit float, which rounds by 0.0005 near 1. Larger differences lie at silhouettes.
@@ -127,7 +128,7 @@ fn lit_colour_without_images_agrees_within_half_floats() {
 }
 
 /// With emission and a map of roughness, lit colour and roughness agree in 90 % of the pixels or more. Surfaces with
-/// one side, turned away, vanish for both.
+/// one side that are turned away vanish for both. Each feature is read in two places, which may use different channels.
 #[test]
 fn emission_roughness_maps_and_single_sides_agree() {
     let mut scene = crate::common::built_in("rooms");
@@ -162,20 +163,27 @@ fn emission_roughness_maps_and_single_sides_agree() {
         mesh.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
         mesh.vertices.iter_mut().for_each(|v| v.normal = v.normal.map(|n| -n));
     }
-    let seen = |both: &ReferenceAndDevice| both.gbuffer.depth.iter().filter(|d| **d > 0.0).count();
-    assert_eq!(seen(&both_of(&scene, materials.clone())), seen(&whole));
+    let covered_pixels = |both: &ReferenceAndDevice| both.gbuffer.depth.iter().filter(|d| **d > 0.0).count();
+    assert_eq!(covered_pixels(&both_of(&scene, materials.clone())), covered_pixels(&whole));
     materials.iter_mut().for_each(|m| m.single_sided = true);
-    let gone = both_of(&scene, materials);
-    assert!(seen(&gone) < seen(&whole) / 2, "{} of {}", seen(&gone), seen(&whole));
-    let [gpu, cpu] = [seen(&gone), gone.first_hits.view_z_m.iter().filter(|z| z.is_finite()).count()];
+    let turned_away = both_of(&scene, materials);
+    assert!(
+        covered_pixels(&turned_away) < covered_pixels(&whole) / 2,
+        "{} of {}",
+        covered_pixels(&turned_away),
+        covered_pixels(&whole)
+    );
+    let [gpu, cpu] =
+        [covered_pixels(&turned_away), turned_away.first_hits.view_z_m.iter().filter(|z| z.is_finite()).count()];
     assert!(gpu.abs_diff(cpu) * 100 <= SIZE[0] as usize * SIZE[1] as usize, "{gpu} {cpu}");
 }
 
-/// With images, the median difference is below 0.012, and 97 % of the pixels are within 0.08.
+/// With images, the median difference is below 0.012, and 97 % of the pixels are within 0.08. Texture coordinates or
+/// colour spaces that differ would show in most pixels.
 #[test]
 fn lit_colour_with_images_agrees_but_for_their_filtering() {
-    // The GPU reads mip levels over the pixel's footprint, the reference the finest level at its centre:
-    // at this size they differ by the contrast of the images' details.
+    // The GPU reads mip levels over the pixel's footprint, and the reference reads the finest level at the pixel's
+    // centre. At this size, they differ by the contrast of the images' details.
     for deviation in [0.0, 1.0] {
         let differences = differences(&both(deviation, true));
         let (median, share) = (differences[differences.len() / 2], share_within(0.08, &differences));
@@ -186,11 +194,11 @@ fn lit_colour_with_images_agrees_but_for_their_filtering() {
 }
 
 /// Without normal maps, 99 % of the normals agree within a cosine of 0.999 99; with maps, three quarters agree within
-/// 0.98.
+/// 0.98. A tangent of the wrong sign would mirror every bump.
 #[test]
 fn normals_agree_and_face_the_camera() {
     // With normal maps, the device reads mip levels and the reference the finest level.
-    for (deviation, maps, percentile, least) in [(0.0, false, 1, 0.999_99), (1.0, true, 25, 0.98)] {
+    for (deviation, maps, percentile, least_cosine) in [(0.0, false, 1, 0.999_99), (1.0, true, 25, 0.98)] {
         let both = both(deviation, maps);
         let world_to_view = both.camera.world_to_view.as_dmat4();
         let mut cosines: Vec<f64> = (0..both.gbuffer.depth.len())
@@ -200,30 +208,30 @@ fn normals_agree_and_face_the_camera() {
             })
             .collect();
         cosines.sort_by(f64::total_cmp);
-        let low = cosines[cosines.len() * percentile / 100];
-        eprintln!("deviation {deviation}: {percentile} % of the cosines below {low:.6}");
-        assert!(low > least, "{low}");
+        let percentile_cosine = cosines[cosines.len() * percentile / 100];
+        eprintln!("deviation {deviation}: {percentile} % of the cosines below {percentile_cosine:.6}");
+        assert!(percentile_cosine > least_cosine, "{percentile_cosine}");
     }
 }
 
 /// Rays from the points of the G-buffer do not hit the flat surface on which they start: no end lies within 1e-5 m
-/// above it.
+/// above it. Points from rounded depths lie beside the surface, where a ray would meet it at once.
 #[test]
 fn mirror_rays_do_not_meet_the_surface_that_they_leave() {
     let both = both(0.0, true);
-    let from = &both.shown;
+    let shown = &both.shown;
     let (mut rays, mut visible, mut furthest_off) = (0, 0, 0.0_f64);
     for (i, hit) in both.hits.iter().enumerate() {
-        let (Some(start), Some(surface)) = (from.receivers[i], both.first_hits.receivers[i]) else { continue };
+        let (Some(start), Some(surface)) = (shown.receivers[i], both.first_hits.receivers[i]) else { continue };
         rays += 1;
-        if let WorldHit::Hit { position, visible: seen, .. } = *hit {
-            visible += u32::from(seen);
-            let off = |point: DVec3| (point - surface.position).dot(surface.geometric_normal);
+        if let WorldHit::Hit { position, visible: is_visible, .. } = *hit {
+            visible += u32::from(is_visible);
+            let height_above = |point: DVec3| (point - surface.position).dot(surface.geometric_normal);
             // A curved surface's normals lean over its flat triangles, which may then be met.
             let flat = surface.normal.dot(surface.geometric_normal) > 0.999_999;
             if flat && (start.position - surface.position).length() < 0.01 {
-                furthest_off = furthest_off.max(off(start.position).abs());
-                assert!(off(position) > 1e-5, "pixel {i} hits itself: {position} from {}", start.position);
+                furthest_off = furthest_off.max(height_above(start.position).abs());
+                assert!(height_above(position) > 1e-5, "pixel {i} hits itself: {position} from {}", start.position);
             }
         }
     }

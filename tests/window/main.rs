@@ -1,5 +1,5 @@
-//! The window as a user opens it: under an X server without a screen, by arguments and by mouse and keys (xdotool), and
-//! without any display. What needs no window system is tested in `lab/view/src/tests`.
+//! Tests the window as a user opens it: under an X server without a screen, by arguments and by mouse and keys
+//! (xdotool), and without any display. Tests without a window system are in `lab/view/src/tests`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -17,10 +17,13 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
+/// Size of the picture as the option `--size` takes it.
 const SIZE: &str = "320x200";
+/// Size of the picture in pixels, equal to [`SIZE`].
 const EXTENT: [u32; 2] = [320, 200];
 
-/// The window on a built-in scene, without a display unless one is given.
+/// Runs the window on a built-in scene until it ends, without a display unless one is given. Returns its status and
+/// output.
 fn view(folder: &Path, display: Option<&str>, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ssct-view"));
     for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
@@ -31,22 +34,22 @@ fn view(folder: &Path, display: Option<&str>, arguments: &[&str]) -> Output {
     command.output().unwrap()
 }
 
-/// Fails with exit status 1 and one sentence; returns it.
+/// Checks that the window's program failed with exit status 1 and one sentence, and returns this sentence.
 fn refusal(output: &Output) -> String {
-    let said = String::from_utf8(output.stderr.clone()).unwrap();
-    assert_eq!((output.status.code(), said.lines().count()), (Some(1), 1), "{said}");
+    let message = String::from_utf8(output.stderr.clone()).unwrap();
+    assert_eq!((output.status.code(), message.lines().count()), (Some(1), 1), "{message}");
     assert!(output.stdout.is_empty());
-    said
+    message
 }
 
-/// An X server of our own, which ends with the test.
+/// An X server for one test, which ends with the test.
 struct Xvfb {
     server: Child,
     display: String,
 }
 
 impl Xvfb {
-    /// `None`, and a line that says so, where Xvfb is not installed.
+    /// Starts an X server. Returns `None`, and prints a line that names the skipped test, if Xvfb is not installed.
     fn start(test: &str) -> Option<Self> {
         let started = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"])
@@ -71,8 +74,8 @@ impl Drop for Xvfb {
     }
 }
 
-/// The bits of an image's values. The files themselves may differ: an EXR's chunks are written
-/// in the order in which threads finish them.
+/// Returns the bits of an image's values. The files themselves may differ, since an EXR's chunks are written in the
+/// order in which threads finish them.
 fn values(path: &Path) -> Vec<u32> {
     if path.extension().is_some_and(|e| e == "png") {
         return image::open(path).unwrap().to_rgb8().iter().map(|v| u32::from(*v)).collect();
@@ -82,7 +85,7 @@ fn values(path: &Path) -> Vec<u32> {
     channels.iter().flat_map(|c| c.sample_data.values_as_f32().map(f32::to_bits)).collect()
 }
 
-/// What `ssct render` writes of the view and the method that the window begins with.
+/// Renders the view and the method that the window begins with, as `ssct render` does.
 fn composite() -> Pixels {
     let gpu = Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).unwrap();
     let scene = library::scene("rooms").unwrap();
@@ -94,76 +97,88 @@ fn composite() -> Pixels {
     render(&mut stage, &shot, false).unwrap().composite
 }
 
+/// A screenshot of the window has the pixels of `ssct render`, in an .exr to the bit and in a .png within one step of 8
+/// bits. The window could show another frame, or its panel over the picture.
 #[test]
 fn what_the_window_shows_is_what_render_renders() {
-    let Some(x) = Xvfb::start("what_the_window_shows_is_what_render_renders") else { return };
+    let Some(server) = Xvfb::start("what_the_window_shows_is_what_render_renders") else { return };
     let folder = tempfile::tempdir().unwrap();
-    // The panel is no part of the .exr, wherever it is open; the rounding of a .png is the device's.
+    // An open panel is no part of the .exr. The device rounds the colours of a .png, which may differ by one step.
     let composite = composite();
-    for (name, panel, off) in [("frame.png", "none", 1), ("frame.exr", "tune", 0)] {
+    for (name, panel, tolerance) in [("frame.png", "none", 1), ("frame.exr", "tune", 0)] {
         let shot = ["--validation", "--frames", "3", "--panel", panel, "--screenshot"];
-        let shown = view(folder.path(), Some(&x.display), &[&shot[..], &[&format!("view-{name}")]].concat());
+        let shown = view(folder.path(), Some(&server.display), &[&shot[..], &[&format!("view-{name}")]].concat());
         assert!(shown.status.success(), "{}", String::from_utf8_lossy(&shown.stderr));
         images::write_image(&folder.path().join(format!("render-{name}")), &composite).unwrap();
-        let [a, b] = ["view", "render"].map(|by| values(&folder.path().join(format!("{by}-{name}"))));
+        let [a, b] = ["view", "render"].map(|program| values(&folder.path().join(format!("{program}-{name}"))));
         assert!(a.len() >= 320 * 200 * 3 && a.len() == b.len(), "{name}: the sizes differ");
-        assert!(a.iter().zip(&b).all(|(a, b)| a.abs_diff(*b) <= off), "{name}: the images differ");
+        assert!(a.iter().zip(&b).all(|(a, b)| a.abs_diff(*b) <= tolerance), "{name}: the images differ");
     }
 }
 
-/// The record that the option `--json` prints.
+/// Returns the record that the option `--json` prints.
 fn record(output: &Output) -> serde_json::Value {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()[0].take()
 }
 
-/// Different colours of some columns of an image, of 16 shades a channel.
+/// Returns the number of different colours in some columns of an image, with 16 shades for each channel.
 fn colors(image: &image::RgbImage, columns: std::ops::Range<u32>) -> usize {
     let texels = image.enumerate_pixels().filter(|(x, ..)| columns.contains(x));
     texels.map(|(.., p)| p.0.map(|v| v / 16)).collect::<std::collections::HashSet<_>>().len()
 }
 
+/// With each part of the panel, the picture, the panel and the splitting line are in the screenshot, and an idle window
+/// submits no work to the GPU. A panel that asks for frames all the time would keep the GPU busy.
 #[test]
 fn every_part_of_the_panel_opens_beside_the_picture_and_an_idle_window_submits_nothing() {
-    let Some(x) = Xvfb::start("every_part_of_the_panel_opens_beside_the_picture") else { return };
+    let Some(server) = Xvfb::start("every_part_of_the_panel_opens_beside_the_picture") else { return };
     let folder = tempfile::tempdir().unwrap();
     let mut seen = Vec::new();
     for panel in ["tune", "live", "inside", "ray", "path", "captures", "shaders"] {
         let file = format!("{panel}.png");
         let idle = ["--validation", "--json", "--frames", "1", "--stay", "0.5", "--panel", panel];
         let more = ["--pick", "100,180", "--against", "unified", "--view", "corridor", "--screenshot", &file];
-        let said = record(&view(folder.path(), Some(&x.display), &[&idle[..], &more].concat()));
-        assert!(said["submissions"].as_u64().unwrap() > 5 && said["frames"] == 1, "{said}");
-        assert_eq!((&said["submissions_while_idle"], &said["idle_s"]), (&0.into(), &0.5.into()), "{panel}: {said}");
+        let printed = record(&view(folder.path(), Some(&server.display), &[&idle[..], &more].concat()));
+        assert!(printed["submissions"].as_u64().unwrap() > 5 && printed["frames"] == 1, "{printed}");
+        assert_eq!(
+            (&printed["submissions_while_idle"], &printed["idle_s"]),
+            (&0.into(), &0.5.into()),
+            "{panel}: {printed}"
+        );
         let screen = image::open(folder.path().join(&file)).unwrap().to_rgb8();
         assert_eq!(screen.dimensions(), (320 + 340, 200), "the panel is 340 points wide");
         assert!(colors(&screen, 0..320) > 100 && colors(&screen, 330..660) > 8, "{panel}");
-        // The splitting line is white from top to bottom, but for the names beside it.
+        // The splitting line is white from top to bottom, except where the names stand beside it.
         assert!((40..200).all(|y| screen.get_pixel(160, y).0.iter().all(|v| *v > 250)), "{panel}: no line");
         assert!(!seen.contains(&screen), "{panel} looks like another part");
         seen.push(screen);
     }
 }
 
+/// On a screen with two pixels for each point, the panel is twice as many pixels wide, and the picture keeps its size.
+/// A panel that ignores the scale would be too small to read.
 #[test]
 fn a_screen_with_large_points_gets_a_panel_of_as_many_pixels() {
-    let Some(x) = Xvfb::start("a_screen_with_large_points_gets_a_panel_of_as_many_pixels") else { return };
+    let Some(server) = Xvfb::start("a_screen_with_large_points_gets_a_panel_of_as_many_pixels") else { return };
     let folder = tempfile::tempdir().unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_ssct-view"));
     command.args(["--validation", "--json", "--frames", "1", "--screenshot", "large.png"]);
     command.args(["--scene", "rooms", "--size", "200x200"]).current_dir(folder.path());
-    command.env_remove("WAYLAND_DISPLAY").env("DISPLAY", &x.display).env("WINIT_X11_SCALE_FACTOR", "2");
+    command.env_remove("WAYLAND_DISPLAY").env("DISPLAY", &server.display).env("WINIT_X11_SCALE_FACTOR", "2");
     assert_eq!(record(&command.output().unwrap())["frames"], 1);
     let screen = image::open(folder.path().join("large.png")).unwrap().to_rgb8();
     assert_eq!(screen.dimensions(), (200 + 2 * 340, 200));
-    // The panel's ground begins where the picture ends.
-    let ground = screen.get_pixel(879, 1);
-    assert!(screen.get_pixel(210, 1) == ground && screen.get_pixel(190, 100) != ground);
+    // The panel's background begins where the picture ends.
+    let background = screen.get_pixel(879, 1);
+    assert!(screen.get_pixel(210, 1) == background && screen.get_pixel(190, 100) != background);
 }
 
+/// The window shows each method in turn by the key M, and ends well after other keys, a drag, a wheel, many sizes, and
+/// hiding. Each size needs a new swapchain, even one of a single pixel.
 #[test]
 fn a_window_survives_keys_mouse_and_a_storm_of_sizes() {
-    let Some(x) = Xvfb::start("a_window_survives_keys_mouse_and_a_storm_of_sizes") else { return };
+    let Some(server) = Xvfb::start("a_window_survives_keys_mouse_and_a_storm_of_sizes") else { return };
     if Command::new("xdotool").arg("version").output().is_err() {
         eprintln!("skipped: there is no xdotool on the PATH; scripts/setup.sh installs it");
         return;
@@ -172,87 +187,96 @@ fn a_window_survives_keys_mouse_and_a_storm_of_sizes() {
     let mut window = Command::new(env!("CARGO_BIN_EXE_ssct-view"))
         .args(["--validation", "--size", SIZE, "--scene", "rooms"])
         .env_remove("WAYLAND_DISPLAY")
-        .env("DISPLAY", &x.display)
+        .env("DISPLAY", &server.display)
         .current_dir(folder.path())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let mut tool = |arguments: &str| {
-        let done = Command::new("xdotool").args(arguments.split(' ')).env("DISPLAY", &x.display).output().unwrap();
+    let mut xdotool = |arguments: &str| {
+        let output =
+            Command::new("xdotool").args(arguments.split(' ')).env("DISPLAY", &server.display).output().unwrap();
         assert!(window.try_wait().unwrap().is_none(), "the window closed before: {arguments}");
-        done
+        output
     };
-    // The title tells that a frame was shown.
-    let found = tool("search --sync --name rooms,.view");
+    // The title says that a frame was shown.
+    let found = xdotool("search --sync --name rooms,.view");
     let id = String::from_utf8(found.stdout).unwrap().lines().next().unwrap().to_owned();
-    tool(&format!("windowfocus --sync {id}"));
-    // From the first method through all of them, and back to it: the title tells which is shown.
+    xdotool(&format!("windowfocus --sync {id}"));
+    // The key M goes from the first method through all of them and back to the first. The title names the shown method.
     for n in 1..=METHODS.len() {
-        tool("key m");
+        xdotool("key m");
         let name = METHODS[n % METHODS.len()].name;
         let is_shown = || {
-            let title = String::from_utf8(tool(&format!("getwindowname {id}")).stdout).unwrap();
+            let title = String::from_utf8(xdotool(&format!("getwindowname {id}")).stdout).unwrap();
             title.contains(&format!("— {name} —"))
         };
         wait_until(|| format!("the window, which the key M should make show {name}"), is_shown);
     }
     for key in ["F2", "c", "F2", "c", "F2", "F2", "F2", "F1", "3", "w", "k", "r", "F1", "p", "c"] {
-        tool(&format!("key {key}"));
+        xdotool(&format!("key {key}"));
     }
-    tool("mousemove 100 100 mousedown 1 mousemove_relative 40 10 mouseup 1");
-    tool("click 4");
+    xdotool("mousemove 100 100 mousedown 1 mousemove_relative 40 10 mouseup 1");
+    xdotool("click 4");
     for (width, height) in [(640, 480), (97, 61), (1, 1), (799, 33), (500, 300), (41, 599), (660, 200)] {
-        tool(&format!("windowsize {id} {width} {height}"));
+        xdotool(&format!("windowsize {id} {width} {height}"));
     }
-    tool(&format!("windowunmap {id}"));
-    tool(&format!("windowmap --sync {id}"));
-    tool(&format!("windowfocus {id}"));
-    tool("key 1");
-    // Quitting is the last of all: what stands before it in the queue was handled.
-    let _ = Command::new("xdotool").args(["key", "Escape"]).env("DISPLAY", &x.display).output();
+    xdotool(&format!("windowunmap {id}"));
+    xdotool(&format!("windowmap --sync {id}"));
+    xdotool(&format!("windowfocus {id}"));
+    xdotool("key 1");
+    // The key that quits comes last, so that all events before it in the queue were handled.
+    let _ = Command::new("xdotool").args(["key", "Escape"]).env("DISPLAY", &server.display).output();
     let ended = window.wait_with_output().unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
 }
 
+/// An animation along two key frames has the asked number of frames, in each of which the camera stands elsewhere. A
+/// file of key frames that does not exist is refused by its name.
 #[test]
 fn an_animation_follows_key_frames() {
-    let Some(x) = Xvfb::start("an_animation_follows_key_frames") else { return };
+    let Some(server) = Xvfb::start("an_animation_follows_key_frames") else { return };
     let folder = tempfile::tempdir().unwrap();
     let keys = "[[key]]\neye = [0, 0, 0]\nlook_at = [1, 0, 0]\n[[key]]\neye = [1, 0, 0]\nlook_at = [2, 0, 1]\n";
     std::fs::write(folder.path().join("way.toml"), keys).unwrap();
     let along = ["--frames", "4", "--path", "way.toml", "--panel", "none", "--animation", "way.gif"];
-    let shown = view(folder.path(), Some(&x.display), &along);
+    let shown = view(folder.path(), Some(&server.display), &along);
     assert!(shown.status.success(), "{}", String::from_utf8_lossy(&shown.stderr));
     let gif = std::fs::read(folder.path().join("way.gif")).unwrap();
     let decoder = image::codecs::gif::GifDecoder::new(std::io::Cursor::new(gif)).unwrap();
     let frames = image::AnimationDecoder::into_frames(decoder).collect_frames().unwrap();
     assert_eq!(frames.len(), 4);
     assert!(frames.windows(2).all(|f| f[0].buffer() != f[1].buffer()), "the camera moves");
-    let refused = view(folder.path(), Some(&x.display), &["--frames", "1", "--path", "no.toml"]);
+    let refused = view(folder.path(), Some(&server.display), &["--frames", "1", "--path", "no.toml"]);
     assert!(refusal(&refused).contains("no.toml"));
 }
 
+/// The modes `mailbox` and `immediate` work, or are refused with a sentence if the display lacks them. Vulkan demands
+/// neither of them.
 #[test]
 fn the_other_ways_to_present_work_or_are_refused_in_a_sentence() {
-    let Some(x) = Xvfb::start("the_other_ways_to_present_work_or_are_refused_in_a_sentence") else { return };
+    let Some(server) = Xvfb::start("the_other_ways_to_present_work_or_are_refused_in_a_sentence") else { return };
     let folder = tempfile::tempdir().unwrap();
     for mode in ["mailbox", "immediate"] {
         let shown =
-            view(folder.path(), Some(&x.display), &["--frames", "2", "--panel", "none", "--present-mode", mode]);
-        let said = String::from_utf8_lossy(&shown.stderr);
-        assert!(shown.status.success() || said.contains("does not present by"), "{mode}: {said}");
+            view(folder.path(), Some(&server.display), &["--frames", "2", "--panel", "none", "--present-mode", mode]);
+        let errors = String::from_utf8_lossy(&shown.stderr);
+        assert!(shown.status.success() || errors.contains("does not present by"), "{mode}: {errors}");
     }
 }
 
+/// Without a display, or with one that does not answer, the window's program fails with one sentence, which names no
+/// place in a source file as a panic would.
 #[test]
 fn without_a_display_there_is_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
-    let said = refusal(&view(folder.path(), None, &[]));
-    assert!(said.contains("no window") && said.contains("DISPLAY") && !said.contains(".rs"), "{said}");
-    let said = refusal(&view(folder.path(), Some(":7654"), &[]));
-    assert!(said.contains("no window") && !said.contains(".rs"), "{said}");
+    let message = refusal(&view(folder.path(), None, &[]));
+    assert!(message.contains("no window") && message.contains("DISPLAY") && !message.contains(".rs"), "{message}");
+    let message = refusal(&view(folder.path(), Some(":7654"), &[]));
+    assert!(message.contains("no window") && !message.contains(".rs"), "{message}");
 }
 
+/// Wrong options, such as a screenshot without a number of frames, are refused with status 2 before a window opens.
+/// Such a window would never write its file.
 #[test]
 fn a_screenshot_needs_a_number_of_frames() {
     let folder = tempfile::tempdir().unwrap();

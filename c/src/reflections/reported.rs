@@ -9,6 +9,7 @@ use std::ffi::{CString, c_char};
 /// The arrays to which `SsctRecorded` points, with the texts to which the arrays point.
 #[derive(Default)]
 pub(super) struct Report {
+    /// The texts, which nothing reads here: they only have to live.
     _texts: Vec<CString>,
     passes: Vec<*const c_char>,
     skipped: Vec<SsctSkipped>,
@@ -18,10 +19,10 @@ impl Report {
     /// Copies the names of a recorded frame's passes, and of the passes that it leaves out with the reasons.
     pub(super) fn new(made: &Recorded) -> Self {
         let skipped = made.skipped.iter().flat_map(|s| [&s.pass, &s.why]);
-        let texts: Vec<_> = made.passes.iter().chain(skipped).map(|t| text(t)).collect();
+        let texts: Vec<_> = made.passes.iter().chain(skipped).map(|words| text(words)).collect();
         let (passes, skipped) = texts.split_at(made.passes.len());
         let passes = passes.iter().map(|pass| pass.as_ptr()).collect();
-        let row = |pair: &[CString; 2]| SsctSkipped { pass: pair[0].as_ptr(), why: pair[1].as_ptr() };
+        let row = |[pass, why]: &[CString; 2]| SsctSkipped { pass: pass.as_ptr(), why: why.as_ptr() };
         let skipped = skipped.as_chunks::<2>().0.iter().map(row).collect();
         Self { _texts: texts, passes, skipped }
     }

@@ -113,29 +113,29 @@ fn objects_that_were_destroyed_or_are_of_another_type_are_refused() {
         let reflections = made(context, &view(SIDE));
         let frame = inputs.frame();
         ssct_reflections_destroy(reflections);
-        let gone = |result: SsctResult, name: &str| {
+        let no_object = |result: SsctResult, name: &str| {
             refused(result, SsctResult::Usage, &format!("is no {name}: it was destroyed, or never made"));
         };
-        gone(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctReflections");
-        gone(ssct_reflections_resize(reflections, vk::Extent2D { width: 8, height: 8 }), "SsctReflections");
-        gone(ssct_reflections_restart_history(reflections), "SsctReflections");
-        gone(ssct_reflections_times(reflections, 0, &mut null(), &mut 0), "SsctReflections");
+        no_object(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctReflections");
+        no_object(ssct_reflections_resize(reflections, vk::Extent2D { width: 8, height: 8 }), "SsctReflections");
+        no_object(ssct_reflections_restart_history(reflections), "SsctReflections");
+        no_object(ssct_reflections_times(reflections, 0, &mut null(), &mut 0), "SsctReflections");
         // A second call of the function that destroys does nothing, and the sentence says so.
         ssct_reflections_destroy(reflections);
         assert!(said().contains("is no SsctReflections"), "{}", said());
         // The handle of a context is refused as triangles, and an address that the library did not return is refused as
         // any object.
-        gone(ssct_triangles_record_upload(context.cast(), program.commands), "SsctTriangles");
+        no_object(ssct_triangles_record_upload(context.cast(), program.commands), "SsctTriangles");
         ssct_triangles_destroy(context.cast());
         assert!(said().contains("is no SsctTriangles"), "{}", said());
-        gone(ssct_capture_cubes_record_face(dangling_mut(), program.commands, 0, null()), "SsctCaptureCubes");
+        no_object(ssct_capture_cubes_record_face(dangling_mut(), program.commands, 0, null()), "SsctCaptureCubes");
         let whole = made(context, &view(SIDE));
         for given in [SsctFrame { captures: dangling(), ..frame }, SsctFrame { triangles: dangling(), ..frame }] {
             let result = ssct_reflections_record(whole, program.commands, &given, null_mut());
             refused(result, SsctResult::Usage, "it was destroyed, or never made");
         }
         ssct_context_destroy(context);
-        gone(ssct_reflections_create(context, &view(SIDE), &mut null_mut()), "SsctContext");
+        no_object(ssct_reflections_create(context, &view(SIDE), &mut null_mut()), "SsctContext");
         assert!(!ssct_context_has_timestamps(context) && said().contains("is no SsctContext"));
         ssct_reflections_destroy(whole);
     }

@@ -205,10 +205,10 @@ impl Program {
             let buffer = device.create_buffer(&info, None).unwrap();
             let needs = device.get_buffer_memory_requirements(buffer);
             let kinds = self.instance.get_physical_device_memory_properties(self.physical);
-            let like = P::HOST_VISIBLE | P::HOST_COHERENT;
+            let wanted = P::HOST_VISIBLE | P::HOST_COHERENT;
             let fits = |i: &u32| {
-                let is_like = kinds.memory_types[*i as usize].property_flags.contains(like);
-                needs.memory_type_bits >> i & 1 == 1 && is_like
+                let has_wanted = kinds.memory_types[*i as usize].property_flags.contains(wanted);
+                needs.memory_type_bits >> i & 1 == 1 && has_wanted
             };
             let kind = (0..kinds.memory_type_count).find(fits).unwrap();
             let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
@@ -237,18 +237,18 @@ impl Program {
         }
     }
 
-    /// Records commands by a function, submits them, and waits until the device is done.
+    /// Lets `record` record commands, submits them, and waits until the device is done. Returns the result of `record`.
     pub fn submit<R>(&self, record: impl FnOnce(&ash::Device, vk::CommandBuffer) -> R) -> R {
         unsafe {
             self.device.begin_command_buffer(self.commands, &vk::CommandBufferBeginInfo::default()).unwrap();
-            let made = record(&self.device, self.commands);
+            let result = record(&self.device, self.commands);
             self.device.end_command_buffer(self.commands).unwrap();
             let commands = [self.commands];
             let queue = self.device.get_device_queue(0, 0);
             let info = vk::SubmitInfo::default().command_buffers(&commands);
             self.device.queue_submit(queue, &[info], vk::Fence::null()).unwrap();
             self.device.queue_wait_idle(queue).unwrap();
-            made
+            result
         }
     }
 }

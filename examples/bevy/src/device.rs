@@ -5,11 +5,11 @@ use bevy::render::renderer::{RenderAdapter, RenderAdapterInfo, RenderDevice, Ren
 use bevy::render::settings::RenderCreation;
 pub use embed_wgpu::Result;
 
-/// Marks, among Bevy's additional features, a device that has on all features that `ssct` needs.
+/// Marks, among Bevy's additional features, a device on which all features that `ssct` needs are on.
 pub struct SsctFeatures;
 
-/// Opens the fastest Vulkan device for Bevy's `RenderPlugin`. It has on all features that it supports and that wgpu
-/// does not call experimental, and those that `ssct` needs. `WGPU_VALIDATION=1` turns the validation layer on.
+/// Opens the fastest Vulkan device for Bevy's `RenderPlugin`. All features that it supports and that wgpu does not call
+/// experimental are turned on, and those that `ssct` needs. `WGPU_VALIDATION=1` turns the validation layer on.
 ///
 /// # Errors
 /// Says what failed: there is no device, or it lacks a feature.
@@ -33,7 +33,7 @@ pub fn render_creation() -> Result<RenderCreation> {
     ))
 }
 
-/// The features that Bevy turns on by itself, without those that wgpu calls experimental. Bevy, too, leaves
+/// Returns the features that Bevy turns on by itself, without those that wgpu calls experimental. Like Bevy, it leaves
 /// `MAPPABLE_PRIMARY_BUFFERS` off on discrete GPUs.
 fn features(adapter: &wgpu::Adapter) -> wgpu::Features {
     let mut features = adapter.features() - wgpu::Features::all_experimental_mask();

@@ -48,7 +48,7 @@ pub fn camera() -> Transform {
     Transform::from_xyz(0.0, 1.8, 5.2).looking_at(Vec3::new(0.0, 0.75, -2.0), Vec3::Y)
 }
 
-/// The pose of [`camera`] mirrored at the floor, from where the picture is upside down.
+/// The pose of [`camera`] mirrored at the floor. The picture from there is upside down.
 pub fn mirrored_camera() -> Transform {
     let upside_down = Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0));
     let Transform { translation, rotation, scale } = camera();
@@ -201,8 +201,9 @@ impl Sky {
     /// negated.
     fn cube(self) -> Image {
         const SIDE: u16 = 64;
+        // The coordinate, from -1 to 1, of the middle of a texel on its face, and the direction to a place on a face.
         let place = |index: u16| (2.0 * f32::from(index) + 1.0) / f32::from(SIDE) - 1.0;
-        let along = |face: u32, s: f32, t: f32| match face {
+        let direction = |face: u32, s: f32, t: f32| match face {
             0 => Vec3::new(1.0, -t, -s),
             1 => Vec3::new(-1.0, -t, s),
             2 => Vec3::new(s, 1.0, t),
@@ -212,7 +213,7 @@ impl Sky {
         };
         let texels = (0..6).flat_map(|face| (0..SIDE).flat_map(move |y| (0..SIDE).map(move |x| (face, x, y))));
         let data = texels.flat_map(|(face, x, y)| {
-            let color = self.color(along(face, place(x), place(y)) * Vec3::new(1.0, 1.0, -1.0));
+            let color = self.color(direction(face, place(x), place(y)) * Vec3::new(1.0, 1.0, -1.0));
             [color.x, color.y, color.z, 1.0].map(|channel| half::f16::from_f32(channel).to_le_bytes())
         });
         let size = Extent3d { width: SIDE.into(), height: SIDE.into(), depth_or_array_layers: 6 };
@@ -229,7 +230,7 @@ pub fn triangles(has_moved: bool) -> Vec<Triangle> {
     things(has_moved).into_iter().flat_map(of_thing).collect()
 }
 
-/// The triangles of an object in the world. There are none if its mesh lacks positions or texture coordinates.
+/// Returns the triangles of an object in the world; none if its mesh lacks positions or texture coordinates.
 fn of_thing(Thing { mesh, transform, colors }: Thing) -> Vec<Triangle> {
     let look = colors.map_or(Look::Mirror, |colors| {
         let bytes = texels(colors);

@@ -1,4 +1,4 @@
-//! Writes the images that the reflections read and made in a frame as 32-bit floats, for tests and to look for faults.
+//! Writes the images that the reflections of a frame read and made as 32-bit floats, for tests and to look for faults.
 
 use crate::device::Result;
 use crate::reflect::Reflecting;
@@ -8,8 +8,8 @@ use embed_wgpu::{bytes_of, copy_out, floats};
 use std::path::{Path, PathBuf};
 use wgpu::TextureFormat;
 
-/// Writes, after each frame of the camera, the images `depth`, `normal`, `material`, `color` and `reflection`, and the matrices
-/// `camera` (view to clip, and world to view) to this folder, each as a file of 32-bit floats.
+/// Makes the app write files of 32-bit floats to this folder after each frame of the camera: the images `depth`,
+/// `normal`, `material`, `color` and `reflection`, and the matrices `camera` (view to clip, and world to view).
 #[derive(Component, Clone)]
 pub struct KeepImages(pub PathBuf);
 
@@ -45,9 +45,9 @@ impl Pending {
         };
         let copies = images.iter().map(copy).collect();
         let state = wgpu::TextureUses::RESOURCE;
-        let back =
+        let transitions =
             images.iter().map(|(_, texture)| wgpu::TextureTransition { texture: *texture, selector: None, state });
-        encoder.transition_resources(std::iter::empty(), back);
+        encoder.transition_resources(std::iter::empty(), transitions);
         Self { folder: folder.into(), camera, copies }
     }
 
@@ -69,7 +69,7 @@ impl Pending {
     }
 }
 
-/// Waits for the images that cameras with [`KeepImages`] kept in this frame, and writes them.
+/// Waits for the copies of this frame's images that [`KeepImages`] asked for, and writes them.
 pub fn write(reflecting: Option<Res<Reflecting>>, device: Res<RenderDevice>) {
     for pending in reflecting.iter().flat_map(|reflecting| reflecting.take_pending()) {
         if let Err(why) = pending.write(device.wgpu_device()) {

@@ -67,8 +67,8 @@ impl Default for SsctReflections {
 }
 
 impl SsctReflections {
-    /// Returns the settings for the world's meshes. A lit surface has its exact colour on the screen alone, an unlit
-    /// one on its mesh too. If no mesh is lit, hits therefore take the colours of the meshes.
+    /// Returns the settings for a world. The colour of a mesh is exact if the mesh is unlit; of a lit mesh, only the
+    /// screen shows the exact colour. So if no mesh is lit, hits take the colours of the meshes.
     fn seeing(&self, world: &WorldMeshes) -> Self {
         let mut settings = self.clone();
         let is_chosen = settings.parameters.iter().any(|(name, _)| name.replace('_', "-") == "hit-color");
@@ -79,8 +79,8 @@ impl SsctReflections {
     }
 }
 
-/// Draws the reflections of cameras with [`SsctReflections`]. Bevy's `RenderPlugin` must draw with [`render_creation`].
-/// With the plugin, all opaque materials are drawn deferred, and every camera gets the prepasses that show them.
+/// Draws the reflections of cameras with [`SsctReflections`]. Bevy's `RenderPlugin` must use [`render_creation`]. With
+/// this plugin, all opaque materials are drawn deferred, and every 3D camera gets the prepasses that show them.
 #[derive(Default)]
 pub struct SsctPlugin;
 

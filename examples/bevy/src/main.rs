@@ -1,5 +1,5 @@
-//! A hall with a mirror for a floor, drawn by Bevy without a window, with reflections by `ssct` or by Bevy itself, beside the
-//! truth.
+//! Draws a hall with a mirror for a floor, by Bevy and without a window, with reflections by `ssct` or by Bevy itself,
+//! and compares it with the truth.
 //!
 //! ```sh
 //! cargo run -- out.png [OPTION…]
@@ -16,8 +16,8 @@
 //! #   --sky even|colorful|none                             the environment map, and the light that it has from where
 //! ```
 //!
-//! It writes a line of figures: the error of mirrors against the truth, the share of them that show the right
-//! place, and how long the reflections took.
+//! It prints a line of figures: the error of the mirror's pixels against the truth, the share of them that show the
+//! right place, and how long the reflections took.
 
 mod hall;
 
@@ -52,7 +52,7 @@ struct Options {
     mirror: Option<PathBuf>,
 }
 
-/// The bytes of the last picture that was read back: RGBA, 16-bit floats.
+/// The bytes of the last picture that was read back, which are RGBA of 16-bit floats.
 #[derive(Resource, Default)]
 struct Shown(Vec<u8>);
 
@@ -60,7 +60,7 @@ fn main() -> Result<()> {
     let options = options()?;
     let mut app = app(&options)?;
     let camera = set_up(&mut app, &options)?;
-    let took = run(&mut app, camera, &options)?;
+    let [median_ms, least_ms] = run(&mut app, camera, &options)?;
     let [width, height] = options.size;
     let mut shown = colors(&app.world().resource::<Shown>().0);
     if options.hall.is_mirrored {
@@ -95,8 +95,8 @@ fn main() -> Result<()> {
         figures.right,
         figures.sky_rmse,
         figures.others_rmse,
-        took[0],
-        took[1]
+        median_ms,
+        least_ms
     );
     Ok(())
 }
@@ -192,7 +192,7 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
         if options.hall.is_mirrored { hall::mirrored_camera() } else { hall::camera() },
     );
     let camera = world.spawn(camera).id();
-    let own = ScreenSpaceReflections { min_perceptual_roughness: 0.0..0.0, ..default() };
+    let bevys = ScreenSpaceReflections { min_perceptual_roughness: 0.0..0.0, ..default() };
     let ours = SsctReflections::default();
     let mut entity = world.entity_mut(camera);
     if let Some(sky) = sky {
@@ -211,8 +211,8 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
         "history" => entity.insert(SsctReflections { history: true, ..ours }),
         // The app has the plugin, but the camera lacks the component.
         "off" => &mut entity,
-        "bevy" => entity.insert(own),
-        "bevy-steps" => entity.insert(ScreenSpaceReflections { linear_steps: 100, bisection_steps: 8, ..own }),
+        "bevy" => entity.insert(bevys),
+        "bevy-steps" => entity.insert(ScreenSpaceReflections { linear_steps: 100, bisection_steps: 8, ..bevys }),
         "nothing" => {
             entity.insert((bevy::core_pipeline::prepass::DepthPrepass, bevy::core_pipeline::prepass::DeferredPrepass))
         }
@@ -228,6 +228,7 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
 fn run(app: &mut App, camera: Entity, options: &Options) -> Result<[f64; 2]> {
     app.finish();
     app.cleanup();
+    // The ball moves after half of the frames.
     let half = options.frames / 2;
     for frame in 0..options.frames + 2 {
         if frame == half && options.has_moved {
@@ -245,12 +246,13 @@ fn run(app: &mut App, camera: Entity, options: &Options) -> Result<[f64; 2]> {
     let name = if options.with.starts_with("bevy") { "ssr" } else { "ssct" };
     let path = DiagnosticPath::new(format!("render/{name}/elapsed_gpu"));
     let diagnostics = app.world().resource::<DiagnosticsStore>();
+    // The first three times do not count.
     let mut times: Vec<f64> = diagnostics.get(&path).map_or_else(Vec::new, |d| d.values().skip(3).copied().collect());
     times.sort_by(f64::total_cmp);
     Ok([times.len() / 2, 0].map(|index| times.get(index).copied().unwrap_or_default()))
 }
 
-/// The linear colours of RGBA texels of 16-bit floats.
+/// Returns the linear colours of RGBA texels of 16-bit floats.
 fn colors(halves: &[u8]) -> Vec<Vec3> {
     let channel =
         |bytes: &[u8], index: usize| half::f16::from_ne_bytes([bytes[2 * index], bytes[2 * index + 1]]).to_f32();
@@ -295,6 +297,7 @@ struct Figures {
 }
 
 impl Figures {
+    /// Compares the colours of a picture with the truth, pixel by pixel.
     fn compare(shown: &[Vec3], truth: &[(Vec3, Seen)]) -> Self {
         let errors = |condition: fn(Seen) -> bool| -> Vec<Vec3> {
             let pixels = shown.iter().zip(truth).filter(|(_, (_, seen))| condition(*seen));

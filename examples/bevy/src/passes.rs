@@ -1,4 +1,4 @@
-//! The render passes before and after the reflections, in wgpu, and the textures that they draw to.
+//! Makes and draws the render passes before and after the reflections, in wgpu, and the textures that they draw to.
 
 use embed_wgpu::{HALF, Result, description};
 use wgpu::{TextureFormat, TextureUsages as U};
@@ -50,6 +50,7 @@ pub struct Passes {
 }
 
 impl Passes {
+    /// Makes the pipelines on a device.
     pub fn new(device: &wgpu::Device) -> Self {
         let module = device.create_shader_module(wgpu::include_wgsl!("passes.wgsl"));
         let pipeline = |fragment, colors: &[TextureFormat]| pipeline(device, &module, fragment, colors);
@@ -101,8 +102,8 @@ fn pipeline(
 }
 
 impl Passes {
-    /// Draws the environment map into a cube map that is looked up by directions of the world. `bindings` are those of
-    /// the pass "face".
+    /// Draws the environment map into a new cube map, which is looked up by directions of the world. `bindings` are
+    /// those of the pass "face", and `side` is the number of texels along a side.
     pub fn sky(
         &self,
         device: &wgpu::Device,

@@ -1,5 +1,6 @@
-// The passes before and after the reflections. They unpack Bevy's deferred G-buffer, draw the environment map as a cube
-// in the layout of Vulkan, add the reflected light to the lit colour, and copy depth for the component `KeepImages`.
+// The passes before and after the reflections: `inputs` unpacks Bevy's deferred G-buffer, `face` draws the environment map
+// as a cube in the layout of Vulkan, `add` adds the reflected light to the lit colour, and `depth` copies depth for the
+// component `KeepImages`.
 
 struct View {
     world_from_clip: mat4x4f,
@@ -44,18 +45,19 @@ fn surface_at(pixel: vec2i) -> Surface {
     let is_unlit = (packed.a >> 24u & 1u) != 0u;
     let f0 = mix(vec3f(0.16 * more.r * more.r), pow(base.rgb, vec3f(2.2)), more.g);
     let reflects = !is_unlit && depth > 0.0;
+    // Two numbers of 12 bits are the normal's place on the octahedron.
     let place = vec2f(vec2u(packed.a, packed.a >> 12u) & vec2u(0xfffu)) / 4095.0;
     return Surface(select(vec3f(0.0), f0, reflects), base.a, from_octahedron(2.0 * place - 1.0), depth);
 }
 
-// The unit vector of a place on the unfolded octahedron, whose coordinates are from -1 to 1.
+// Returns the unit vector for a place on the unfolded octahedron, whose coordinates are from -1 to 1.
 fn from_octahedron(place: vec2f) -> vec3f {
     let up = 1.0 - abs(place.x) - abs(place.y);
     let folded = place - clamp(-up, 0.0, 1.0) * select(vec2f(-1.0), vec2f(1.0), place >= vec2f(0.0));
     return normalize(vec3f(folded, up));
 }
 
-// The share of the traced reflection that is shown at a roughness: 1 below the range of the fade, 0 above it.
+// Returns the share of the traced reflection that is shown at a roughness: 1 below the range of the fade, 0 above it.
 fn shown(perceptual_roughness: f32) -> f32 {
     return 1.0 - smoothstep(view.fade.x, max(view.fade.y, view.fade.x + 1e-4), perceptual_roughness);
 }
@@ -86,13 +88,13 @@ fn inputs(@builtin(position) position: vec4f) -> Inputs {
     return Inputs(vec4f(normal, 0.0), vec4f(select(0.0, reflectivity, is_seen), roughness, 0.0, 0.0));
 }
 
-// The direction rotated by a unit quaternion.
+// Returns a direction, rotated by a unit quaternion.
 fn turned(direction: vec3f, quaternion: vec4f) -> vec3f {
     let across = 2.0 * cross(quaternion.xyz, direction);
     return direction + quaternion.w * across + cross(quaternion.xyz, across);
 }
 
-// The light of the environment map from a direction of the world, at a mip level. Bevy looks cube maps up with z
+// Returns the light of the environment map from a direction of the world, at a mip level. Bevy looks cube maps up with z
 // negated.
 fn environment(direction: vec3f, level: f32) -> vec3f {
     let along = turned(direction, view.environment) * vec3f(1.0, 1.0, -1.0);
@@ -117,8 +119,8 @@ fn face(corner: Corner) -> @location(0) vec4f {
     return vec4f(environment(direction, 0.0), 1.0);
 }
 
-// Adds the reflected light to the lit colour. Where the rays found none, or the surface is too rough, the
-// environment map is reflected.
+// Adds the reflected light to the lit colour. Where the rays found no light, or the surface is too rough, the environment
+// map is reflected.
 @fragment
 fn add(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2i(position.xy);
@@ -138,8 +140,8 @@ fn add(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(lit.rgb + light * reflected_share(surface, facing), lit.a);
 }
 
-// The share of light that a lobe reflects, by the fit that Bevy uses for environment maps (Karis, "Physically Based
-// Shading on Mobile").
+// Returns the share of light that a lobe reflects, by the fit that Bevy uses for environment maps (Karis, "Physically
+// Based Shading on Mobile"). `facing` is the cosine between the normal and the direction to the eye.
 fn reflected_share(surface: Surface, facing: f32) -> vec3f {
     let r = surface.perceptual_roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
     let a = min(r.x * r.x, exp2(-9.28 * facing)) * r.x + r.y;

@@ -53,7 +53,7 @@ type Lit = (
     Option<&'static KeepImages>,
 );
 
-/// Hands cameras with reflections to the render world, with settings of Bevy's own reflections. While those are on,
+/// Hands cameras with reflections to the render world. Each also gets settings of Bevy's own reflections: with these,
 /// Bevy's lighting leaves out the specular part of the environment map, which the pass "add" adds instead.
 pub fn extract(mut commands: Commands, cameras: Extract<Query<Lit, With<Camera>>>, before: Query<(), With<Reflected>>) {
     for (entity, settings, light, exposure, keep) in &cameras {
@@ -188,8 +188,8 @@ pub fn begin(reflecting: Option<Res<Reflecting>>, queue: Res<RenderQueue>, camer
     let Some(reflecting) = reflecting else { return };
     let mut state = lock(&reflecting.state);
     let State { views, retired, frame, .. } = &mut *state;
-    let gone: Vec<_> = views.extract_if(|camera, _| !cameras.contains(*camera)).collect();
-    retired.extend(gone.into_iter().map(|(_, view)| (*frame, Box::new(view) as _)));
+    let ended: Vec<_> = views.extract_if(|camera, _| !cameras.contains(*camera)).collect();
+    retired.extend(ended.into_iter().map(|(_, view)| (*frame, Box::new(view) as _)));
     state.frame += 1;
     let (done, frame) = (reflecting.done.clone(), state.frame);
     queue.on_submitted_work_done(move || {
@@ -202,7 +202,7 @@ pub fn begin(reflecting: Option<Res<Reflecting>>, queue: Res<RenderQueue>, camer
 /// The components of a camera that [`reflect`] reads.
 type Drawn = (&'static Reflected, &'static ExtractedView, &'static ViewTarget, &'static ViewPrepassTextures);
 
-/// Adds the reflected light to the lit colour of a camera's picture.
+/// Records the reflections of a camera, and adds the reflected light to the lit colour of its picture.
 pub fn reflect(
     view: ViewQuery<Drawn>,
     reflecting: Option<Res<Reflecting>>,
@@ -269,30 +269,30 @@ impl Frame<'_> {
         let span = diagnostics.time_span(encoder, "ssct");
         write_block(device, encoder, &viewed.view, &block);
         let bound_view = (0, viewed.view.as_entire_binding());
-        let of_gbuffer = [
+        let gbuffer_bindings = [
             bound_view.clone(),
             (1, wgpu::BindingResource::TextureView(depth_view)),
             (2, wgpu::BindingResource::TextureView(deferred)),
         ];
         let targets = [&viewed.normal.view, &viewed.material.view];
-        draw(device, encoder, &passes.inputs, &of_gbuffer, &targets, 0);
+        draw(device, encoder, &passes.inputs, &gbuffer_bindings, &targets, 0);
         let map = environment.map_or(&passes.nothing.view, |(_, image)| &*image.texture_view);
         let bound_map = (5, wgpu::BindingResource::TextureView(map));
         let bound_sampler = (6, wgpu::BindingResource::Sampler(&passes.sampler));
         let bindings = [bound_view.clone(), bound_map.clone(), bound_sampler.clone()];
         viewed.sky = match (viewed.sky.take(), environment) {
-            (Some((source, sky)), Some((is, _))) if source == is => Some((source, sky)),
-            (_, Some((is, image))) => Some((is, passes.sky(device, encoder, &bindings, image.texture.width()))),
+            (Some((source, sky)), Some((current, _))) if source == current => Some((source, sky)),
+            (_, Some((new, image))) => Some((new, passes.sky(device, encoder, &bindings, image.texture.width()))),
             (_, None) => None,
         };
 
         // The pass "add" reads the lit colour from one texture of the target, and writes the sum to the other.
         let written = self.target.post_process_write();
         let (lit, lit_view) = (&**written.source_texture, &**written.source);
-        let read = [&*depth.texture.texture, &viewed.normal.texture, &viewed.material.texture, lit];
-        let read = read.into_iter().chain(viewed.sky.as_ref().map(|(_, sky)| &sky.texture));
+        let inputs = [&*depth.texture.texture, &viewed.normal.texture, &viewed.material.texture, lit];
+        let inputs = inputs.into_iter().chain(viewed.sky.as_ref().map(|(_, sky)| &sky.texture));
         let state = wgpu::TextureUses::RESOURCE;
-        let transitions = read.map(|texture| wgpu::TextureTransition { texture, selector: None, state });
+        let transitions = inputs.map(|texture| wgpu::TextureTransition { texture, selector: None, state });
         encoder.transition_resources(std::iter::empty(), transitions);
 
         let sampled = (&*depth.texture.texture, &**depth_view);
@@ -311,7 +311,7 @@ impl Frame<'_> {
         ctx.add_command_buffer(raw.finish());
 
         let encoder = ctx.command_encoder();
-        let [view, depth_buffer, deferred_buffer] = of_gbuffer;
+        let [view, depth_buffer, deferred_buffer] = gbuffer_bindings;
         let bindings = [
             view.clone(),
             depth_buffer.clone(),
@@ -406,6 +406,7 @@ impl Frame<'_> {
 }
 
 impl Viewed {
+    /// Makes the reflections of a camera with `settings`, for pictures of `extent` pixels.
     fn new(
         context: &ssct::Context,
         device: &wgpu::Device,
@@ -443,7 +444,7 @@ impl Viewed {
         })
     }
 
-    /// Returns the slot for a frame, after it has waited until the device is done with the last frame in that slot.
+    /// Returns the slot for a frame. Waits first until the device is done with the last frame that used this slot.
     fn slot(&mut self, frame: u64, done: &AtomicU64, device: &wgpu::Device) -> Result<usize> {
         let slot = self.next;
         self.next = (slot + 1) % FRAMES_IN_FLIGHT;
@@ -462,8 +463,8 @@ impl Reflecting {
     }
 }
 
-/// Calls `record` with the Vulkan command buffer of `encoder`, into which wgpu itself has recorded nothing. The caller
-/// must bring the textures that `record` reads into the right state before, since wgpu does not see that they are read.
+/// Calls `record` with the Vulkan command buffer of `encoder`, into which wgpu itself has recorded nothing. wgpu does
+/// not see which textures `record` reads, so the caller must bring these into the right state before.
 ///
 /// # Safety
 /// The caller must keep the contract of the function of `ssct` that `record` calls.
@@ -486,7 +487,7 @@ fn write_block(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, to: &w
     encoder.copy_buffer_to_buffer(&from, 0, to, 0, View::BYTES);
 }
 
-/// Locks a mutex, also after a thread that held it panicked.
+/// Locks a mutex, even if a thread panicked that held it.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

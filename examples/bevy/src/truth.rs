@@ -47,8 +47,8 @@ pub enum Seen {
     MirroredSky,
 }
 
-/// Draws the picture: the linear colour of each pixel, and what gives it that colour. `sky` returns the light that
-/// comes from a direction of the world.
+/// Draws a picture, row by row: the linear colour of each pixel, and what gives it that colour. `sky` returns the light
+/// that comes from a direction of the world. The matrices are those of the camera, with z towards the viewer.
 pub fn picture(
     triangles: &[Triangle],
     sky: impl Fn(Vec3) -> Vec3 + Sync,
@@ -70,10 +70,12 @@ pub fn picture(
         let normal = first.triangle.normal();
         let start = eye + first.distance * direction;
         let mirrored = direction - 2.0 * direction.dot(normal) * normal;
+        // The reflected ray begins a little off the mirror, so that it does not hit the mirror itself.
         let start = start + 1e-4 * normal * mirrored.dot(normal).signum();
-        let met = nearest(triangles, start, mirrored);
-        met.map_or_else(|| (sky(mirrored), Seen::MirroredSky), |met| (met.color(), Seen::Mirrored))
+        let hit = nearest(triangles, start, mirrored);
+        hit.map_or_else(|| (sky(mirrored), Seen::MirroredSky), |hit| (hit.color(), Seen::Mirrored))
     };
+    // The pixels are divided into as many parts as the processor runs threads.
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let (all, part) = (width * height, (width * height).div_ceil(threads));
     let pixel = &pixel;
@@ -86,21 +88,21 @@ pub fn picture(
     })
 }
 
-/// The nearest hit of a ray, by the method of Möller and Trumbore (1997); `None` if it misses every triangle.
+/// Returns the nearest hit of a ray, by the method of Möller and Trumbore (1997); `None` if it misses every triangle.
 fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<RayHit<'_>> {
     let mut best: Option<RayHit> = None;
     for triangle in triangles {
         let [a, b, c] = triangle.corners;
-        let (along, across) = (b - a, c - a);
-        let normal = direction.cross(across);
-        let determinant = along.dot(normal);
-        let from = origin - a;
-        let u = from.dot(normal) / determinant;
-        let turned = from.cross(along);
-        let v = direction.dot(turned) / determinant;
-        let distance = across.dot(turned) / determinant;
-        let is_met = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
-        if is_met && best.as_ref().is_none_or(|best| distance < best.distance) {
+        let (edge_ab, edge_ac) = (b - a, c - a);
+        let p = direction.cross(edge_ac);
+        let determinant = edge_ab.dot(p);
+        let from_a = origin - a;
+        let u = from_a.dot(p) / determinant;
+        let q = from_a.cross(edge_ab);
+        let v = direction.dot(q) / determinant;
+        let distance = edge_ac.dot(q) / determinant;
+        let is_hit = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
+        if is_hit && best.as_ref().is_none_or(|best| distance < best.distance) {
             best = Some(RayHit { distance, weights: Vec3::new(1.0 - u - v, u, v), triangle });
         }
     }
@@ -131,16 +133,16 @@ impl RayHit<'_> {
 }
 
 impl Texture {
-    /// The colour at texture coordinates.
+    /// The colour at texture coordinates, interpolated between the four nearest texels.
     fn color_at(&self, place: Vec2) -> Vec3 {
         let size = Vec2::new(self.width as f32, self.height as f32);
         let position = (place - place.floor()) * size - 0.5;
-        let (low, part) = (position.floor(), position - position.floor());
+        let (low, weight) = (position.floor(), position - position.floor());
         let texel = |x: f32, y: f32| {
             let wrapped = Vec2::new(x, y).rem_euclid(size);
             self.texels[wrapped.y as usize * self.width + wrapped.x as usize]
         };
-        let row = |y: f32| texel(low.x, y).lerp(texel(low.x + 1.0, y), part.x);
-        row(low.y).lerp(row(low.y + 1.0), part.y)
+        let row = |y: f32| texel(low.x, y).lerp(texel(low.x + 1.0, y), weight.x);
+        row(low.y).lerp(row(low.y + 1.0), weight.y)
     }
 }

@@ -1,5 +1,5 @@
-//! Gathers the world's meshes as triangles, each with the light that comes from it. They are gathered anew when
-//! something changed, and the render world builds a tree over them.
+//! Gathers the world's meshes as triangles, each with the light that comes from its surface. The meshes are gathered
+//! anew when one of them changes, and the render world then builds a tree over their triangles.
 
 use crate::device::Result;
 use bevy::asset::AssetEvent;
@@ -13,8 +13,11 @@ use wgpu::TextureFormat;
 
 /// A mesh with its place in the world.
 pub struct WorldMesh {
+    /// The vertices' positions in the space of the mesh.
     positions: Vec<[f32; 3]>,
+    /// Three vertices for each triangle.
     indices: Vec<u32>,
+    /// The matrix from the space of the mesh to the world, column by column.
     mesh_to_world: [f32; 16],
     /// The linear light that leaves the surface; a factor on the texture if there is one.
     color: [f32; 3],
@@ -29,13 +32,15 @@ pub struct WorldImage {
     rgba: Vec<u8>,
 }
 
-/// The meshes of the main world; `changes` counts how often they were gathered.
+/// The meshes of the main world.
 #[derive(Resource, Clone, Default)]
 pub struct WorldMeshes {
+    /// How often the meshes were gathered.
     pub changes: u64,
     pub meshes: Arc<Vec<WorldMesh>>,
+    /// The images of base colours that the meshes use.
     pub images: Arc<Vec<WorldImage>>,
-    /// True if lights shine on any of the meshes, whose colour here is a guess then.
+    /// True if lights shine on any of the meshes. The colour of such a mesh here is a guess.
     pub is_lit: bool,
 }
 
@@ -61,7 +66,7 @@ type Drawn = (
     &'static GlobalTransform,
     Option<&'static InheritedVisibility>,
 );
-/// Matches an entity of which one of the components that [`gather`] reads changed.
+/// Matches an entity if one of the components that [`gather`] reads has changed.
 type Changed3d = Or<(
     Changed<Mesh3d>,
     Changed<MeshMaterial3d<StandardMaterial>>,
@@ -69,7 +74,9 @@ type Changed3d = Or<(
     Changed<InheritedVisibility>,
 )>;
 
+/// Matches the entities whose change makes [`gather`] gather all meshes anew.
 type ChangedMeshes = (With<MeshMaterial3d<StandardMaterial>>, Without<NotReflected>, Changed3d);
+/// Readers of the changes of meshes, materials and images.
 type AssetEvents<'w, 's> = (
     MessageReader<'w, 's, AssetEvent<Mesh>>,
     MessageReader<'w, 's, AssetEvent<StandardMaterial>>,
@@ -88,19 +95,19 @@ pub fn gather(
     meshes: Res<Assets<Mesh>>,
     (materials, images): (Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
 ) {
-    let of_assets = mesh_events.read().count() + material_events.read().count() + image_events.read().count();
-    if changed.is_empty() && removed.read().count() == 0 && of_assets == 0 && !light.is_changed() {
+    let asset_changes = mesh_events.read().count() + material_events.read().count() + image_events.read().count();
+    if changed.is_empty() && removed.read().count() == 0 && asset_changes == 0 && !light.is_changed() {
         return;
     }
-    let mut taken = GatheredMeshes { light: light.0, ..default() };
+    let mut gathered = GatheredMeshes { light: light.0, ..default() };
     for (mesh, material, transform, visible) in &drawn {
         let (Some(mesh), Some(material)) = (meshes.get(&mesh.0), materials.get(&material.0)) else { continue };
         if visible.is_none_or(|visible| visible.get()) {
-            taken.add(mesh, material, transform, &images);
+            gathered.add(mesh, material, transform, &images);
         }
     }
     let changes = world.changes + 1;
-    let GatheredMeshes { meshes, images, is_lit, .. } = taken;
+    let GatheredMeshes { meshes, images, is_lit, .. } = gathered;
     *world = WorldMeshes { changes, meshes: Arc::new(meshes), images: Arc::new(images), is_lit };
 }
 
@@ -114,6 +121,7 @@ pub fn extract(main: Extract<Res<WorldMeshes>>, mut world: ResMut<WorldMeshes>) 
 /// The meshes and images that [`gather`] has found so far.
 #[derive(Default)]
 struct GatheredMeshes {
+    /// The factor on the base colour of lit surfaces.
     light: LinearRgba,
     meshes: Vec<WorldMesh>,
     images: Vec<WorldImage>,
@@ -123,7 +131,8 @@ struct GatheredMeshes {
 }
 
 impl GatheredMeshes {
-    /// Adds a mesh. Leaves it out if it is no triangle list, or if its vertices are in the render world alone.
+    /// Adds a mesh with its material and its place. A mesh that is no triangle list, or whose vertices are only in the
+    /// render world, is left out.
     fn add(&mut self, mesh: &Mesh, material: &StandardMaterial, transform: &GlobalTransform, images: &Assets<Image>) {
         let Ok(VertexAttributeValues::Float32x3(positions)) = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) else {
             return;
@@ -142,7 +151,7 @@ impl GatheredMeshes {
         let emitted = if material.unlit { LinearRgba::BLACK } else { material.emissive };
         self.is_lit |= !material.unlit && material.metallic < 1.0;
         let texture = material.base_color_texture.as_ref().and_then(|image| self.image(image.id(), images));
-        let texture = texture.and_then(|place| Some((place, places_on(mesh, material)?)));
+        let texture = texture.and_then(|index| Some((index, places_on(mesh, material)?)));
         let channel = |base: f32, light: f32, emitted: f32| (base * light + emitted).max(0.0);
         self.meshes.push(WorldMesh {
             positions: positions.clone(),
@@ -157,7 +166,8 @@ impl GatheredMeshes {
         });
     }
 
-    /// The index of an image in `images`, which it is added to first. `None` if it is not loaded or in another format.
+    /// Returns the index of an asset in `self.images`, to which it is added if it is new. `None` if it is not loaded,
+    /// or if it has a format that `ssct` cannot look up.
     fn image(&mut self, id: AssetId<Image>, images: &Assets<Image>) -> Option<usize> {
         let image = images.get(id)?;
         let next = self.images.len();
@@ -175,7 +185,7 @@ impl GatheredMeshes {
     }
 }
 
-/// The texture coordinates of the vertices on the image of base colours; `None` if the mesh has none.
+/// Returns the texture coordinates of a mesh's vertices on the image of base colours; `None` if the mesh has none.
 fn places_on(mesh: &Mesh, material: &StandardMaterial) -> Option<Vec<[f32; 2]>> {
     match mesh.try_attribute(Mesh::ATTRIBUTE_UV_0) {
         Ok(VertexAttributeValues::Float32x2(places)) => {
@@ -198,12 +208,14 @@ impl WorldMeshes {
 }
 
 impl WorldImage {
+    /// The image as `ssct` takes it.
     fn texture(&self) -> ssct::HitTexture<'_> {
         ssct::HitTexture { extent: self.extent, is_srgb: self.is_srgb, texels: &self.rgba }
     }
 }
 
 impl WorldMesh {
+    /// The mesh as `ssct` takes it.
     fn triangles(&self) -> ssct::TriangleMesh<'_> {
         let Self { positions, indices, mesh_to_world, color, texture } = self;
         let texture = texture.as_ref().map(|(number, places)| ssct::MeshTexture { number: *number, places });

@@ -18,19 +18,19 @@ fn folder(name: &str) -> PathBuf {
 }
 
 /// Runs the example, and returns its line of figures. wgpu turns the validation layer on, with its checks of
-/// synchronization. The loader's variable names the layer too, so that the example fails where the layer is not
-/// installed.
+/// synchronization. The variable of Vulkan's loader names the layer, too, so that the example fails where the layer is
+/// not installed.
 fn example(folder: &Path, arguments: &[&str]) -> String {
     let mut example = Command::new(env!("CARGO_BIN_EXE_embed-bevy"));
     example.args(["--size", "320x180", "--frames", "8"]).args(arguments).current_dir(folder);
     let output = run(example.env("WGPU_VALIDATION", "1").env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation"));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(!said.contains("ERROR") && !said.contains("VUID"), "{said}");
-    let line = said.lines().find(|line| line.starts_with('{'));
-    line.unwrap_or_else(|| panic!("no figures: {said}")).to_string()
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(!printed.contains("ERROR") && !printed.contains("VUID"), "{printed}");
+    let line = printed.lines().find(|line| line.starts_with('{'));
+    line.unwrap_or_else(|| panic!("no figures: {printed}")).to_string()
 }
 
-/// The value after a name in a line of figures, as text without quotes.
+/// Returns the value after a name in a line of figures, as text without quotes.
 fn figure<'a>(line: &'a str, name: &str) -> &'a str {
     let (_, rest) = line.split_once(&format!("\"{name}\": ")).unwrap_or_else(|| panic!("no {name}: {line}"));
     match rest.strip_prefix('"') {
@@ -71,9 +71,9 @@ fn mirrors_show_the_world_and_what_moved_in_it() {
         line
     });
     let bevy = example(&folder, &["out.png", "--with", "bevy"]);
-    // A history shows two images in turn.
+    // With a history, the reflections write two images in turn; both must be shown without an error.
     example(&folder, &["out.png", "--with", "history", "--roughness", "0.25"]);
-    // A camera beside those with the component still shows all that does not reflect.
+    // With the plugin, a camera without the component still shows all surfaces that do not reflect.
     let off = example(&folder, &["out.png", "--with", "off"]);
     assert!(number(&off, "others_rmse") < 0.05, "{off}");
     for line in [still, moved] {

@@ -12,7 +12,7 @@ shared uint reflects;
 void main() {
     if (gl_LocalInvocationIndex == 0u) {
         reflects = 0u;
-        // Every workgroup writes the same two numbers, so that their order does not matter.
+        // Every workgroup writes the same two numbers, so it does not matter which of them writes last.
         count.y = 1u;
         count.z = 1u;
     }

@@ -21,13 +21,13 @@ layout(std140, binding = 8) uniform Frame {
     float thickness;      // of a surface, as a part of its reversed depth
 } f;
 
-// The view-space position at texture coordinates and a reversed depth.
+// Returns the view-space position at texture coordinates and a reversed depth.
 vec3 View(vec2 uv, float z) {
     vec4 h = f.clip_to_view * vec4(uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0), z, 1.0);
     return h.xyz / h.w;
 }
 
-// Texture coordinates and reversed depth of a position in clip space.
+// Returns the texture coordinates and the reversed depth of a position in clip space.
 vec3 Screen(vec4 clip) {
     vec3 ndc = clip.xyz / clip.w;
     return vec3(ndc.xy * vec2(0.5, -0.5) + 0.5, ndc.z);
@@ -54,7 +54,7 @@ void main() {
     float c = mix(1.0, cos(0.5 * surface.g), u.x), s = sqrt(max(0.0, 1.0 - c * c));
     vec3 t = normalize(abs(along.y) < 0.9 ? cross(along, vec3(0, 1, 0)) : cross(along, vec3(1, 0, 0)));
     along = along * c + (t * cos(6.2831853 * u.y) + cross(along, t) * sin(6.2831853 * u.y)) * s;
-    // The start lies off the surface by 0.003 of its depth, so that the ray does not hit the pixel that it starts from.
+    // The ray starts off the surface, by 0.003 of its depth, so that it does not hit the pixel from which it starts.
     place += normalize(normal) * place.z * 0.003;
 
     // The ray is a straight line in texture coordinates and depth. Its unit is one pixel along the longer side.
@@ -69,7 +69,7 @@ void main() {
         vec3 p = from + line * distance_px;
         if (any(lessThan(p.xy, vec2(0.0))) || any(greaterThanEqual(p.xy, vec2(1.0))) || p.z <= 0.0)
             return;
-        // `way` is the distance to the side of the cell by which the ray leaves.
+        // `way` is the distance, in the unit of `line`, to the side of the cell through which the ray leaves it.
         vec2 q = p.xy * f.size;
         ivec2 cell = ivec2(q) >> level;
         vec2 side = (vec2(cell) + step(vec2(0.0), pixels)) * float(1 << level);

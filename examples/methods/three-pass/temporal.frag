@@ -1,6 +1,6 @@
 #version 460
-// Averages the rays of this frame with the history. The motion vector says where the surface of the pixel was in the
-// history. The colour from there is clamped to the spread of the colours around the pixel now.
+// Averages the rays of this frame with the history. The motion vector says where the pixel's surface was in the frame
+// before. The history's colour there is clamped to the spread of this frame's colours around the pixel.
 layout(binding = 0) uniform sampler2D rays;
 layout(binding = 1) uniform sampler2D before;
 layout(binding = 2) uniform sampler2D motion;

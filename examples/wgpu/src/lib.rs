@@ -11,10 +11,11 @@ pub const HALF: TextureFormat = TextureFormat::Rgba16Float;
 /// The error message if wgpu runs on another backend.
 pub const NO_VULKAN: &str = "wgpu runs on something else than Vulkan";
 
+/// The result of functions that can fail.
 pub type Result<T> = std::result::Result<T, Box<dyn Error + Send + Sync>>;
 
-/// Returns a Vulkan instance, and its adapter for the highest performance. `WGPU_VALIDATION=1` turns the validation
-/// layer on.
+/// Makes a Vulkan instance; returns it with its fastest adapter. The environment variable `WGPU_VALIDATION=1` turns the
+/// validation layer on.
 ///
 /// # Errors
 /// Says that there is no Vulkan adapter.
@@ -64,6 +65,7 @@ pub fn open(
             .push_next(&mut host_query_reset)
             .push_next(&mut dynamic_rendering)
             .push_next(&mut synchronization2);
+        // wgpu's structure for `maintenance4` is found in the chain, and turned on.
         let mut next = info.p_next.cast_mut().cast::<vk::BaseOutStructure>();
         while !next.is_null() {
             if (*next).s_type == vk::StructureType::PHYSICAL_DEVICE_MAINTENANCE_4_FEATURES {
@@ -78,8 +80,9 @@ pub fn open(
     }
 }
 
-/// The features that [`open`] turns on, of which `of_wgpu` are those of Vulkan 1.0 that wgpu turns on. The list has no
-/// feature that is off, since `Context::new` checks it for the features that it needs.
+/// Returns the features that [`open`] turns on: `of_wgpu`, the features of Vulkan 1.0 that wgpu turns on, and those
+/// that `ssct` needs. Every feature in the list must be on, since `Context::new` checks by this list that it has what
+/// it needs.
 fn enabled_features(of_wgpu: vk::PhysicalDeviceFeatures) -> ssct::EnabledFeatures {
     let mut wanted = ssct::EnabledFeatures { core: of_wgpu, ..Default::default() };
     ssct::enable_features(&mut wanted.core, &mut wanted.vulkan12, &mut wanted.vulkan13);
@@ -93,7 +96,8 @@ fn enabled_features(of_wgpu: vk::PhysicalDeviceFeatures) -> ssct::EnabledFeature
     }
 }
 
-/// The handles from which `ssct` makes its context on a device. [`open`] must have made it with the same `features`.
+/// Returns the handles from which `ssct` makes its context on a device. [`open`] must have made the device with the
+/// same `features`.
 ///
 /// # Errors
 /// Says that wgpu does not run on Vulkan.
@@ -122,7 +126,7 @@ pub fn handles(
     })
 }
 
-/// Layout, stages and access of a texture in wgpu's state `RESOURCE`, in which wgpu samples it.
+/// Returns layout, stages and access of a texture in wgpu's state `RESOURCE`, in which wgpu samples textures.
 pub fn resource(format: TextureFormat) -> ssct::ImageUse {
     use vk::{ImageLayout as L, PipelineStageFlags2 as S};
     let is_depth = format.is_depth_stencil_format();
@@ -133,7 +137,8 @@ pub fn resource(format: TextureFormat) -> ssct::ImageUse {
     }
 }
 
-/// Describes a texture of wgpu, of one layer or a cube, as an input. It is in the state `RESOURCE` before and after.
+/// Describes a texture of wgpu, of one layer or a cube, as an input of `ssct`. The texture must be in the state
+/// `RESOURCE` before the reflections, and is in this state after them.
 ///
 /// # Errors
 /// Says that wgpu does not run on Vulkan.

@@ -1,8 +1,9 @@
-//! The renderer itself, on wgpu.
+//! The renderer itself, which draws on wgpu and knows little of reflections.
 
 use embed_wgpu::{HALF, Result, copy_out, description};
 use wgpu::TextureFormat;
 
+/// The format of the depth buffer.
 pub const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
 /// The device, and the two pipelines: `scene` draws the scene through `camera`, `show` draws an image to the screen
@@ -23,6 +24,7 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Takes a texture, and makes a view of all of it.
     fn from_texture(texture: wgpu::Texture) -> Self {
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         Self { texture, view }
@@ -99,14 +101,14 @@ impl Renderer {
         encoder.finish()
     }
 
-    /// Waits until the device is done with a submission, or with all of them for `None`.
+    /// Waits until the device is done with a submission, or with all submissions if it is `None`.
     pub fn wait(&self, submission: Option<&wgpu::SubmissionIndex>) -> Result<()> {
         self.device.poll(wgpu::PollType::Wait { submission_index: submission.cloned(), timeout: None })?;
         Ok(())
     }
 
-    /// Copies images to the host and returns their bytes. A row's bytes must be a multiple of 256, or padding is
-    /// returned too.
+    /// Copies images to the host and returns their bytes. If the bytes of a row are no multiple of 256, the returned
+    /// rows are padded to one.
     pub fn read<'a>(&self, pictures: impl Iterator<Item = &'a Picture>) -> Result<Vec<Vec<u8>>> {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let buffers: Vec<_> =

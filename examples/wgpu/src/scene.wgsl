@@ -1,5 +1,5 @@
-// `scene` is `examples/embed/scene.frag` in WGSL, whose clip space has y up. It traces a ray through each pixel against
-// a floor, a wall and two spheres. `show` draws a linear image to the screen image.
+// `scene` is `examples/embed/scene.frag` in WGSL, with y up in clip space. It traces a ray through each pixel against a
+// floor, a wall and two spheres. `show` draws a linear image to the screen image.
 
 struct Camera { view_to_clip: mat4x4f, world_to_view: mat4x4f }
 @group(0) @binding(0) var<uniform> camera: Camera;

@@ -15,12 +15,12 @@ fn the_example_shows_what_the_command_makes_of_its_images() {
     std::fs::create_dir_all(&folder).unwrap();
     let mut example = Command::new(env!("CARGO_BIN_EXE_embed-wgpu"));
     let example = example.args(["out.png", "images"]).current_dir(&folder);
-    // wgpu turns the validation layer on, with its checks of synchronization. The loader's variable names the layer
-    // too, so that the example fails where the layer is not installed.
+    // wgpu turns the validation layer on, with its checks of synchronization. The variable of Vulkan's loader names the
+    // layer, too, so that the example fails where the layer is not installed.
     let output = run(example.env("WGPU_VALIDATION", "1").env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation"));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(!said.contains("Validation"), "{said}");
-    let device = said.lines().next().unwrap();
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(!printed.contains("Validation"), "{printed}");
+    let device = printed.lines().next().unwrap();
 
     let images = folder.join("images");
     write_gbuffer(&images, SIZE, &folder.join("g.exr"));

@@ -13,7 +13,7 @@ impl Frustum {
         Self([w + x, w - x, w + y, w - y, z, w - z])
     }
 
-    /// Returns false only if a box lies wholly outside one plane. An empty box is outside.
+    /// Returns false if a box lies wholly outside one of the planes, or is empty; else true.
     pub fn may_see(&self, min: Vec3, max: Vec3) -> bool {
         min.cmple(max).all()
             && self.0.iter().all(|plane| {
@@ -31,16 +31,16 @@ pub fn projected_area(to_clip: &Mat4, triangle: &[Vec3; 3]) -> f32 {
     let planes = planes.into_iter().chain([Vec4::new(0.0, 1.0, 0.0, 1.0), Vec4::new(0.0, -1.0, 0.0, 1.0)]);
     let mut polygon: Vec<Vec4> = triangle.iter().map(|p| *to_clip * p.extend(1.0)).collect();
     for plane in planes {
-        // Sutherland and Hodgman 1974.
+        // Cuts off the part of the polygon behind the plane (Sutherland and Hodgman 1974).
         let mut kept = Vec::with_capacity(polygon.len() + 1);
-        for (i, &a) in polygon.iter().enumerate() {
-            let b = polygon[(i + 1) % polygon.len()];
-            let (from, to) = (plane.dot(a), plane.dot(b));
+        for (i, &corner) in polygon.iter().enumerate() {
+            let next = polygon[(i + 1) % polygon.len()];
+            let (from, to) = (plane.dot(corner), plane.dot(next));
             if from >= 0.0 {
-                kept.push(a);
+                kept.push(corner);
             }
             if (from >= 0.0) != (to >= 0.0) {
-                kept.push(a.lerp(b, from / (from - to)));
+                kept.push(corner.lerp(next, from / (from - to)));
             }
         }
         polygon = kept;
@@ -70,8 +70,7 @@ mod tests {
         );
         assert_eq!(area(point(2.0, 0.0), point(3.0, 0.0), point(3.0, 1.0)), 0.0, "beside it");
         assert_eq!(area(-point(-1.0, -1.0), -point(1.0, -1.0), -point(1.0, 1.0)), 0.0, "behind");
-        // A floor that begins behind the camera covers the lower half of the screen, except for the part that the near
-        // plane cuts off.
+        // A floor that begins behind the camera covers the lower half of the screen, but for what the near plane cuts.
         let floor = area(Vec3::new(-1e4, -1.0, -1e3), Vec3::new(1e4, -1.0, -1e3), Vec3::new(0.0, -1.0, 1e6));
         assert!((0.49..0.5).contains(&floor), "{floor}");
     }

@@ -2,16 +2,16 @@
 
 use crate::parameter::{Domain, Field, Value};
 
-/// A version of the oracle (`reference::oracle`), which decides what a ray hits in screen space. The method `unified` can follow
-/// either version.
+/// A version of the oracle (`reference::oracle`), which decides what a ray hits on the screen. The method `unified`
+/// can follow either version.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OracleVersion {
     /// docs/definitions.md, "Oracle": a ray hits the first block whose depth it meets.
     #[default]
     V1,
-    /// Version 1 with the condition that the ray comes from in front. A ray passes the first block if it leaves the surface of that
-    /// block. The ray misses if it reaches a block, which is the range of depth that a pixel fills, from behind, or if it passes behind
-    /// the edge of a surface.
+    /// Version 1 with the condition that the ray comes to a block, which is the range of depth that a pixel fills, from
+    /// in front. The ray passes its first block if it leaves the surface of that block. The ray misses if it reaches a
+    /// block from behind, or if it passes behind the edge of a surface.
     V2,
 }
 

@@ -70,7 +70,7 @@ impl Domain {
         value.filter(|v| self.has(*v))
     }
 
-    /// True if the only values are on and off, be it as a switch or as a list of the two choices `on` and `off`.
+    /// Whether the only values are on and off, either as a switch or as a list of the two choices `on` and `off`.
     pub fn is_switch(&self) -> bool {
         match self {
             Self::Switch => true,
@@ -79,7 +79,7 @@ impl Domain {
         }
     }
 
-    /// Every value of the domain, if a list can name them all; `None` for a range of numbers.
+    /// Returns every value of the domain, or `None` for a range of numbers.
     pub fn all_if_few(&self) -> Option<Vec<Value>> {
         match self {
             Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),

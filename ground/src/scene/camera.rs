@@ -9,7 +9,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 /// The parameters of a projection, without the aspect ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
-    /// How much the lens sees, and with which projection.
+    /// How much the lens sees, by an angle in a perspective and by a height in an orthographic projection.
     pub opening: FieldOfView,
     /// Near plane in metres, > 0; the near plane of an orthographic projection may be at the eye.
     pub near_m: f32,
@@ -51,7 +51,7 @@ impl Lens {
         }
     }
 
-    /// Height in metres of what the image shows at a view-space z.
+    /// Returns the height in metres of what the image shows at a view-space z.
     pub fn height_at_m(&self, z: f32) -> f32 {
         match self.opening {
             FieldOfView::Angle(fov) => 2.0 * z * (0.5 * fov).tan(),
@@ -94,10 +94,10 @@ pub struct Camera {
     pub lens: Lens,
     /// Width over height of the image.
     pub aspect: f32,
-    /// A plane in view space that replaces the near plane of a perspective where depth is reversed: points with
-    /// n · x + w < 0 are not drawn. The camera must be behind it.
+    /// A plane in view space that replaces the near plane of a perspective with reversed depth. A point x with
+    /// n · x + w < 0 is not drawn. The camera must be behind the plane.
     pub near_plane: Option<Vec4>,
-    /// A projection that is known by its numbers alone, in place of lens and aspect.
+    /// A projection that is given by numbers, in place of lens and aspect.
     pub projection: Option<Projection>,
 }
 
@@ -106,8 +106,8 @@ const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// Whether a matrix is a rotation, with or without a mirroring.
 pub fn is_rotation(matrix: &DMat3) -> bool {
-    let off = matrix.transpose() * *matrix - DMat3::IDENTITY;
-    off.to_cols_array().iter().all(|v| v.abs() <= ROTATION_TOLERANCE)
+    let deviation = matrix.transpose() * *matrix - DMat3::IDENTITY;
+    deviation.to_cols_array().iter().all(|v| v.abs() <= ROTATION_TOLERANCE)
 }
 
 /// Points closer to a mirror than this, in metres, do not appear in it, so that the mirror does not reflect itself.
@@ -124,11 +124,11 @@ impl Camera {
     /// Whether the camera can be used: the lens is within its ranges, and the matrices are finite and invertible.
     pub fn is_sound(&self) -> bool {
         let Lens { opening, near_m: near, far_m: far } = self.lens;
-        let opens = match opening {
+        let sees_something = match opening {
             FieldOfView::Angle(fov) => fov > 0.0 && fov < std::f32::consts::PI && near > 0.0,
             FieldOfView::Height(height) => height > 0.0 && height.is_finite() && near >= 0.0,
         };
-        opens
+        sees_something
             && far > near
             && far.is_finite()
             && self.aspect > 0.0
@@ -146,9 +146,8 @@ impl Camera {
         Self { world_to_view, lens, aspect, near_plane: None, projection: Some(projection) }
     }
 
-    /// Returns the camera with its image shifted by some pixels of an image of the size `extent`, x to the right and y down.
-    /// Renderers that average frames into a smooth picture shift each frame by part of a pixel. A shift of 0 leaves the camera as
-    /// it is, to the bit.
+    /// Returns the camera with its image shifted by some pixels of an image of size `extent`, to the right and down.
+    /// Renderers that average frames shift each by part of a pixel. A shift of 0 changes nothing, to the bit.
     #[must_use]
     pub fn jittered(self, [right, down]: [f32; 2], extent: [u32; 2]) -> Self {
         if [right, down] == [0.0; 2] {
@@ -182,8 +181,8 @@ impl Camera {
         if self.kind() == made_for {
             return Ok(());
         }
-        let said = |kind| if kind == ProjectionKind::Perspective { "a perspective" } else { "orthographic" };
-        let (is, made_for) = (said(self.kind()), said(made_for));
+        let describe = |kind| if kind == ProjectionKind::Perspective { "a perspective" } else { "orthographic" };
+        let (is, made_for) = (describe(self.kind()), describe(made_for));
         Err(Error::Usage(format!("the camera is {is}, and the passes were made for one that is {made_for}")))
     }
 
@@ -228,9 +227,8 @@ impl Camera {
 
     /// View to clip space with reversed depth (near 1, far 0), with which the G-buffer is rendered.
     ///
-    /// If there is a [`Camera::near_plane`], the third row of the matrix makes that plane the near plane
-    /// (Lengyel 2005, for reversed depth): depth is 1 − s (n · x + w) / z, with s chosen so that depth stays
-    /// above 0 at the frustum's corners.
+    /// If there is a [`Camera::near_plane`], the third row of the matrix makes that plane the near plane (Lengyel 2005,
+    /// for reversed depth). Depth is 1 − s (n · x + w) / z, where s keeps depth above 0 at the frustum's corners.
     pub fn view_to_clip_reversed(&self) -> Mat4 {
         let fov = match (self.projection, self.lens.opening) {
             (Some(projection), _) => return projection.matrix(true),
@@ -270,11 +268,11 @@ impl Camera {
             (DVec3::Z - 2.0 * normal.z * normal).extend(0.0),
             (-2.0 * offset * normal).extend(1.0),
         );
-        let mut before = -self.plane_in_view(plane).as_dvec4();
-        before.w -= MIRROR_CLEARANCE_M;
+        let mut near_plane = -self.plane_in_view(plane).as_dvec4(); // the reflection turns the normal round
+        near_plane.w -= MIRROR_CLEARANCE_M;
         Self {
             world_to_view: (self.world_to_view.as_dmat4() * mirror).as_mat4(),
-            near_plane: Some(before.as_vec4()),
+            near_plane: Some(near_plane.as_vec4()),
             ..*self
         }
     }

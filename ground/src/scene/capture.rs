@@ -13,16 +13,16 @@ pub const MAX_CAPTURES: usize = constants::CAPTURE_SLOTS as usize;
 /// The greatest side of a face, in texels.
 pub const MAX_RESOLUTION: u32 = 4096;
 
-/// The bounds of a scene are grown on every side by this share of their diagonal. A ray that is lost outside of the
-/// bounds ends in the sky, but a capture of low resolution may lose a ray a little behind an outer wall.
+/// The bounds of a scene are grown on every side by this share of their diagonal. A ray that is lost outside of them
+/// ends in the sky, but not one that a capture of low resolution loses a little behind an outer wall.
 pub const BOUNDS_MARGIN: f32 = 0.02;
 
 /// How far the faces of a cube of images see, in metres. Reversed depth in floats is precise enough for this range.
 pub const FAR_M: f32 = 10_000.0;
 
-/// The camera of one face of a cube of images around a position. The faces are in Vulkan's order +x −x +y −y +z −z, and each sees a
-/// quarter turn, so that the six leave no gap. The camera's image is the face as it lies in memory, since [`Camera::new`] turns the
-/// images of the faces up and down as their layout needs.
+/// The camera of one face of a cube of images around a position. The faces are in Vulkan's order +x −x +y −y +z −z, and
+/// each sees a quarter turn, so that the six leave no gap. The camera's image is the face as it lies in memory: for the
+/// faces up and down, [`Camera::new`] turns the image as Vulkan's layout needs.
 pub fn face_camera(position: Vec3, face: usize, near_m: f32) -> Camera {
     let lens = Lens::perspective(FRAC_PI_2, near_m, FAR_M);
     Camera::new(position, position + sky::face_direction(face, 0.5, 0.5), lens, 1.0)

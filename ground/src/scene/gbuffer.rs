@@ -4,7 +4,7 @@ use super::{Camera, Surface};
 use crate::math::constants;
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
-/// The images of docs/definitions.md as arrays: rows from the top, pixel (i, j) at `j · width + i`.
+/// The images of a G-buffer (docs/definitions.md) as arrays: rows from the top, pixel (i, j) at `j · width + i`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GBufferData {
     /// Width in pixels.
@@ -48,10 +48,10 @@ impl GBufferData {
 
     /// Clamps colours to the greatest 16-bit float, and returns the number of pixels that were brighter.
     pub fn clamp_colours(&mut self) -> usize {
-        let most = Vec3::splat(half::f16::MAX.to_f32());
+        let greatest = Vec3::splat(half::f16::MAX.to_f32());
         let mut clamped = 0;
-        for colour in self.color.iter_mut().filter(|colour| colour.cmpgt(most).any()) {
-            *colour = colour.min(most);
+        for colour in self.color.iter_mut().filter(|colour| colour.cmpgt(greatest).any()) {
+            *colour = colour.min(greatest);
             clamped += 1;
         }
         clamped

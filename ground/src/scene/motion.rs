@@ -1,4 +1,4 @@
-//! How objects of a scene move in time: chains of nodes with key frames, as animations of glTF files have them.
+//! How objects of a scene move in time: by chains of nodes with key frames, as in animations of glTF files.
 
 use super::{Placement, Scene};
 use glam::{DMat4, DQuat, DVec3};
@@ -22,7 +22,7 @@ pub struct Mover {
     pub root: DMat4,
     /// The nodes of the chain, from the root to the meshes.
     pub nodes: Vec<MovingNode>,
-    /// The matrix from the meshes' own space to the world, as the meshes stand in the scene.
+    /// The matrix from the meshes' own space to the world, for the meshes where they stand in the scene.
     pub rest: DMat4,
 }
 
@@ -81,9 +81,9 @@ impl<const N: usize> Keys<N> {
     /// A clause that says what is wrong: no times, times that do not increase, numbers that are not finite, or another number of
     /// values than the key frames need.
     pub fn new(times_s: Vec<f32>, values: Vec<[f32; N]>, between: Interpolation) -> Result<Self, &'static str> {
-        let each = if between == Interpolation::Cubic { 3 } else { 1 };
+        let values_per_key = if between == Interpolation::Cubic { 3 } else { 1 };
         let numbers = || times_s.iter().chain(values.iter().flatten());
-        if times_s.is_empty() || times_s.len().checked_mul(each) != Some(values.len()) {
+        if times_s.is_empty() || times_s.len().checked_mul(values_per_key) != Some(values.len()) {
             return Err("does not have as many values as its key frames need");
         }
         if !numbers().all(|v| v.is_finite()) {
@@ -95,7 +95,7 @@ impl<const N: usize> Keys<N> {
         Ok(Self { times_s, values, between })
     }
 
-    /// The times of the first and of the last key frame, in seconds.
+    /// Returns the times of the first and of the last key frame, in seconds.
     fn ends(&self) -> [f32; 2] {
         [self.times_s[0], self.times_s[self.times_s.len() - 1]]
     }
@@ -103,32 +103,34 @@ impl<const N: usize> Keys<N> {
     /// The value at a time. Before the first key frame it is the first value, and after the last key frame the last value.
     fn value_at(&self, time_s: f32) -> [f64; N] {
         let cubic = self.between == Interpolation::Cubic;
-        let value = |k: usize, part: usize| self.values[if cubic { 3 * k + part } else { k }].map(f64::from);
+        // Parts of a cubic key frame: 0 is the slope before it, 1 the value, and 2 the slope after it.
+        let value = |key: usize, part: usize| self.values[if cubic { 3 * key + part } else { key }].map(f64::from);
         let last = self.times_s.len() - 1;
-        let behind = self.times_s.partition_point(|t| *t <= time_s);
-        let Some(first) = behind.checked_sub(1) else { return value(0, 1) };
+        let passed_keys = self.times_s.partition_point(|t| *t <= time_s);
+        let Some(first) = passed_keys.checked_sub(1) else { return value(0, 1) };
         if first == last || self.between == Interpolation::Step {
             return value(first, 1);
         }
-        let [begin, end] = [first, first + 1].map(|k| f64::from(self.times_s[k]));
+        let [begin, end] = [first, first + 1].map(|key| f64::from(self.times_s[key]));
         let s = (f64::from(time_s) - begin) / (end - begin);
         let (from, to) = (value(first, 1), value(first + 1, 1));
         if cubic {
-            let (out, into) = (value(first, 2), value(first + 1, 0)); // the slopes of glTF's cubic Hermite spline
+            let (slope_after, slope_before) = (value(first, 2), value(first + 1, 0)); // of glTF's cubic Hermite spline
             let (s2, s3, step) = (s * s, s * s * s, end - begin);
-            let mixed = |i: usize| {
+            let spline = |i: usize| {
                 (2.0 * s3 - 3.0 * s2 + 1.0) * from[i]
-                    + step * (s3 - 2.0 * s2 + s) * out[i]
+                    + step * (s3 - 2.0 * s2 + s) * slope_after[i]
                     + (3.0 * s2 - 2.0 * s3) * to[i]
-                    + step * (s3 - s2) * into[i]
+                    + step * (s3 - s2) * slope_before[i]
             };
-            return std::array::from_fn(mixed);
+            return std::array::from_fn(spline);
         }
         match (&from[..], &to[..]) {
+            // Four numbers are a quaternion.
             (&[a, b, c, d], &[e, f, g, h]) => {
                 let turn = unit(DQuat::from_xyzw(a, b, c, d)).slerp(unit(DQuat::from_xyzw(e, f, g, h)), s);
-                let parts = turn.to_array();
-                std::array::from_fn(|i| parts[i])
+                let numbers = turn.to_array();
+                std::array::from_fn(|i| numbers[i])
             }
             _ => std::array::from_fn(|i| from[i] + s * (to[i] - from[i])),
         }
@@ -149,7 +151,7 @@ impl MovingNode {
     /// The times of the first and of the last key frame of each part that changes, in seconds.
     fn ends(&self) -> impl Iterator<Item = f32> {
         let Changes { offset, turn, size } = &self.changes;
-        let [offset, size] = [offset, size].map(|keys| keys.as_ref().map(|k| k.ends()));
+        let [offset, size] = [offset, size].map(|part| part.as_ref().map(|keys| keys.ends()));
         let turn = turn.as_ref().map(|keys| keys.ends());
         [offset, size, turn].into_iter().flatten().flatten()
     }
@@ -180,16 +182,15 @@ impl Rest {
 }
 
 impl Mover {
-    /// Whether the meshes have a placement at each of 17 evenly spaced times from the first key frame to the last.
+    /// Whether the meshes have a placement at each of 17 times, evenly spaced from the first key frame to the last.
     pub fn is_placed(&self) -> bool {
         let ends = self.nodes.iter().flat_map(MovingNode::ends);
-        let (first, last) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-        let looks = 16;
-        (0..=looks).all(|k| self.placement_at(first + (last - first) * (k as f32 / looks as f32)).is_some())
+        let (first, last) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), time| (a.min(time), b.max(time)));
+        let steps = 16;
+        (0..=steps).all(|n| self.placement_at(first + (last - first) * (n as f32 / steps as f32)).is_some())
     }
 
-    /// The placement of the meshes at a time, relative to where they stand in the scene; `None` if there is no such placement, for
-    /// example if a size differs between axes.
+    /// The placement of the meshes at a time, relative to where they stand in the scene; `None` if no placement fits.
     pub fn placement_at(&self, time_s: f32) -> Option<Placement> {
         let to_world = self.nodes.iter().fold(self.root, |matrix, node| matrix * node.matrix_at(time_s));
         placement(&(to_world * self.rest.inverse()))
@@ -198,12 +199,12 @@ impl Mover {
 
 /// Returns the placement of a matrix; `None` if its axes differ in length, are not at right angles, or mirror space.
 fn placement(matrix: &DMat4) -> Option<Placement> {
-    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.truncate());
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|column| column.truncate());
     let size = columns[0].length();
-    let even = columns.iter().all(|c| (c.length() - size).abs() <= 1e-4 * size);
+    let is_uniform = columns.iter().all(|c| (c.length() - size).abs() <= 1e-4 * size);
     let is_orthogonal =
         [(0, 1), (1, 2), (2, 0)].iter().all(|(i, j)| columns[*i].dot(columns[*j]).abs() <= 1e-4 * size * size);
-    if !(even && is_orthogonal && size > 0.0 && matrix.determinant() > 0.0) {
+    if !(is_uniform && is_orthogonal && size > 0.0 && matrix.determinant() > 0.0) {
         return None;
     }
     let (_, turn, offset) = matrix.to_scale_rotation_translation();
@@ -212,8 +213,7 @@ fn placement(matrix: &DMat4) -> Option<Placement> {
 }
 
 impl Motion {
-    /// Returns the names and placements of moving meshes at a time in seconds. An object rests before its first key frame and after
-    /// its last.
+    /// Returns names and placements of moving meshes at a time in seconds; they rest before and after their key frames.
     pub fn placements_at(&self, time_s: f32) -> impl Iterator<Item = (&str, Placement)> {
         self.movers.iter().flat_map(move |mover| {
             let placement = mover.placement_at(time_s).unwrap_or_default();
@@ -231,13 +231,13 @@ impl Motion {
 }
 
 impl Scene {
-    /// Moves the meshes to where a motion has them at a time in seconds.
+    /// Moves the meshes to where they stand in a motion at a time in seconds.
     pub fn pose(&mut self, motion: &Motion, time_s: f32) {
         let placed: Vec<(&str, Placement)> = motion.placements_at(time_s).collect();
         self.place_meshes(&placed);
     }
 
-    /// Moves the meshes of some names to where placements have them.
+    /// Moves meshes by placements, which are given by the meshes' names.
     pub fn place_meshes(&mut self, placed: &[(&str, Placement)]) {
         for mesh in &mut self.meshes {
             if let Some((_, placement)) = placed.iter().find(|(name, p)| *name == mesh.name && *p != Placement::HERE) {

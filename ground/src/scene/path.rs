@@ -51,7 +51,7 @@ impl CameraPath {
         })
     }
 
-    /// Makes a path as [`Self::new`] does; an error names the faulty key frame apart from the sentence.
+    /// Makes a path as [`Self::new`] does. An error has the index of the faulty key frame beside the sentence.
     ///
     /// # Errors
     /// Errors of [`Self::new`].
@@ -86,9 +86,9 @@ impl CameraPath {
                 return Err((Some(n), format!("its time must be after {before}, but is {time}")));
             }
         }
-        let times = keys.iter().enumerate().scan(0.0, |way, (n, key)| {
-            *way += n.checked_sub(1).map_or(0.0, |before| distance(&keys[before], key));
-            Some(key.time_s.unwrap_or(*way))
+        let times = keys.iter().enumerate().scan(0.0, |travelled, (n, key)| {
+            *travelled += n.checked_sub(1).map_or(0.0, |before| distance(&keys[before], key));
+            Some(key.time_s.unwrap_or(*travelled))
         });
         Ok(Self { name: name.to_owned(), times: times.collect(), keys })
     }
@@ -134,19 +134,20 @@ impl CameraPath {
         }
     }
 
-    /// Eye and look-at point after a share of the path's time, 0 (first key frame) to 1 (last).
+    /// Returns eye and look-at point after a share of the path's time, 0 (first key frame) to 1 (last).
     pub fn eye_and_look_at(&self, share: f32) -> (Vec3, Vec3) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let time = first + share.clamp(0.0, 1.0) * (last - first);
         let n = self.times.partition_point(|t| *t <= time).clamp(1, self.keys.len() - 1) - 1;
-        let within = share_of(time, self.times[n], self.times[n + 1]);
+        let share_of_segment = share_of(time, self.times[n], self.times[n + 1]);
         let points = self.around(n);
         let knots = knots(&points);
-        let t = knots[1] + within * (knots[2] - knots[1]);
-        (spline(points.map(|p| p.0), knots, t), spline(points.map(|p| p.1), knots, t))
+        let t = knots[1] + share_of_segment * (knots[2] - knots[1]);
+        (spline(points.map(|(eye, _)| eye), knots, t), spline(points.map(|(_, look_at)| look_at), knots, t))
     }
 
-    /// The key frames at both ends of segment n, and one on each side; beyond an end of the path, a mirrored one.
+    /// Returns eye and look-at point of the key frames at both ends of segment n, and of one before and one after
+    /// these. At an end of the path, where there is none, the other end of the segment is mirrored.
     fn around(&self, n: usize) -> [(Vec3, Vec3); 4] {
         let key = |n: usize| (self.keys[n].eye, self.keys[n].look_at);
         let mirrored = |centre: (Vec3, Vec3), point: (Vec3, Vec3)| (2.0 * centre.0 - point.0, 2.0 * centre.1 - point.1);
@@ -163,23 +164,24 @@ fn distance(a: &KeyFrame, b: &KeyFrame) -> f32 {
     (a.eye.distance_squared(b.eye) + a.look_at.distance_squared(b.look_at)).sqrt()
 }
 
-/// The position of `t` between `from` and `to`, as a share. The share is 0 if both ends are equal; rounding can make them so if a
-/// short distance follows a long one.
+/// Returns the position of `t` between `from` and `to` as a share. The share is 0 if both ends are equal, as rounding
+/// makes them if a short distance follows a long one.
 fn share_of(t: f32, from: f32, to: f32) -> f32 {
     if to > from { (t - from) / (to - from) } else { 0.0 }
 }
 
-/// Knots of the centripetal spline: each step is the square root of the [`distance`] between two points.
+/// Returns the knots of the centripetal spline through four points, each an eye and a look-at point. The step from knot
+/// to knot is the square root of the [`distance`] between the points.
 fn knots(points: &[(Vec3, Vec3); 4]) -> [f32; 4] {
     let mut knots = [0.0; 4];
     for n in 1..4 {
-        let (a, b) = (points[n - 1], points[n]);
-        knots[n] = knots[n - 1] + (a.0.distance_squared(b.0) + a.1.distance_squared(b.1)).sqrt().sqrt();
+        let ((eye_a, look_a), (eye_b, look_b)) = (points[n - 1], points[n]);
+        knots[n] = knots[n - 1] + (eye_a.distance_squared(eye_b) + look_a.distance_squared(look_b)).sqrt().sqrt();
     }
     knots
 }
 
-/// The Catmull-Rom spline between points 1 and 2 at `t`, evaluated by Barry and Goldman's pyramid.
+/// Evaluates the Catmull-Rom spline between points 1 and 2 at the knot value `t`, by Barry and Goldman's pyramid.
 fn spline(p: [Vec3; 4], knots: [f32; 4], t: f32) -> Vec3 {
     let mix = |a: Vec3, b: Vec3, from: usize, to: usize| a.lerp(b, share_of(t, knots[from], knots[to]));
     let a = [mix(p[0], p[1], 0, 1), mix(p[1], p[2], 1, 2), mix(p[2], p[3], 2, 3)];

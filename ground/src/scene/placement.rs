@@ -3,7 +3,7 @@
 use super::Vertex;
 use glam::{DMat4, DVec3, Quat, Vec3};
 
-/// A turn and a size about the world's origin, and then an offset.
+/// A turn and a scaling about the world's origin, followed by an offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// The turn, of length 1.

@@ -31,13 +31,13 @@ pub struct CoplanarGroup {
 /// may therefore give two groups, which [`merged`] joins.
 pub fn coplanar_groups(scene: &Scene) -> Vec<CoplanarGroup> {
     let mut groups: HashMap<(usize, [i64; 4]), CoplanarGroup> = HashMap::new();
-    let lit = |material: usize| scene.materials.get(material).is_none_or(|m| m.surface == Surface::Lit);
-    for mesh in scene.meshes.iter().filter(|m| lit(m.material)) {
+    let is_lit = |material: usize| scene.materials.get(material).is_none_or(|m| m.surface == Surface::Lit);
+    for mesh in scene.meshes.iter().filter(|m| is_lit(m.material)) {
         for corners in mesh.indices.chunks_exact(3) {
-            let triangle = [0, 1, 2].map(|k| Vec3::from(mesh.vertices[corners[k] as usize].position));
+            let triangle = [0, 1, 2].map(|i| Vec3::from(mesh.vertices[corners[i] as usize].position));
             let [a, b, c] = triangle.map(|p| p.as_dvec3());
-            let across = (b - a).cross(c - a);
-            let Some(normal) = across.try_normalize() else { continue };
+            let cross = (b - a).cross(c - a); // twice as long as the triangle's area
+            let Some(normal) = cross.try_normalize() else { continue };
             let offset = -normal.dot((a + b + c) / 3.0);
             let group = groups.entry((mesh.material, rounded(normal, offset))).or_insert_with(|| CoplanarGroup {
                 plane: normal.extend(offset).as_vec4(),
@@ -45,7 +45,7 @@ pub fn coplanar_groups(scene: &Scene) -> Vec<CoplanarGroup> {
                 area_m2: 0.0,
                 triangles: Vec::new(),
             });
-            group.area_m2 += 0.5 * across.length() as f32;
+            group.area_m2 += 0.5 * cross.length() as f32;
             group.triangles.push(triangle);
         }
     }
@@ -70,11 +70,11 @@ pub fn merged<'a>(groups: impl Iterator<Item = &'a CoplanarGroup>, count: usize)
     joined
 }
 
-/// A plane's normal and offset in whole steps of the tolerances, so that nearly equal planes have equal numbers.
+/// Returns a plane's normal and offset in whole steps of the tolerances: nearly equal planes have equal numbers.
 fn rounded(normal: DVec3, offset: f64) -> [i64; 4] {
-    let cell = |v: f64, size: f64| (v / size).round() as i64;
-    let n = normal.to_array().map(|v| cell(v, NORMAL_TOLERANCE));
-    [n[0], n[1], n[2], cell(offset, f64::from(TOLERANCE_M))]
+    let steps = |value: f64, step: f64| (value / step).round() as i64;
+    let [x, y, z] = normal.to_array().map(|v| steps(v, NORMAL_TOLERANCE));
+    [x, y, z, steps(offset, f64::from(TOLERANCE_M))]
 }
 
 /// Whether the first triangle of `group` lies in the plane of `known` and faces the same way.
@@ -85,7 +85,7 @@ fn is_same_plane(known: &CoplanarGroup, group: &CoplanarGroup) -> bool {
     alike && group.triangles.first().is_some_and(|t| t.iter().all(near))
 }
 
-/// Sorts by area; ties are broken so that the order does not depend on the hash map's.
+/// Sorts by area. Ties are ordered by material and plane, so that the order does not depend on that of a hash map.
 fn largest_first(mut groups: Vec<CoplanarGroup>) -> Vec<CoplanarGroup> {
     let key = |g: &CoplanarGroup| (g.material, g.plane.to_array().map(f32::to_bits));
     groups.sort_by(|a, b| b.area_m2.total_cmp(&a.area_m2).then_with(|| key(a).cmp(&key(b))));

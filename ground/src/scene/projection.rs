@@ -99,7 +99,7 @@ impl Projection {
     }
 }
 
-/// The numbers that are read off the projection matrix of any renderer.
+/// A projection matrix of another renderer, read into this crate's conventions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReadProjection {
     /// The projection in the conventions of this crate.
@@ -115,8 +115,7 @@ pub struct ReadProjection {
 }
 
 impl ReadProjection {
-    /// Reads a matrix that is multiplied by column vectors, with depth from 0 to 1; `y_is_up` says whether the top of
-    /// the image is at y = w.
+    /// Reads a matrix for column vectors, with depth from 0 to 1; `y_is_up` says whether the image's top is at y = w.
     ///
     /// # Errors
     /// The reason why the matrix cannot be used, as the end of a sentence that begins with the matrix's name.
@@ -135,7 +134,7 @@ impl ReadProjection {
                 );
             }
         };
-        // A shift of the image goes with w, which is z in a perspective and 1 in an orthographic projection.
+        // A shift of the image stands in the column that makes w: the third in a perspective, else the fourth.
         let (shifts, unshifted) = if kind.is_orthographic() { (w, z) } else { (z, w) };
         let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && unshifted.x == 0.0 && unshifted.y == 0.0;
         if !is_plain || x.x == 0.0 || y.y == 0.0 {
@@ -150,8 +149,8 @@ impl ReadProjection {
         // Depth is a + b / z or a + b z, with z along the view.
         let [a, b] = if kind.is_orthographic() { [w.z, z.z * forward] } else { [z.z * forward, w.z] };
         let depth = if is_reversed { [a, b] } else { [1.0 - a, -b] };
-        let side = if kind.is_orthographic() { 1.0 } else { forward };
-        let shift = [shifts.x * side, up * shifts.y * side];
+        let w_sign = if kind.is_orthographic() { 1.0 } else { forward };
+        let shift = [shifts.x * w_sign, up * shifts.y * w_sign];
         let projection = Projection { kind, scale: [x.x.abs(), y.y.abs()], shift, depth };
         let [near, far] = projection.planes();
         if kind == ProjectionKind::Perspective {
@@ -166,9 +165,10 @@ impl ReadProjection {
     }
 }
 
-/// Returns the direction along z in which an orthographic matrix looks, and whether its depth is reversed, from the slope of depth
-/// and the depth at z = 0. The eye stands before the near plane, where depth lies beyond that of the near plane. Nothing else tells
-/// a right-handed view with standard depth from a left-handed view with reversed depth.
+/// Returns the direction along z in which an orthographic matrix looks (1 or −1), and whether its depth is reversed,
+/// from the slope of depth and the depth at the eye, z = 0. The eye stands before the near plane, so that depth there
+/// is at least 1 if reversed, else at most 0. Nothing else tells a right-handed view with standard depth from a
+/// left-handed one with reversed depth.
 fn forward_of_orthographic(slope: f32, at_eye: f32) -> Result<(f32, bool), &'static str> {
     if slope == 0.0 {
         return Err("gives every point the same depth");

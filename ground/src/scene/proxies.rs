@@ -115,7 +115,7 @@ impl Probe {
 }
 
 impl Impostor {
-    /// Unit vector towards the side from which the image is not mirrored.
+    /// Returns the unit vector towards the side from which the image is not mirrored.
     pub fn normal(&self) -> Vec3 {
         self.half_u.cross(self.half_v).normalize_or(Vec3::NEG_Z)
     }

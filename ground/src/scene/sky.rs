@@ -23,7 +23,7 @@ pub fn radiance(direction: Vec3) -> Vec3 {
     let azimuth = atan2(d.z, d.x) / std::f32::consts::TAU + 0.5;
     let ridge = 0.004 + 0.035 * fractal(Vec2::new(azimuth * 9.0, 0.5), IVec2::new(9, 1), 4, 211);
     let land = smoothstep(ridge + 0.004, ridge - 0.004, d.y);
-    // Few directions see both air and ground, and both are computed for these directions alone.
+    // Only the few directions that see both air and ground need both.
     let color = match land {
         0.0 => air(d),
         1.0 => ground(d, ridge),
@@ -43,9 +43,9 @@ fn air(d: Vec3) -> Vec3 {
     let plane = d.xz() / (height + 0.12) * 1.6 + 512.0;
     let cover = fractal(plane, IVec2::splat(1024), 6, 223);
     let cloud = smoothstep(0.50, 0.72, cover) * smoothstep(0.0, 0.18, height);
-    let lit = Vec3::new(0.93, 0.93, 0.94).lerp(Vec3::new(0.62, 0.66, 0.72), smoothstep(0.62, 0.85, cover));
+    let cloud_color = Vec3::new(0.93, 0.93, 0.94).lerp(Vec3::new(0.62, 0.66, 0.72), smoothstep(0.62, 0.85, cover));
     let disc = smoothstep(0.9992, 0.9996, d.dot(SUN));
-    (blue + glow).lerp(lit, 0.85 * cloud).lerp(Vec3::new(1.0, 0.98, 0.92), disc)
+    (blue + glow).lerp(cloud_color, 0.85 * cloud).lerp(Vec3::new(1.0, 0.98, 0.92), disc)
 }
 
 /// The land's colour in the unit direction d: meadows below, and hills in haze up to the height `ridge`.
@@ -74,18 +74,17 @@ pub fn face_direction(face: usize, u: f32, v: f32) -> Vec3 {
     }
 }
 
-/// The sky as a cube map: six faces in Vulkan's order, each with `size` × `size` texels of linear RGBA with
-/// alpha 1, rows from the top.
+/// The sky as six faces in Vulkan's order, each `size` × `size` texels of linear RGBA with alpha 1, rows from the top.
 pub fn cube_map(size: u32) -> [Vec<[f32; 4]>; 6] {
-    let color = |face: usize, k: u32| {
-        let texel = Vec2::new((k % size) as f32, (k / size) as f32);
+    let color = |face: usize, index: u32| {
+        let texel = Vec2::new((index % size) as f32, (index / size) as f32);
         let position = (texel + 0.5) / size as f32;
         radiance(face_direction(face, position.x, position.y)).extend(1.0).to_array()
     };
     let mut faces: [Vec<[f32; 4]>; 6] = Default::default();
     std::thread::scope(|threads| {
         for (face, texels) in faces.iter_mut().enumerate() {
-            threads.spawn(move || texels.extend((0..size * size).map(|k| color(face, k))));
+            threads.spawn(move || texels.extend((0..size * size).map(|index| color(face, index))));
         }
     });
     faces

@@ -1,6 +1,6 @@
-//! A hierarchy of boxes over the triangles of a scene, as shaders walk it (`shaders-glsl/triangles/walk.glsl`), and the records of
-//! its triangles, as plain data. Callers may make a [`Tree`] in any way; the feature `tree` builds one by the crate obvhs
-//! ([`Tree::build`]), which is no default dependency.
+//! A hierarchy of boxes over the triangles of a scene, as shaders walk it (`shaders-glsl/triangles/walk.glsl`), and the
+//! records of its triangles, as plain data. Callers may make a [`Tree`] in any way. With the feature `tree`,
+//! [`Tree::build`] makes one by the crate obvhs, which is no dependency otherwise.
 //!
 //! The nodes are the compressed wide nodes of Ylitie, Karras and Laine ("Efficient Incoherent Ray Traversal on GPUs
 //! Through Compressed Wide BVHs", HPG 2017): eight children in 80 bytes.
@@ -24,7 +24,7 @@ pub type Words = [u32; 4];
 /// Number of vectors of four words in a node.
 pub const NODE_WORDS: usize = 5;
 
-/// The most triangles of a scene: triangle numbers leave the highest bit free, and the greatest stands for no triangle.
+/// The most triangles of a scene: numbers of triangles leave the highest bit free, and the greatest means no triangle.
 pub const MAX_TRIANGLES: usize = (ASKS_MATERIAL - 1) as usize;
 
 /// The hierarchy of boxes.
@@ -54,9 +54,9 @@ impl Tree {
     }
 }
 
-/// The most levels that a tree of some triangles has, and that walks have room for: six more than a full tree whose nodes have eight
-/// children, as the trees of the built-in scenes and of Sponza need. A tree that would have more is built by halving lists of its
-/// triangles. That tree has fewer levels, but a ray takes up to twice as long to walk through it.
+/// Returns the most levels that a tree over so many triangles may have, for which walks have room: six more than a full
+/// tree with eight children a node, as the trees of the built-in scenes and of Sponza need. A tree that would have more
+/// is built by halving lists of its triangles. It has fewer levels, but a ray's walk takes up to twice as long.
 pub fn most_levels(triangles: usize) -> u32 {
     let binary = triangles.max(1).next_power_of_two().ilog2();
     (binary.div_ceil(3) + 6).min(TREE_DEPTH as u32)
@@ -82,14 +82,14 @@ impl TriangleRecords {
             let vertices = triangle.map(|i| &mesh.vertices[i as usize]);
             attributes.extend(attributes_of(mesh, vertices));
             let material = &scene.materials[mesh.material];
-            let asks = if may_reject_hit(material) { ASKS_MATERIAL } else { 0 };
-            corners_of.push((vertices.map(|v| from_origin(v, tree.origin)), asks));
+            let flag = if may_reject_hit(material) { ASKS_MATERIAL } else { 0 };
+            corners_of.push((vertices.map(|v| from_origin(v, tree.origin)), flag));
         }
         let mut corners = Vec::with_capacity(3 * tree.slots.len());
         for (slot, &triangle) in tree.slots.iter().enumerate() {
-            let ([a, b, c], asks) = corners_of[triangle as usize];
+            let ([a, b, c], flag) = corners_of[triangle as usize];
             let area = doubled_area([a, b, c].map(Vec3::as_dvec3));
-            corners.push(words(a, triangle | asks));
+            corners.push(words(a, triangle | flag));
             corners.push(words(b, (area as f32).to_bits()));
             corners.push(words(c, 0));
             attributes[4 * triangle as usize + 2][3] = slot as u32;
@@ -110,7 +110,7 @@ pub struct MovingTriangles {
     pub numbers: Vec<u32>,
 }
 
-/// Builds the trees over a scene's triangles.
+/// A builder of the trees over a scene's triangles.
 pub trait BuildTrees {
     /// Builds the tree over all meshes except those of some names, with [`most_levels`] at most, and records with the attributes of
     /// all triangles.
@@ -127,31 +127,32 @@ pub trait BuildTrees {
 }
 
 impl Tree {
-    /// Returns the nodes renumbered for a place behind `nodes` other nodes and `slots` other slots.
+    /// Returns the nodes with raised indices, for a place behind `nodes` other nodes and `slots` other slots.
     pub fn nodes_behind(&self, nodes: u32, slots: u32) -> Vec<Words> {
-        let mut moved = self.nodes.clone();
-        // The second vector of a node begins with the places of its first child and of its first slot.
-        for kinds in moved.iter_mut().skip(1).step_by(NODE_WORDS) {
-            kinds[0] = kinds[0].wrapping_add(nodes);
-            kinds[1] = kinds[1].wrapping_add(slots);
+        let mut raised = self.nodes.clone();
+        // The second vector of a node begins with the indices of its first child and of its first slot.
+        for vector in raised.iter_mut().skip(1).step_by(NODE_WORDS) {
+            vector[0] = vector[0].wrapping_add(nodes);
+            vector[1] = vector[1].wrapping_add(slots);
         }
-        moved
+        raised
     }
 }
 
 impl MovingTriangles {
-    /// Returns the attributes for corners that begin behind `slots` other slots, in runs of triangles with consecutive numbers: the
-    /// first number of each run, and its vectors.
+    /// Returns the attributes of the moving triangles for a buffer in which the corners of `slots` other slots come
+    /// first. They come in runs of triangles with consecutive numbers: the first number of each run, and its vectors.
     pub fn attributes_behind(&self, slots: u32) -> Vec<(u32, Vec<Words>)> {
         let mut runs: Vec<(u32, Vec<Words>)> = Vec::new();
         for (number, attributes) in self.numbers.iter().zip(self.records.attributes.as_chunks::<4>().0) {
-            let mut moved = *attributes;
-            if moved[2][3] != NO_SLOT {
-                moved[2][3] += slots;
+            // The last word of a triangle's third vector is its slot, if it has one.
+            let mut raised = *attributes;
+            if raised[2][3] != NO_SLOT {
+                raised[2][3] += slots;
             }
             match runs.last_mut() {
-                Some((first, run)) if *first + run.len() as u32 / 4 == *number => run.extend(moved),
-                _ => runs.push((*number, moved.to_vec())),
+                Some((first, run)) if *first + run.len() as u32 / 4 == *number => run.extend(raised),
+                _ => runs.push((*number, raised.to_vec())),
             }
         }
         runs
@@ -159,21 +160,21 @@ impl MovingTriangles {
 }
 
 impl TriangleRecords {
-    /// Gives the triangles of the corners other numbers.
+    /// Replaces the number n of each triangle in `corners` by `numbers[n]`.
     #[cfg(feature = "tree")]
     fn renumber(&mut self, numbers: &[u32]) {
         for first in self.corners.iter_mut().step_by(3) {
-            let asks = first[3] & ASKS_MATERIAL;
-            first[3] = numbers[(first[3] & !ASKS_MATERIAL) as usize] | asks;
+            let flag = first[3] & ASKS_MATERIAL;
+            first[3] = numbers[(first[3] & !ASKS_MATERIAL) as usize] | flag;
         }
     }
 
-    /// Whether some triangle's material has an alpha mask or is single-sided, so that a hit on it may not count.
+    /// Whether some material has an alpha mask or is single-sided, so that a hit on its triangles may not count.
     pub fn asks(&self) -> bool {
         self.corners.iter().step_by(3).any(|[.., number]| number & ASKS_MATERIAL != 0)
     }
 
-    /// The greatest coordinate of a corner from the tree's origin, in metres, without its sign.
+    /// Returns the greatest absolute value of a corner's coordinates from the tree's origin, in metres.
     pub fn extent_m(&self) -> f32 {
         let coordinates = self.corners.iter().flat_map(|[x, y, z, _]| [x, y, z]);
         coordinates.map(|bits| f32::from_bits(*bits).abs()).fold(0.0, f32::max)
@@ -195,7 +196,7 @@ fn from_origin(vertex: &Vertex, origin: DVec3) -> Vec3 {
     (Vec3::from(vertex.position).as_dvec3() - origin).as_vec3()
 }
 
-/// The bits of a vector's coordinates in three words, and a last word.
+/// Returns the bits of a vector's coordinates in three words, and a last word.
 fn words(v: Vec3, last: u32) -> Words {
     [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), last]
 }
@@ -203,7 +204,7 @@ fn words(v: Vec3, last: u32) -> Words {
 /// The word that a record has in place of a slot if its triangle has no area, and thus no slot.
 const NO_SLOT: u32 = NO_TRIANGLE;
 
-/// A triangle's normals, material, texture coordinates, repeats and tangents, for [`TriangleRecords::attributes`].
+/// Packs a triangle's normals, material, texture coordinates, repeats and tangents for [`TriangleRecords::attributes`].
 fn attributes_of(mesh: &Mesh, vertices: [&Vertex; 3]) -> [Words; 4] {
     let uv = vertices.map(|v| Vec2::from(v.uv));
     // How often a map repeats in a metre along the surface: the square root of area in the map over area in metres.
@@ -213,10 +214,10 @@ fn attributes_of(mesh: &Mesh, vertices: [&Vertex; 3]) -> [Words; 4] {
     let repeats = if repeats.is_finite() { repeats } else { 0.0 };
     let normals = vertices.map(|v| unit_vector(v.normal.into()));
     let tangents = vertices.map(|v| unit_vector(Vec3::from_slice(&v.tangent[..3])));
-    let turned = if vertices[0].tangent[3] < 0.0 { 1 << 31 } else { 0 };
+    let handedness = if vertices[0].tangent[3] < 0.0 { 1 << 31 } else { 0 };
     let bits = f32::to_bits;
     [
-        [normals[0], normals[1], normals[2], mesh.material as u32 | turned],
+        [normals[0], normals[1], normals[2], mesh.material as u32 | handedness],
         [bits(uv[0].x), bits(uv[0].y), bits(uv[1].x), bits(uv[1].y)],
         [bits(uv[2].x), bits(uv[2].y), bits(repeats), NO_SLOT],
         [tangents[0], tangents[1], tangents[2], 0],
@@ -228,7 +229,7 @@ fn doubled_area([a, b, c]: [DVec3; 3]) -> f64 {
     (b - a).cross(c - a).length()
 }
 
-/// A unit vector as three numbers of ten bits (`UnpackUnitVector` of `triangles/color.glsl`).
+/// Packs a unit vector into three signed numbers of ten bits (`UnpackUnitVector` of `triangles/color.glsl` unpacks it).
 fn unit_vector(v: Vec3) -> u32 {
     let part = |a: f32| ((a.clamp(-1.0, 1.0) * 511.0).round() as i32).cast_unsigned() & 0x3ff;
     part(v.x) | part(v.y) << 10 | part(v.z) << 20

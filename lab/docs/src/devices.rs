@@ -1,9 +1,10 @@
-//! On which kind of device a table was measured, and which of its numbers carry over to others.
+//! Writes the line under a table that says on which kind of device it was measured, and which numbers hold for other
+//! devices.
 
 use crate::records::run;
 use std::path::{Path, PathBuf};
 
-/// The kinds of devices by the end of a run folder's name.
+/// The endings of the names of run folders, each with its kind of device.
 const KINDS: [(&str, &str); 4] = [
     ("-lavapipe", "a CPU driver"),
     ("-h100", "an H100"),
@@ -11,23 +12,24 @@ const KINDS: [(&str, &str); 4] = [
     ("-build", "two cores of a shared machine"),
 ];
 
-/// Words of a header that are of time.
+/// Words in the header of a column that shows times.
 const TIMES: [&str; 2] = ["time", "ms"];
 
-/// The kind of device on which a folder's records were measured. The end of the run folder's name tells it.
+/// Returns the kind of device on which a folder's records were measured, by the ending of the run folder's name.
 pub(crate) fn kind(folder: &Path) -> Result<&'static str, String> {
     let name = run(folder).unwrap_or_default();
     let found = KINDS.iter().find(|(end, _)| name.ends_with(end)).map(|(_, kind)| *kind);
     found.ok_or_else(|| format!("{}: which device is it of?", folder.display()))
 }
 
-/// Whether a header is that of times.
+/// Returns whether a header is that of a column of times.
 fn is_time(header: &str) -> bool {
     header.to_lowercase().split(|c: char| !c.is_alphanumeric()).any(|word| TIMES.contains(&word))
 }
 
-/// The line under a table from records of some folders: the devices, and what carries over. `has_times` is true if all columns are
-/// times, whatever their headers say. A note stands in place of the line, with the devices in place of its `$devices`.
+/// Returns the line under a table that was made from the records of some folders: the devices, and the numbers that
+/// carry over to others. `table` has the headers as its first line. `has_times` is true if all columns are times,
+/// whatever their headers say. A `note` replaces the line; its `$devices` stands for the devices.
 pub(crate) fn line(folders: &[PathBuf], table: &str, has_times: bool, note: Option<&str>) -> Result<String, String> {
     let mut kinds = Vec::new();
     for folder in folders {
@@ -40,6 +42,7 @@ pub(crate) fn line(folders: &[PathBuf], table: &str, has_times: bool, note: Opti
     if let Some(note) = note {
         return Ok(format!("*{}*", note.replace("$devices", &devices)));
     }
+    // The first cell is empty, since a line begins with a bar, and the second is the header of the rows' names.
     let head: Vec<&str> = table.lines().next().unwrap_or_default().split('|').map(str::trim).collect();
     let figures = head.iter().skip(2).filter(|cell| !cell.is_empty());
     let (times, others): (Vec<&str>, Vec<&str>) = figures.copied().partition(|cell| is_time(cell));

@@ -1,4 +1,4 @@
-//! What expressions are of rows.
+//! Evaluates expressions over the rows of records.
 
 use crate::expression::{Choice, Condition, Expression};
 use crate::format::{self, greatest, least, median};
@@ -7,21 +7,25 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::rc::Rc;
 
-/// What expressions are evaluated with: the folders of a query, and the fields by which rows are matched.
+/// The context in which the expressions of a query are evaluated.
 pub(crate) struct Context<'a> {
+    /// The records that were read.
     pub(crate) library: &'a Library,
+    /// The folders that the query is about.
     pub(crate) folders: &'a [PathBuf],
+    /// The fields by which rows are matched.
     pub(crate) by: Vec<String>,
 }
 
-/// Numbers of rows, with the fields by which the rows are matched.
+/// Numbers, each with the row that it comes from.
 #[derive(Debug, Clone)]
 pub(crate) struct Numbers {
+    /// The fields by which the rows are matched with others.
     by: Vec<String>,
     items: Vec<(Rc<Row>, f64)>,
 }
 
-/// What an expression is.
+/// The value of an expression.
 #[derive(Debug, Clone)]
 pub(crate) enum Value {
     Number(f64),
@@ -30,7 +34,7 @@ pub(crate) enum Value {
 }
 
 impl Value {
-    /// All numbers of a value.
+    /// Returns all numbers of the value; a text has none and is an error.
     pub(crate) fn numbers(&self) -> Result<Vec<f64>> {
         match self {
             Self::Number(number) => Ok(vec![*number]),
@@ -39,7 +43,7 @@ impl Value {
         }
     }
 
-    /// The value as a number; of several rows, that of the only one.
+    /// Returns the only number of the value; several numbers, or none, are an error.
     pub(crate) fn number(&self) -> Result<f64> {
         let numbers = self.numbers()?;
         let [number] = numbers[..] else {
@@ -48,7 +52,7 @@ impl Value {
         Ok(number)
     }
 
-    /// The value as pages write it.
+    /// Returns the value as pages write it.
     pub(crate) fn text(&self) -> Result<String> {
         match self {
             Self::Text(text) => Ok(text.clone()),
@@ -57,18 +61,19 @@ impl Value {
     }
 }
 
-/// Whether two values of a field are the same, whatever number of digits they have.
+/// Returns whether two values of a field are the same text or, up to 1e-6, the same number.
 fn is_same(a: &str, b: &str) -> bool {
     a == b || a.parse().ok().zip(b.parse().ok()).is_some_and(|(a, b): (f64, f64)| (a - b).abs() < 1e-6)
 }
 
-/// Whether a condition holds for a row. `*` is any value, and `~` none.
+/// Returns whether a condition holds for a row. The value `*` fits any field, and `~` a field that is missing or empty.
 fn holds(row: &Row, condition: &Condition) -> bool {
     let found = row.get(&condition.field).map(String::as_str).filter(|value| !value.is_empty());
-    let any = |is: &dyn Fn(&str, &str) -> bool| {
+    // Whether the row's value fits one of the condition's values.
+    let any = |fits: &dyn Fn(&str, &str) -> bool| {
         condition.values.iter().any(|value| match (&**value, found) {
             ("*", _) | ("~", None) => true,
-            (value, Some(found)) => is(found, value),
+            (value, Some(found)) => fits(found, value),
             _ => false,
         })
     };
@@ -81,7 +86,7 @@ fn holds(row: &Row, condition: &Condition) -> bool {
     }
 }
 
-/// The key of a row: the values of some fields, without differences of case and digits.
+/// Returns the key of a row: the values of the fields `by`, with numbers in one form and texts in lower case.
 fn key(row: &Row, by: &[String]) -> Vec<String> {
     let value = |field: &String| {
         let value = row.get(field).map_or("", String::as_str);
@@ -90,20 +95,21 @@ fn key(row: &Row, by: &[String]) -> Vec<String> {
     by.iter().map(value).collect()
 }
 
-/// The values of some fields of rows, each once, in the order of the rows.
+/// Returns the values of some fields in the rows that have all of them: each tuple once, in the order of the rows.
 pub(crate) fn distinct(rows: &Rows, fields: &[String]) -> Vec<Vec<String>> {
-    let mut all = Vec::new();
+    let mut tuples = Vec::new();
     for row in rows.iter().filter(|row| fields.iter().all(|field| row.contains_key(field))) {
         let values: Vec<String> = fields.iter().map(|field| row[field].clone()).collect();
-        if !all.contains(&values) {
-            all.push(values);
+        if !tuples.contains(&values) {
+            tuples.push(values);
         }
     }
-    all
+    tuples
 }
 
 impl Context<'_> {
-    /// The rows of a choice. The value `@first` of a condition is that of the first row.
+    /// Returns the rows of a choice: of its files, or of `rows` if it names none. The value `@first` in a condition
+    /// stands for the value that the first row has.
     pub(crate) fn chosen(&self, choice: &Choice, rows: &Rows) -> Result<Rows> {
         let rows =
             choice.files.as_ref().map_or_else(|| Ok(rows.clone()), |files| self.library.select(self.folders, files))?;
@@ -116,7 +122,7 @@ impl Context<'_> {
         Ok(Rc::new(rows.iter().filter(|row| conditions.iter().all(|c| holds(row, c))).cloned().collect()))
     }
 
-    /// What an expression is of some rows.
+    /// Returns the value of an expression over some rows.
     pub(crate) fn value(&self, expression: &Expression, rows: &Rows) -> Result<Value> {
         match expression {
             Expression::Number(number) => Ok(Value::Number(*number)),
@@ -135,7 +141,8 @@ impl Context<'_> {
         }
     }
 
-    /// The numbers of a field in the rows that have it.
+    /// Returns the numbers of a field in the rows that have it. It is an error if no row has it, or if a value is not a
+    /// number.
     fn field(&self, field: &str, rows: &Rows) -> Result<Value> {
         let mut items = Vec::new();
         for row in rows.iter() {
@@ -149,6 +156,8 @@ impl Context<'_> {
         Ok(Value::Numbers(Numbers { by: self.by.clone(), items }))
     }
 
+    /// Returns the value of an operator between two values. A comparison is 1 if it is true, and else 0. A number is
+    /// combined with each of several numbers; several numbers on both sides are matched by their rows.
     fn both(&self, operator: char, left: Value, right: Value) -> Result<Value> {
         let truth = |is_true: bool| f64::from(u8::from(is_true));
         let apply = |a: f64, b: f64| match operator {
@@ -171,13 +180,16 @@ impl Context<'_> {
                 b.items.iter_mut().for_each(|(_, number)| *number = apply(a, *number));
                 Value::Numbers(b)
             }
-            // What has no partner is left out of a quotient that is written with ~.
+            // The quotient ~ leaves out rows that have no partner.
             (Value::Numbers(a), Value::Numbers(b)) => Value::Numbers(matched(a, &b, apply, operator == '~')?),
             _ => return Err(format!("{operator} between texts").into()),
         })
     }
 
+    /// Returns the value of a call of a function over some rows. `by` has the fields of the groups for a function that
+    /// ends with `_by`.
     fn call(&self, function: &str, by: &[String], arguments: &[Expression], rows: &Rows) -> Result<Value> {
+        // An argument, its value, and its value as a number, by its index.
         let argument =
             |n: usize| arguments.get(n).ok_or_else(|| Failure::from(format!("{function} lacks an argument")));
         let value = |n: usize| self.value(argument(n)?, rows);
@@ -220,13 +232,15 @@ impl Context<'_> {
         if let Some(one) = summary(function, &numbers) {
             return one.map(Value::Number);
         }
+        // All other functions write numbers; their second argument is the number of decimals.
         let decimals = arguments.get(1).map_or(Ok(2.0), |_| number(1))? as usize;
         let written = format::write(function, &numbers, decimals)?;
         Ok(Value::Text(written.ok_or_else(|| format!("there is no function {function}"))?))
     }
 }
 
-/// The numbers from a place, which is counted from the end if it is negative, to another place, in steps.
+/// Returns the numbers from the index `places[0]` to before the index `places[1]`, in steps of `places[2]`. Negative
+/// indices are counted from the end. Places that are left out mean all numbers and steps of 1.
 fn part(numbers: &Numbers, places: &[f64]) -> Result<Numbers> {
     let count = numbers.items.len();
     let place = |n: f64| if n < 0.0 { count.saturating_sub(-n as usize) } else { n as usize };
@@ -237,7 +251,7 @@ fn part(numbers: &Numbers, places: &[f64]) -> Result<Numbers> {
     Ok(Numbers { by: numbers.by.clone(), items: items.iter().step_by(step).cloned().collect() })
 }
 
-/// A function of a single number, by its name.
+/// Returns the function of a single number that has the given name.
 fn single(function: &str) -> Option<fn(f64) -> f64> {
     Some(match function {
         "sqrt" => f64::sqrt,
@@ -260,9 +274,10 @@ fn map(value: Value, function: impl Fn(f64, f64) -> f64, other: f64) -> Value {
     }
 }
 
-/// One number of several, by the function's name.
+/// Makes one number of several by the function of the given name; `None` if there is no such function.
 fn summary(function: &str, numbers: &[f64]) -> Option<Result<f64>> {
     let sum = || numbers.iter().sum::<f64>();
+    // A result that needs at least one number.
     let some = |number: f64| if numbers.is_empty() { Err(Failure::missing("there is no number")) } else { Ok(number) };
     Some(match function {
         "median" => median(numbers),
@@ -280,6 +295,7 @@ fn summary(function: &str, numbers: &[f64]) -> Option<Result<f64>> {
 /// Groups the numbers whose rows agree in the fields `by`, and makes one number of each group by the named function.
 /// Groups stand in the order of their first rows.
 fn grouped(function: &str, by: &[String], numbers: &Numbers) -> Result<Numbers> {
+    // By key: the index of the group's first row, and the group's numbers.
     let mut groups: BTreeMap<Vec<String>, (usize, Vec<f64>)> = BTreeMap::new();
     for (n, (row, number)) in numbers.items.iter().enumerate() {
         groups.entry(key(row, by)).or_insert_with(|| (n, Vec::new())).1.push(*number);
@@ -293,22 +309,26 @@ fn grouped(function: &str, by: &[String], numbers: &Numbers) -> Result<Numbers> 
     Ok(Numbers { by: by.to_vec(), items: groups.into_iter().map(one).collect::<Result<_>>()? })
 }
 
-/// Numbers of two selections, row by row: rows with the same key belong together, in the order in which they stand. If the rows on the
-/// right have fewer fields in their key, one of them belongs to several rows on the left.
+/// Applies a function to the numbers of two sets, row by row. Rows with the same key belong together, in the order in
+/// which they stand; a single row on the right belongs to all rows of its key on the left. Rows on the left without a
+/// partner are left out if `is_lenient`, and otherwise an error. So are rows on the right without one, unless their key
+/// has fewer fields.
 fn matched(left: Numbers, right: &Numbers, apply: impl Fn(f64, f64) -> f64, is_lenient: bool) -> Result<Numbers> {
     let by: Vec<String> = left.by.iter().filter(|field| right.by.contains(field)).cloned().collect();
-    let mut there: HashMap<Vec<String>, Vec<f64>> = HashMap::new();
+    // The numbers on the right by their key.
+    let mut partners: HashMap<Vec<String>, Vec<f64>> = HashMap::new();
     for (row, number) in &right.items {
-        there.entry(key(row, &by)).or_default().push(*number);
+        partners.entry(key(row, &by)).or_default().push(*number);
     }
+    // For each key, the number of rows on the left so far.
     let mut seen: HashMap<Vec<String>, usize> = HashMap::new();
     let mut items = Vec::new();
     for (row, number) in &left.items {
         let key = key(row, &by);
         let place = seen.entry(key.clone()).or_default();
-        let partner = there
+        let partner = partners
             .get(&key)
-            .and_then(|numbers| if let [one] = numbers[..] { Some(one) } else { numbers.get(*place).copied() });
+            .and_then(|numbers| if let [only] = numbers[..] { Some(only) } else { numbers.get(*place).copied() });
         *place += 1;
         match partner {
             Some(other) => items.push((row.clone(), apply(*number, other))),

@@ -1,19 +1,22 @@
-//! The language of queries: what an expression is, and how it is read.
+//! The language of queries: the types of expressions, and a parser that reads them from text.
 //!
-//! A field, such as `rmse`, is its numbers in all rows. `[against=world] rmse` takes the rows of a condition alone, and `[a.csv:] rmse`
-//! those of a file. Numbers are added, divided and compared row by row, by the key of their rows; `median(…)` makes one of many.
+//! A field, such as `rmse`, stands for its numbers in all rows. `[against=world] rmse` takes only the rows for which
+//! the condition holds, and `[a.csv:] rmse` takes the rows of a file. Numbers are added, divided and compared row by
+//! row; rows are matched by their keys. `median(…)` makes one number of many.
 
 use crate::records::Result;
 use std::collections::BTreeMap;
 
-/// A name for an expression, with the names of its arguments.
+/// An expression that has a name.
 #[derive(Debug, Clone)]
 pub(crate) struct Word {
+    /// The names of its arguments.
     arguments: Vec<String>,
+    /// The text of the expression, in which `$name` stands for an argument.
     body: String,
 }
 
-/// Expressions that have a name, which queries call as they call functions.
+/// Named expressions by their names. Queries call them like functions.
 pub(crate) type Words = BTreeMap<String, Word>;
 
 /// A condition on a field: `field=a|b`. The comparison is one of [`COMPARISONS`].
@@ -24,12 +27,13 @@ pub(crate) struct Condition {
     pub(crate) values: Vec<String>,
 }
 
-/// Is none of, does not contain, begins with, contains, is one of.
+/// The comparisons, in this order: is none of, does not contain, begins with, contains, is one of.
 const COMPARISONS: [&str; 5] = ["!=", "!*", "^=", "*=", "="];
 
-/// Rows that are chosen: those of a file, or those at hand, for which all conditions hold.
+/// A choice of rows, for which all conditions hold.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Choice {
+    /// The files whose rows are chosen from; `None` for the rows that the expression around it has.
     pub(crate) files: Option<String>,
     pub(crate) conditions: Vec<Condition>,
 }
@@ -39,11 +43,15 @@ pub(crate) struct Choice {
 pub(crate) enum Expression {
     Number(f64),
     Text(String),
+    /// The numbers of a field in all rows.
     Field(String),
     /// 1 for each row for which all conditions hold, and 0 for the others.
     Holds(Vec<Condition>),
+    /// An expression over the rows of a choice.
     In(Choice, Box<Self>),
+    /// An operator with its left and its right side.
     Both(char, Box<[Self; 2]>),
+    /// A call of a function. `by` has the fields of the groups, for functions that end with `_by`.
     Call {
         function: String,
         by: Vec<String>,
@@ -51,15 +59,15 @@ pub(crate) enum Expression {
     },
 }
 
-/// Returns the name of a word and the word, from its head, `name(a, b)`, and its body.
+/// Returns a named expression and its name, from its head, such as `name(a, b)`, and its body.
 pub(crate) fn word(head: &str, body: &str) -> (String, Word) {
     let (name, rest) = head.split_once('(').unwrap_or((head, ""));
     let names = rest.trim_end_matches(')').split(',').map(|a| a.trim().to_owned()).filter(|a| !a.is_empty());
     (name.to_owned(), Word { arguments: names.collect(), body: body.to_owned() })
 }
 
-/// Replaces each variable in a text, written as `$name`, by its value. Where several names fit, the longest one counts.
-/// Variables within a value are replaced, too. A name that is not known is an error.
+/// Returns a text in which each variable, written as `$name`, is replaced by its value. If several names fit, the
+/// longest one counts. Variables within a value are replaced, too. An unknown name is an error.
 pub(crate) fn fill(text: &str, variables: &BTreeMap<String, String>) -> Result<String> {
     let mut parts = text.split('$');
     let mut filled = parts.next().unwrap_or_default().to_owned();
@@ -72,7 +80,8 @@ pub(crate) fn fill(text: &str, variables: &BTreeMap<String, String>) -> Result<S
     Ok(filled)
 }
 
-/// What stands between brackets: `file: field=value, other!=value`. A file may be left out, with its colon, or the conditions.
+/// Reads a choice from the text between its brackets: `file: field=value, other!=value`. The file may be left out with
+/// its colon, and so may the conditions.
 pub(crate) fn choice(text: &str) -> Result<Choice> {
     let (files, conditions) = match text.split_once(':') {
         Some((files, rest)) if !files.contains('=') => (Some(files.trim().to_owned()), rest),
@@ -80,6 +89,7 @@ pub(crate) fn choice(text: &str) -> Result<Choice> {
     };
     let mut choice = Choice { files, conditions: Vec::new() };
     for part in split(conditions, ',').iter().map(|part| part.trim()).filter(|part| !part.is_empty()) {
+        // The first comparison in the text; of two at one place, the longer one.
         let found =
             COMPARISONS.iter().filter_map(|c| Some((part.find(c)?, *c))).min_by_key(|(place, c)| (*place, 2 - c.len()));
         let (place, comparison) = found.ok_or_else(|| format!("{part:?} is no condition"))?;
@@ -93,7 +103,7 @@ pub(crate) fn choice(text: &str) -> Result<Choice> {
     Ok(choice)
 }
 
-/// The parts of a text between separators that stand in no brackets and no quotes.
+/// Splits a text at each separator that is outside of brackets and quotes.
 pub(crate) fn split(text: &str, separator: char) -> Vec<&str> {
     let (mut depth, mut is_quoted, mut from, mut parts) = (0, false, 0, Vec::new());
     for (place, c) in text.char_indices() {
@@ -113,32 +123,36 @@ pub(crate) fn split(text: &str, separator: char) -> Vec<&str> {
     parts
 }
 
-/// The expression that a text is.
+/// Parses a whole text as one expression.
 pub(crate) fn parse(text: &str, words: &Words) -> Result<Expression> {
     let mut parser = Parser { rest: text.trim(), words };
     let expression = parser.compared()?;
     if parser.rest.is_empty() { Ok(expression) } else { Err(format!("what is {:?} in {text:?}?", parser.rest).into()) }
 }
 
+/// A recursive-descent parser of expressions.
 struct Parser<'a> {
+    /// The text that is not read yet.
     rest: &'a str,
     words: &'a Words,
 }
 
 impl<'a> Parser<'a> {
+    /// Reads `length` bytes, and the blanks after them. Returns the bytes.
     fn take(&mut self, length: usize) -> &'a str {
         let (taken, rest) = self.rest.split_at(length);
         self.rest = rest.trim_start();
         taken
     }
 
-    /// The operator that comes next, if it is one of some.
+    /// Reads the operator that comes next, if it is one of `operators`.
     fn operator(&mut self, operators: &str) -> Option<char> {
         let next = self.rest.chars().next().filter(|c| operators.contains(*c))?;
         self.take(next.len_utf8());
         Some(next)
     }
 
+    /// Reads an expression: comparisons of sums of products of single operands.
     fn compared(&mut self) -> Result<Expression> {
         self.chain("<>=", |parser| parser.chain("+-", |parser| parser.chain("*/~", Self::single)))
     }
@@ -152,7 +166,7 @@ impl<'a> Parser<'a> {
         Ok(left)
     }
 
-    /// What stands between the bracket that comes next and its end.
+    /// Reads the bracket or quote that comes next, up to its closing character `end`, and returns the text inside.
     fn bracketed(&mut self, end: char) -> Result<&'a str> {
         let inside = match end {
             '"' | '\'' => self.rest[1..].split(end).next().unwrap_or_default(),
@@ -165,6 +179,8 @@ impl<'a> Parser<'a> {
         Ok(&self.take(inside.len() + 2)[1..=inside.len()])
     }
 
+    /// Reads a single operand: a choice with an operand, an expression in brackets, a text, a field, a number or a
+    /// call.
     fn single(&mut self) -> Result<Expression> {
         let is_of_name = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
         match self.rest.chars().next() {
@@ -189,10 +205,11 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A field, a word or a function.
+    /// Returns the expression for a name and the text of its arguments: a named expression with its arguments replaced,
+    /// a field if there are no brackets, or the call of a function.
     fn called(&self, name: &str, arguments: Option<&str>) -> Result<Expression> {
-        let all = arguments.filter(|all| !all.is_empty()).map_or(Vec::new(), |all| split(all, ','));
-        let texts: Vec<&str> = all.into_iter().map(str::trim).collect();
+        let parts = arguments.filter(|list| !list.is_empty()).map_or(Vec::new(), |list| split(list, ','));
+        let texts: Vec<&str> = parts.into_iter().map(str::trim).collect();
         if let Some(word) = self.words.get(name) {
             if word.arguments.len() != texts.len() {
                 return Err(format!("{name} has {} arguments", word.arguments.len()).into());
@@ -200,11 +217,11 @@ impl<'a> Parser<'a> {
             let values = word.arguments.iter().cloned().zip(texts.iter().map(|text| (*text).to_owned())).collect();
             return parse(&fill(&word.body, &values)?, self.words);
         }
-        let Some(all) = arguments else { return Ok(Expression::Field(name.to_owned())) };
+        let Some(list) = arguments else { return Ok(Expression::Field(name.to_owned())) };
         if name == "holds" {
-            return Ok(Expression::Holds(choice(all)?.conditions));
+            return Ok(Expression::Holds(choice(list)?.conditions));
         }
-        // Functions that end like this have the fields of a key as their first argument.
+        // The first argument of a function that ends with `_by` is the fields of a key.
         let (by, texts) = match (name.ends_with("_by"), texts.split_first()) {
             (true, Some((fields, rest))) => (fields.split(' ').map(str::to_owned).collect(), rest.to_vec()),
             _ => (Vec::new(), texts),

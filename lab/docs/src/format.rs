@@ -1,8 +1,8 @@
-//! How pages write numbers.
+//! Writes numbers as pages show them.
 
 use crate::records::{Failure, Result};
 
-/// Median; of an even number, the mean of the middle two.
+/// Returns the median of some values: for an even number of them, the mean of the middle two.
 pub(crate) fn median(values: &[f64]) -> Result<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -12,57 +12,58 @@ pub(crate) fn median(values: &[f64]) -> Result<f64> {
     }
 }
 
-/// The least of some values.
+/// Returns the least of some values; infinity without values.
 pub(crate) fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// The greatest of some values.
+/// Returns the greatest of some values; minus infinity without values.
 pub(crate) fn greatest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Two decimals, or three for what is small.
+/// Returns a number with two decimals, or with three if it is less than 0.02.
 pub(crate) fn ratio(value: f64) -> String {
     if value < 0.02 { format!("{value:.3}") } else { format!("{value:.2}") }
 }
 
-/// A share in percent, with so many decimals.
+/// Returns a share in percent, with so many decimals.
 pub(crate) fn percent(share: f64, decimals: usize) -> String {
     format!("{:.decimals$} %", 100.0 * share)
 }
 
-/// Digits in groups of three.
+/// Returns a whole number with its digits in groups of three.
 pub(crate) fn grouped(n: f64) -> String {
     let digits = format!("{n:.0}");
     let parts = digits.as_bytes().rchunks(3).rev().map(|part| String::from_utf8_lossy(part).into_owned());
     parts.collect::<Vec<_>>().join(",")
 }
 
-/// A wait in seconds, or in minutes and seconds.
+/// Returns a wait in seconds or, from a minute on, in minutes and seconds.
 pub(crate) fn wait(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     if whole < 60 { format!("{whole} s") } else { format!("{}:{:02} min", whole / 60, whole % 60) }
 }
 
-/// A function that writes numbers, by its name: `middle` is the median and, in brackets, the greatest; `spread` and `ratios` have the
-/// least and the greatest in the brackets; `range` has these alone. `None` if there is no such function.
+/// Writes numbers by the function of the given name; `None` if there is no such function. `middle` writes the median
+/// and, in brackets, the greatest number. `spread` and `ratios` have the least and the greatest number in the brackets,
+/// and `range` and `range_of_ratios` write only these two. All other functions write a single number.
 pub(crate) fn write(function: &str, values: &[f64], decimals: usize) -> Result<Option<String>> {
     if values.iter().any(|value| !value.is_finite()) {
         return Err(format!("{function} is of what is no number").into());
     }
-    let one = || match values {
-        [one] => Ok(*one),
+    let only = || match values {
+        [value] => Ok(*value),
         _ => Err(Failure::missing(format!("{} values where {function} writes one", values.len()))),
     };
     let (middle, low, high) = (|| median(values), least(values), greatest(values));
     Ok(Some(match function {
-        "fixed" => format!("{:.decimals$}", one()?),
-        "signed" => format!("{:+.decimals$}", one()?),
-        "ratio" => ratio(one()?),
-        "percent" => percent(one()?, decimals),
-        "grouped" => grouped(one()?),
-        "wait" => wait(one()?),
+        "fixed" => format!("{:.decimals$}", only()?),
+        "signed" => format!("{:+.decimals$}", only()?),
+        "ratio" => ratio(only()?),
+        "percent" => percent(only()?, decimals),
+        "grouped" => grouped(only()?),
+        "wait" => wait(only()?),
         "middle" => format!("{} ({})", ratio(middle()?), ratio(high)),
         "spread" => format!("{:.2} ({low:.2} to {high:.2})", middle()?),
         "ratios" => format!("{} ({} to {})", ratio(middle()?), ratio(low), ratio(high)),

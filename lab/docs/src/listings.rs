@@ -1,7 +1,10 @@
-//! The page that sets each printed step of the documents beside the lines of the shaders that follow it (`docs/listings.md`).
-//! It is made from marks in the shaders: `// Print: §4.2.7, Alg. 4.` names what is printed, and a comment that begins with
-//! printed lines, as `// 8, 9: …` or `// 10-13: …`, says of which lines the code below it is, up to the next mark, a blank
-//! line or the end of a function. Comments that begin with "Erratum" or "Departure" stand between print and code.
+//! Makes the page that sets each printed step of the documents beside the lines of the shaders that follow it
+//! (`docs/listings.md`).
+//!
+//! The page is made from marks in the shaders. `// Print: §4.2.7, Alg. 4.` names a printed item: a listing, an
+//! algorithm or an equation. A comment that begins with numbers of printed lines, as `// 8, 9: …` or `// 10-13: …`,
+//! begins a step. The code below the comment follows these lines, up to the next mark, a blank line or the end of a
+//! function. Comments that begin with "Erratum" or "Departure" stand between print and code.
 
 use crate::pages::{shown, text};
 use crate::queries::Queries;
@@ -12,10 +15,10 @@ use std::path::{Path, PathBuf};
 /// A part of the page, or a sentence about why there is none.
 type Result<T> = std::result::Result<T, String>;
 
-/// What is printed: its name in the marks, and how many lines it has.
+/// A printed item: its name in the marks, and its number of lines.
 type Item = (&'static str, u32);
 
-/// A document's title, the folder of its shaders, and what is printed in it.
+/// For each document: its title, the folder of its shaders, and its printed items.
 const DOCUMENTS: &[(&str, &str, &[Item])] = &[
     (
         "Hermanns 2015, the thesis",
@@ -54,19 +57,24 @@ const DOCUMENTS: &[(&str, &str, &[Item])] = &[
     ),
 ];
 
-/// A shader's path, and its steps with the names of what is printed.
+/// A shader: its path, and its steps, each with the name of the printed item that it belongs to.
 type Shader = (String, Vec<(String, Step)>);
 
-/// A step: the printed lines and what they say, what differs, and the code.
+/// A step of a shader.
 #[derive(Debug, Default, PartialEq)]
 struct Step {
+    /// The printed lines that the step follows.
     lines: Vec<RangeInclusive<u32>>,
+    /// The words of the print at these lines.
     print: String,
+    /// The errata and departures.
     differs: Vec<String>,
+    /// The lines of code.
     code: Vec<String>,
 }
 
-/// The printed lines at the beginning of a comment, and what follows: `8, 9-11: words`.
+/// Reads a comment such as `8, 9-11: words`. Returns the printed lines at its beginning, and the words after them;
+/// `None` for any other comment.
 fn marked(comment: &str) -> Option<(Vec<RangeInclusive<u32>>, &str)> {
     let (lines, words) = comment.split_once(": ")?;
     let range = |part: &str| {
@@ -76,11 +84,14 @@ fn marked(comment: &str) -> Option<(Vec<RangeInclusive<u32>>, &str)> {
     Some((lines.split(", ").map(range).collect::<Option<_>>()?, words))
 }
 
-/// Reads the steps of a shader from the marks in its comments, each with the name of the printed item it belongs to.
+/// Reads the steps of a shader from the marks in its text. Returns each step with the name of the printed item it
+/// belongs to.
 fn steps(shader: &str) -> Vec<(String, Step)> {
+    // The steps so far, the current item, and the step that is being read.
     let (mut found, mut item, mut open): (Vec<(String, Step)>, Option<String>, Option<Step>) = (Vec::new(), None, None);
-    // What a comment line that goes on adds to: the printed words, or what differs.
+    // The field to which a further line of the same comment is added: the printed words, or the differences.
     let mut goes_on = "";
+    // Ends the step that is being read.
     let end = |open: &mut Option<Step>, item: &Option<String>, found: &mut Vec<(String, Step)>| {
         if let (Some(step), Some(item)) = (open.take(), item) {
             found.push((item.clone(), step));
@@ -122,31 +133,33 @@ fn steps(shader: &str) -> Vec<(String, Step)> {
     found
 }
 
-/// Path below the root, and the steps, of each shader of a folder, by name.
+/// Returns the shaders of a folder that have steps, in the order of their names.
 fn marks(root: &Path, folder: &str) -> Result<Vec<Shader>> {
     let folder = format!("shaders-glsl/{folder}");
     let entries = fs::read_dir(root.join(&folder)).map_err(|e| format!("{folder}: {e}"))?;
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
     paths.retain(|path| !path.ends_with("ERRATA.md"));
     paths.sort();
-    let mut all = Vec::new();
+    let mut shaders = Vec::new();
     for path in paths {
         let name = format!("{folder}/{}", path.file_name().unwrap_or_default().to_string_lossy());
         let steps = steps(&text(root, &name)?);
         if !steps.is_empty() {
-            all.push((name, steps));
+            shaders.push((name, steps));
         }
     }
-    Ok(all)
+    Ok(shaders)
 }
 
-/// The rows of the errata of the thesis about something printed, with links that lead on from `docs/`.
+/// Returns the rows about a printed item from the page of the thesis's errata, with links that are right for a page in
+/// `docs/`.
 fn errata(page: &str, item: &str) -> Vec<String> {
     let (section, name) = item.split_once(", ").unwrap_or((item, ""));
+    // Whether a row about this place is about the item.
     let about = |place: &str| {
         let mut parts = place.split(", ");
-        let both = name.ends_with("listing") && place.ends_with("both listings");
-        parts.next() == Some(section) && (both || parts.any(|part| part == name))
+        let is_both = name.ends_with("listing") && place.ends_with("both listings");
+        parts.next() == Some(section) && (is_both || parts.any(|part| part == name))
     };
     let link = |text: String| text.replace("](../../docs/", "](").replace("](../", "](../shaders-glsl/");
     let row = |line: &str| {
@@ -156,17 +169,17 @@ fn errata(page: &str, item: &str) -> Vec<String> {
     page.lines().filter_map(row).collect()
 }
 
-/// A text without its comments of HTML, which mark what records say.
+/// Returns a text without its HTML comments, which are the marks of quotations.
 fn without_comments(text: &str) -> String {
     let mut parts = text.split("<!-- ");
     let first = parts.next().unwrap_or_default().to_owned();
     parts.fold(first, |kept, part| kept + part.split_once("-->").map_or("", |(_, after)| after))
 }
 
-/// The columns that a line of a comment takes at most.
+/// The greatest number of columns of a comment line.
 const COLUMNS: usize = 140;
 
-/// A text as lines of a comment, indented.
+/// Returns a text as lines of a GLSL comment, each with the indentation before it.
 fn comment(text: &str, indentation: &str) -> String {
     let mut lines = vec![format!("{indentation}//")];
     for word in text.split(' ') {
@@ -178,8 +191,8 @@ fn comment(text: &str, indentation: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Writes a step for the page: a comment that names the printed lines and says what the print has there, a comment for
-/// each departure or erratum, and the code. The first `margin` bytes of each line of code are left out.
+/// Returns the text of a step on the page: a comment with the printed lines and their words, a comment for each
+/// departure or erratum, and the code. The first `margin` bytes of each line of code are left out.
 fn written(step: &Step, margin: usize) -> String {
     let code: Vec<&str> = step.code.iter().map(|line| &line[margin..]).collect();
     let indentation: String = code.first().map_or("", |line| line).chars().take_while(|c| *c == ' ').collect();
@@ -196,12 +209,12 @@ fn written(step: &Step, margin: usize) -> String {
     comments.chain(code.iter().map(|line| format!("{line}\n"))).collect()
 }
 
-/// One thing that is printed, with its steps in the order of the lines.
+/// Returns the section of the page about a printed item: its steps in the order of the printed lines, and its errata.
 fn section(item: &str, shaders: &[Shader], errata: &[String]) -> String {
     let mut files: Vec<String> = Vec::new();
     let mut steps: Vec<&Step> = Vec::new();
-    for (file, found) in shaders {
-        let own: Vec<&Step> = found.iter().filter(|(name, _)| name == item).map(|(_, step)| step).collect();
+    for (file, all_steps) in shaders {
+        let own: Vec<&Step> = all_steps.iter().filter(|(name, _)| name == item).map(|(_, step)| step).collect();
         if !own.is_empty() {
             files.push(format!("`{file}`"));
             steps.extend(own);
@@ -209,7 +222,7 @@ fn section(item: &str, shaders: &[Shader], errata: &[String]) -> String {
     }
     let code = steps.iter().flat_map(|step| &step.code);
     let margin = code.map(|line| line.len() - line.trim_start().len()).min().unwrap_or(0);
-    // A step without printed lines stays behind the one that it follows.
+    // Steps are ordered by their first printed line. A step without printed lines stays after the one before it.
     let mut last = 0;
     let mut keyed: Vec<(u32, &Step)> = Vec::new();
     for step in steps {
@@ -225,18 +238,18 @@ fn section(item: &str, shaders: &[Shader], errata: &[String]) -> String {
     text
 }
 
-/// Refuses marks that name nothing printed, and printed lines without a mark.
+/// Refuses marks that name no known printed item, and printed lines without a mark.
 fn check(folder: &str, items: &[Item], shaders: &[Shader]) -> Result<()> {
-    let all: Vec<&(String, Step)> = shaders.iter().flat_map(|(_, steps)| steps).collect();
-    if let Some((name, _)) = all.iter().find(|(name, _)| !items.iter().any(|(item, _)| item == name)) {
+    let all_steps: Vec<&(String, Step)> = shaders.iter().flat_map(|(_, steps)| steps).collect();
+    if let Some((name, _)) = all_steps.iter().find(|(name, _)| !items.iter().any(|(item, _)| item == name)) {
         return Err(format!("shaders-glsl/{folder}: {name} is not known to be printed"));
     }
     for (item, count) in items {
-        let steps = all.iter().filter(|(name, _)| name == item);
+        let steps = all_steps.iter().filter(|(name, _)| name == item);
         let mut lines: Vec<u32> = steps.flat_map(|(_, step)| step.lines.iter().cloned().flatten()).collect();
         lines.sort_unstable();
         lines.dedup();
-        // Listings have blank lines, two of them at most in a row.
+        // Listings have blank lines, at most two in a row.
         let gap = if item.contains("listing") { 3 } else { 1 };
         let is_whole = lines.windows(2).all(|pair| pair[1] - pair[0] <= gap);
         if !is_whole || lines.first().zip(lines.last()) != Some((&1, count)) {
@@ -246,7 +259,7 @@ fn check(folder: &str, items: &[Item], shaders: &[Shader]) -> Result<()> {
     Ok(())
 }
 
-/// What stands above the documents.
+/// The text above the sections of the documents.
 const HEAD: &str = "# Print and shader, step by step\n\nThis page sets each step of the printed listings, algorithms and equations \
     beside the lines of the shaders that follow it. A comment with numbers in brackets names the printed lines that the code below it \
     follows, and says what the print has there, often shortened. The comments behind it say what differs. Below each item of the \
@@ -254,7 +267,7 @@ const HEAD: &str = "# Print and shader, step by step\n\nThis page sets each step
     [here](../shaders-glsl/schmidt/ERRATA.md) and [here](../shaders-glsl/poster/ERRATA.md). The poster has no listing: its numbers \
     count the steps of its text. The page is made from marks in the shaders (`make docs`).\n\n";
 
-/// The page.
+/// Returns the text of the page.
 pub(crate) fn page(queries: &Queries, root: &Path) -> Result<String> {
     let mut page = HEAD.to_owned();
     for (title, folder, items) in DOCUMENTS {

@@ -1,8 +1,10 @@
-//! The program behind `make docs`: writes every file of the repository that is made of records or of tables in the code.
+//! The program behind `make docs`: writes the files of the repository that are made from records or from tables in the
+//! code.
 
 use std::path::Path;
 use std::process::ExitCode;
 
+/// Writes each file whose text differs from the text that it should have, and prints its name.
 fn write(root: &Path) -> Result<(), String> {
     for (name, text) in ssct_docs::files(root)? {
         if ssct_docs::difference(root, &name, &text).is_some() {

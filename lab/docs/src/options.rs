@@ -1,9 +1,10 @@
-//! The page of the options of all methods (`docs/options.md`), as the methods' own tables declare them.
+//! Makes the page of the parameters of all methods (`docs/options.md`) from the tables in which the methods declare
+//! them.
 
 use ssct::methods::exclusions::EXCLUSIONS;
 use ssct::methods::{METHODS, parameters};
 
-/// What stands above the tables.
+/// The text above the rows of the first table.
 const HEAD: &str = "# Parameters of the methods\n\nEvery parameter is an option of the commands that run methods, such as `render`, \
     `error` and `view` (`--cone-samples 3`), a row of the window's panel, and a value in the `setup` of every record \
     (`cone_samples`). A method that is not named does not read it. A switch takes `on` or `off` (`--split on`, `--fade off`), and \
@@ -12,7 +13,7 @@ const HEAD: &str = "# Parameters of the methods\n\nEvery parameter is an option 
     program. This page is made from the tables in the code (`make docs`).\n\n\
     | parameter | methods | what it does | values | published | author | source |\n|---|---|---|---|---|---|---|\n";
 
-/// The page.
+/// Returns the text of the page.
 pub(crate) fn page() -> String {
     let screen: Vec<_> = METHODS.iter().filter(|m| m.is_screen_space()).map(|m| m.name).collect();
     let mut page = HEAD.to_owned();

@@ -1,25 +1,25 @@
-//! The pages and plots of the repository, and what they quote from records between their marks.
+//! Finds the pages and plots of the repository that quote records, and renews the texts between their marks.
 
 use crate::queries::Queries;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The mark before what a query says.
+/// The beginning of the mark before a quotation, which a query's name follows.
 pub const BEGIN: &str = "<!-- show: ";
 
-/// The mark behind it.
+/// The mark after a quotation.
 const END: &str = "<!-- end -->";
 
-/// A text, or a sentence about why there is none.
+/// A result, or a sentence about why there is none.
 type Result<T> = std::result::Result<T, String>;
 
-/// The text of a file below the root.
+/// Reads the text of a file, whose name is relative to the root.
 pub(crate) fn text(root: &Path, name: &str) -> Result<String> {
     fs::read_to_string(root.join(name)).map_err(|e| format!("{name}: {e}"))
 }
 
-/// Lines that do not stand in a fenced block.
+/// Returns the lines of a page that are not in a fenced block of code.
 pub fn outside_code(text: &str) -> Vec<&str> {
     let mut is_inside = false;
     let mut lines = Vec::new();
@@ -33,7 +33,7 @@ pub fn outside_code(text: &str) -> Vec<&str> {
     lines
 }
 
-/// A page's link definitions: `[name]: target`.
+/// Returns the target of each link definition of a page by its name: `[name]: target`.
 pub fn definitions(text: &str) -> BTreeMap<String, String> {
     let definition = |line: &str| {
         let (name, target) = line.strip_prefix('[')?.split_once("]: ")?;
@@ -42,23 +42,24 @@ pub fn definitions(text: &str) -> BTreeMap<String, String> {
     outside_code(text).into_iter().filter_map(definition).collect()
 }
 
-/// What stands between a mark and its end.
+/// A quotation of records on a page.
 #[derive(Debug)]
 pub struct Shown<'a> {
-    /// The query, with its arguments.
+    /// The name of the query, with its arguments.
     pub query: &'a str,
-    /// The folders that it is of.
+    /// The folders with the records that the query is about.
     pub folders: Vec<PathBuf>,
-    /// What the page says.
+    /// The text that the page has now between the marks.
     pub says: &'a str,
-    /// The text of the page before the mark.
+    /// The text of the page between the previous quotation and this one.
     before: &'a str,
-    /// The mark.
+    /// The text of the mark: the query and the names of its records.
     mark: &'a str,
 }
 
-/// What a page quotes, and the text behind its last quotation. Behind ` of ` in a mark stand link definitions of the page, with commas
-/// between them.
+/// Returns the quotations of a page, and the text after the last one. A mark is `QUERY of RECORDS`, where RECORDS are
+/// names of link definitions of the page, separated by commas. `name` is the page's name below the root, and `text` its
+/// text.
 pub fn quotations<'a>(root: &Path, name: &str, text: &'a str) -> Result<(Vec<Shown<'a>>, &'a str)> {
     let folder = root.join(name).parent().map(Path::to_owned).unwrap_or_default();
     let defined = definitions(text);
@@ -79,7 +80,7 @@ pub fn quotations<'a>(root: &Path, name: &str, text: &'a str) -> Result<(Vec<Sho
     Ok((found, rest))
 }
 
-/// The text of a page in which every quotation is replaced by what its query answers now.
+/// Returns the text of a page in which every quotation is replaced by the present answer of its query.
 ///
 /// # Errors
 /// A sentence about a mark that is wrong, or the failures of all queries.
@@ -95,7 +96,7 @@ pub fn shown(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<S
     if failures.is_empty() { Ok(result + rest) } else { Err(failures.join("\n")) }
 }
 
-/// What a page should say between a mark and its end.
+/// Returns the text that a page should have between the two marks of a quotation.
 fn answer(queries: &Queries, Shown { query, folders, before, .. }: &Shown) -> Result<String> {
     let answer = queries.shown(query, folders)?;
     // Markdown does not format a line that begins with an HTML comment, so that a number may not begin a line.
@@ -106,14 +107,15 @@ fn answer(queries: &Queries, Shown { query, folders, before, .. }: &Shown) -> Re
     }
 }
 
-/// Folders that no page lies in.
+/// Beginnings of the names of folders that have no pages.
 const NO_PAGES: [&str; 4] = ["target", "out", "fuzz/corpus", "benches/runs/2"];
 
-/// The names below the root of all pages and plots that quote records.
+/// Returns the names, relative to the root, of all pages and plots that quote records, in alphabetical order.
 pub fn quoting(root: &Path) -> Result<Vec<String>> {
-    let mut left = vec![root.to_owned()];
+    // Files and folders that are still to be looked at.
+    let mut pending = vec![root.to_owned()];
     let mut found = Vec::new();
-    while let Some(path) = left.pop() {
+    while let Some(path) = pending.pop() {
         let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
         let is_hidden = name.starts_with('.') || name.ends_with("/target");
         if is_hidden || NO_PAGES.iter().any(|folder| name.starts_with(folder)) {
@@ -121,7 +123,7 @@ pub fn quoting(root: &Path) -> Result<Vec<String>> {
         }
         if path.is_dir() {
             let entries = fs::read_dir(&path).map_err(|e| format!("{name}: {e}"))?;
-            left.extend(entries.filter_map(|entry| entry.ok().map(|entry| entry.path())));
+            pending.extend(entries.filter_map(|entry| entry.ok().map(|entry| entry.path())));
         } else if (name.ends_with(".md") || name.ends_with(".svg")) && text(root, &name)?.contains(BEGIN) {
             found.push(name);
         }

@@ -1,4 +1,4 @@
-//! The queries of the pages: what is declared in `lab/docs/queries/`, and what it says of records.
+//! The queries of the pages: reads their declarations in `lab/docs/queries/`, and answers them from records.
 
 use crate::devices;
 use crate::evaluation::{Context, distinct};
@@ -11,30 +11,30 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// The variables of a query: its arguments, and what its loops have at the moment.
+/// The variables of a query by name: its arguments, and the variables of its loops in the current round.
 type Variables = BTreeMap<String, String>;
 
 /// A declared query. It has an `answer`, the `rows` and `columns` of a table, or `rows` and `lines`.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Query {
-    /// The files whose records expressions read.
+    /// The files whose records the expressions read.
     from: String,
     /// The conditions on these records.
     r#where: String,
-    /// The fields by which records are matched, if they are others than [`BY`].
+    /// The fields by which records are matched; `None` for those of [`BY`].
     by: Option<String>,
-    /// A number or a sentence, with expressions between braces.
+    /// The text of the answer, with expressions between braces.
     answer: Option<String>,
-    /// The text of each row of what is no table.
+    /// The text of each row, if the rows are not those of a table.
     lines: Option<String>,
-    /// What stands between these texts, if it is no line break.
+    /// The text between the texts of two rows; `None` for a line break.
     between: Option<String>,
-    /// What stands around them, with `$lines` in their place.
+    /// The text around the texts of all rows, in which `$lines` stands for them.
     frame: Option<String>,
-    /// Loops, from the outer one to the inner one, that make the rows of the table.
+    /// Loops, from the outer one to the inner one, that make the rows.
     rows: Vec<String>,
-    /// An expression without which a row is left out.
+    /// An expression; a row is left out if it is 0 or its records are missing.
     when: Option<String>,
     /// A number by which rows are ordered, the greatest first.
     order: Option<String>,
@@ -42,20 +42,22 @@ pub struct Query {
     columns: Vec<Vec<String>>,
     /// True if the table shows times alone, whatever its captions say.
     times: bool,
-    /// What stands under the table in place of a sentence about times and devices.
+    /// The text under the table, instead of the sentence about devices and times.
     note: Option<String>,
-    /// Where in the README a number stands that a study of a device does not measure, and the command that measures it.
+    /// For a number of the README that no study of a device measures: its place there, and the command that measures
+    /// it.
     pub(crate) readme: Option<[String; 2]>,
 }
 
-/// The fields by which records are matched.
+/// The fields by which records are matched, unless a query names others.
 const BY: &str = "scene view roughness size";
 
 /// All queries, with the records that they read.
 #[derive(Debug, Default)]
 pub struct Queries {
-    /// By names: words that begin with `$` are arguments.
+    /// The queries by name. Words of a name that begin with `$` are arguments.
     all: BTreeMap<String, Query>,
+    /// The named expressions.
     words: Words,
     /// The values of variables that all queries have.
     constants: Variables,
@@ -65,7 +67,7 @@ pub struct Queries {
 }
 
 impl Queries {
-    /// Reads the queries of a repository.
+    /// Reads the queries of the repository whose root is `root`.
     pub fn read(root: &Path) -> std::result::Result<Self, String> {
         let folder = root.join("lab/docs/queries");
         let fails = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
@@ -88,18 +90,20 @@ impl Queries {
         Ok(queries)
     }
 
-    /// The query that some words call, with the values of its arguments. More of its own words are a better fit.
+    /// Returns the query that a text such as "claim-error ssct hzct" calls, and its variables: the constants and the
+    /// arguments. If the names of several queries fit, the one with the fewest arguments is called.
     pub(crate) fn find(&self, text: &str) -> Result<(&Query, Variables)> {
         let words: Vec<&str> = text.split(' ').collect();
         let fits = |name: &&String| {
             let own: Vec<&str> = name.split(' ').collect();
             own.len() == words.len() && own.iter().zip(&words).all(|(own, word)| own.starts_with('$') || own == word)
         };
-        let own_words = |name: &&String| name.split(' ').filter(|word| !word.starts_with('$')).count();
-        let found = self.all.keys().filter(fits).max_by_key(own_words);
+        let fixed_words = |name: &&String| name.split(' ').filter(|word| !word.starts_with('$')).count();
+        let found = self.all.keys().filter(fits).max_by_key(fixed_words);
         let name = found.ok_or_else(|| format!("nothing is called {text:?}"))?;
         self.asked.borrow_mut().insert(name.clone());
         let mut variables = self.constants.clone();
+        // An argument `a` is also there as `a~`, with blanks instead of underscores.
         for (name, word) in name.split(' ').zip(&words).filter_map(|(own, word)| Some((own.strip_prefix('$')?, word))) {
             variables.insert(format!("{name}~"), word.replace('_', " "));
             variables.insert(name.to_owned(), (*word).to_owned());
@@ -107,14 +111,15 @@ impl Queries {
         Ok((&self.all[name], variables))
     }
 
-    /// Refuses queries that nothing asked for.
+    /// Returns an error if there is a query that no page asked for.
     pub(crate) fn all_asked(&self) -> std::result::Result<(), String> {
         let asked = self.asked.borrow();
-        let other = self.all.keys().find(|name| !asked.contains(*name));
-        other.map_or(Ok(()), |name| Err(format!("no page asks for {name:?} of lab/docs/queries")))
+        let unasked = self.all.keys().find(|name| !asked.contains(*name));
+        unasked.map_or(Ok(()), |name| Err(format!("no page asks for {name:?} of lab/docs/queries")))
     }
 
-    /// What pages show of a query about some folders: a number or a sentence, or lines or a table, which have lines of their own.
+    /// Returns the text that pages show for a query about the records of some folders: an answer within a line, or
+    /// lines or a table, which begin and end with a line break.
     pub fn shown(&self, text: &str, folders: &[PathBuf]) -> std::result::Result<String, String> {
         let shown = || {
             let (query, variables) = self.find(text)?;
@@ -139,23 +144,26 @@ impl Queries {
         shown().map_err(|failure: Failure| failure.words)
     }
 
-    /// The records that a query's `from` and `where` choose, for its expressions; none if both are empty.
+    /// Returns the records that a query's `from` and `where` choose, for its expressions; none if both are empty.
     fn records(&self, query: &Query, context: &Context, variables: &Variables) -> Result<Rows> {
         if query.from.is_empty() && query.r#where.is_empty() {
             return Ok(Rows::default());
         }
         let text = format!("{}:{}", fill(&query.from, variables)?, fill(&query.r#where, variables)?);
+        // The text has a colon, so the choice is of files, and needs no rows to choose from.
         context.chosen(&choice(&text)?, &Rc::default())
     }
 
+    /// Returns the context in which the expressions of a query about some folders are evaluated.
     fn context<'a>(&'a self, query: &Query, folders: &'a [PathBuf]) -> Context<'a> {
         let by = query.by.as_deref().unwrap_or(BY).split(' ').map(str::to_owned).collect();
         Context { library: &self.library, folders, by }
     }
 
-    /// A text with its variables, and with its expressions between braces evaluated.
+    /// Returns a text in which variables are replaced by their values, and expressions between braces by theirs.
     fn cell(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<String> {
         let text = fill(text, variables)?;
+        // Each part but the first begins with an expression.
         let mut parts = text.split('{');
         let mut written = parts.next().unwrap_or_default().to_owned();
         for part in parts {
@@ -168,27 +176,29 @@ impl Queries {
         Ok(written)
     }
 
+    /// Returns the value of the expression in a text as a number, after variables are replaced by their values.
     fn number(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<f64> {
         let context = self.context(query, folders);
         let rows = self.records(query, &context, variables)?;
         context.value(&parse(&fill(text, variables)?, &self.words)?, &rows)?.number()
     }
 
-    /// The variables of each round of some loops, from the outer one to the inner one.
+    /// Returns the variables of each round of nested loops, given from the outer loop to the inner one. `from` has the
+    /// variables outside the loops, which the rounds have, too.
     fn rounds(&self, query: &Query, loops: &[String], folders: &[PathBuf], from: &Variables) -> Result<Vec<Variables>> {
         let [first, rest @ ..] = loops else { return Ok(vec![from.clone()]) };
-        let mut all = Vec::new();
+        let mut rounds = Vec::new();
         for own in self.round(query, &fill(first, from)?, folders, from)? {
             let variables = from.clone().into_iter().chain(own).collect();
-            all.extend(self.rounds(query, rest, folders, &variables)?);
+            rounds.extend(self.rounds(query, rest, folders, &variables)?);
         }
-        Ok(all)
+        Ok(rounds)
     }
 
-    /// What the variables of a loop are, round by round. `a b: 1|2; 3|4` has two variables and two rounds. `a b: distinct c d` has the
-    /// values of two fields as they first appear, and `sorted` has them in
-    /// order. An argument named `a` is also there as `a~`, with blanks in place of its underscores. `each` has all fields of each record. A condition in
-    /// brackets behind these words chooses records.
+    /// Returns the own variables of a loop in each of its rounds. The loop `a b: 1|2; 3|4` has two variables and two
+    /// rounds. `a b: distinct c d` has the values of two fields as they first appear in the records, and `sorted`
+    /// instead of `distinct` has them in order. `each` has all fields of each record. A condition in brackets after
+    /// these words chooses records.
     fn round(&self, query: &Query, text: &str, folders: &[PathBuf], from: &Variables) -> Result<Vec<Variables>> {
         let (names, values) = text.split_once(':').map_or((text, ""), |(names, values)| (names, values.trim_start()));
         let names: Vec<&str> = names.split(' ').collect();
@@ -204,6 +214,7 @@ impl Queries {
             return Ok(rows.iter().map(|row| (**row).clone()).collect());
         }
         let is_sorted = values.starts_with("sorted ");
+        // The values of the variables in each round.
         let tuples = match values.strip_prefix("distinct ").or(values.strip_prefix("sorted ")) {
             Some(rest) => {
                 let (condition, fields) = rest.rsplit_once(']').unwrap_or(("", rest));
@@ -214,7 +225,7 @@ impl Queries {
                 }
                 found
             }
-            // Arguments have commas between their items.
+            // Rounds are separated by semicolons, or, in the value of an argument, by commas.
             None => {
                 let separator = if values.contains(';') { ';' } else { ',' };
                 let parts = |item: &str| split(item, '|').into_iter().map(|part| part.trim().to_owned()).collect();
@@ -231,8 +242,10 @@ impl Queries {
         tuples.into_iter().map(named).collect()
     }
 
-    /// The rounds of the rows of a query: those that its `when` keeps, in its order, and numbered by `$nth` from 0.
+    /// Returns the variables of each row of a query: of the rounds that its `when` keeps, in its order. The variable
+    /// `$nth` numbers the rows from 0.
     fn kept(&self, query: &Query, folders: &[PathBuf], variables: &Variables) -> Result<Vec<Variables>> {
+        // Each round with the number by which it is ordered.
         let mut kept = Vec::new();
         for round in self.rounds(query, &query.rows, folders, variables)? {
             let number =
@@ -247,7 +260,7 @@ impl Queries {
         if kept.is_empty() {
             return Err("the table would be empty".into());
         }
-        kept.sort_by(|a, b| b.0.total_cmp(&a.0));
+        kept.sort_by(|(a, _), (b, _)| b.total_cmp(a));
         let numbered = |(nth, (_, mut round)): (usize, (f64, Variables))| {
             round.insert("nth".to_owned(), nth.to_string());
             round
@@ -255,9 +268,10 @@ impl Queries {
         Ok(kept.into_iter().enumerate().map(numbered).collect())
     }
 
-    /// The table of a query. Its first row has the captions; a *round* is one turn of the query's loops.
+    /// Returns the table of the query that a text calls: rows of cells, the first of which has the captions.
     pub(crate) fn table(&self, text: &str, folders: &[PathBuf]) -> Result<Vec<Vec<String>>> {
         let (query, mut variables) = self.find(text)?;
+        // `$kind1`, `$kind2`, … are the kinds of device of the folders.
         for (n, folder) in folders.iter().enumerate() {
             variables.insert(format!("kind{}", n + 1), devices::kind(folder).unwrap_or_default().to_owned());
         }

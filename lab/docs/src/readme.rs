@@ -1,19 +1,20 @@
-//! The README's numbers by view, for `ssct gpu-study`, which holds a device against them (`lab/src/study/readme.csv`).
+//! Makes the file of the README's numbers by view (`lab/src/study/readme.csv`), with which `ssct gpu-study` compares
+//! the numbers of a device.
 
 use crate::devices::kind;
 use crate::pages::{definitions, quotations, text};
 use crate::queries::Queries;
 use std::path::Path;
 
-/// The tables of numbers, and the links of the README that name the folders of their records.
+/// The queries of the tables of numbers, each with the README's link definitions that name the folders of its records.
 const TABLES: [(&str, &[&str]); 3] = [
     ("readme triangles", &["triangles"]),
     ("readme screen", &["bars", "bars-errors"]),
     ("readme hits", &["bars-errors"]),
 ];
 
-/// The text of `readme.csv`. First come the numbers of the README's tables, on the views that the study measures. Then
-/// come numbers that only the README's text has, with the command that measures each.
+/// Returns the text of `readme.csv`. First come the numbers of the README's tables, on the views that the study
+/// measures. Then come the numbers that only the README's text has, with the command that measures each.
 pub(crate) fn csv(queries: &Queries, root: &Path) -> Result<String, String> {
     let readme = text(root, "README.md")?;
     let links = definitions(&readme);

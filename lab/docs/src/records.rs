@@ -1,4 +1,5 @@
-//! Reads records of measurements: files of JSON, CSV, Markdown tables and plain text all become rows with named fields.
+//! Reads records of measurements: files of JSON, CSV, Markdown tables and plain text are all read as rows with named
+//! fields.
 
 use crate::scenes;
 use serde_json::Value;
@@ -8,17 +9,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Why a query has no answer, in a sentence.
+/// A failure to answer a query.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
-    /// True if records or fields are missing, so that a query may say something else in their place.
+    /// True if records or fields are missing, so that a query may give another answer instead.
     pub is_missing: bool,
-    /// The sentence.
+    /// A sentence with the reason.
     pub words: String,
 }
 
 impl Failure {
-    /// A failure for want of a file, a record or a field.
+    /// Returns a failure because a file, a record or a field is missing.
     pub fn missing(words: impl Into<String>) -> Self {
         Self { is_missing: true, words: words.into() }
     }
@@ -36,29 +37,30 @@ impl std::fmt::Display for Failure {
     }
 }
 
-/// An answer, or why there is none.
+/// An answer, or the reason why there is none.
 pub type Result<T> = std::result::Result<T, Failure>;
 
-/// A record by its fields. A field of an object in it is called `object.field`.
+/// A record: the text of each field by the field's name. A field of a nested object is called `object.field`.
 pub type Row = BTreeMap<String, String>;
 
 /// The rows of a file.
 pub type Rows = Rc<Vec<Rc<Row>>>;
 
-/// The first day of records that are held against today's references, and the version of the definitions that records of JSON
-/// have since then. Before it, the rays of a reference left the centre of a pixel.
+/// The first day of records that compare with the current references, and the first version of the definitions that
+/// these records have in JSON. Before that day, the rays of a reference left the centre of a pixel.
 const FIRST: (&str, u64) = ("2026-11-23", 2);
 
-/// First day and version of the screen reference of today, which version 3 of the definitions changed along edges and behind poles.
+/// The first day and the first version of the definitions of records that compare with the current screen reference.
+/// Version 3 changed that reference along edges and behind poles.
 const FIRST_OF_SCREEN: (&str, u64) = ("2026-11-28", 3);
 
-/// The name of the run that a path lies in.
+/// Returns the name of the run in which a path lies: the folder below `runs`.
 pub fn run(path: &Path) -> Option<&str> {
     path.components().skip_while(|c| c.as_os_str() != "runs").nth(1)?.as_os_str().to_str()
 }
 
-/// Refuses a file of records of which one is held against an older reference. A record of JSON names the version of the definitions
-/// that it was made by; any other was made on the day of the run that its file lies in.
+/// Refuses a file if one of its records compares with an older reference. A record of JSON names the version of the
+/// definitions by which it was made. Any other record was made on the day with which the name of its run begins.
 fn of_todays_references(path: &Path, rows: &[Row]) -> Result<()> {
     let day = run(path).and_then(|run| run.get(..FIRST.0.len()));
     let is_json = path.extension().is_some_and(|extension| extension == "json");
@@ -70,6 +72,7 @@ fn of_todays_references(path: &Path, rows: &[Row]) -> Result<()> {
         match row.get("against").map(String::as_str) {
             Some("screen") => is_before(FIRST_OF_SCREEN),
             Some(_) => is_before(FIRST),
+            // Without the field, only JSON is refused: it may compare with a reference that it does not name.
             None => version.is_some() && is_before(FIRST),
         }
     };
@@ -80,21 +83,23 @@ fn of_todays_references(path: &Path, rows: &[Row]) -> Result<()> {
     }
 }
 
-/// Adds the fields of a value of JSON to a row. An object is there as a whole, too; arrays are left out.
+/// Adds the fields of a JSON value to a row, under a name. An object is added as a whole, too; arrays and nulls are
+/// left out.
 fn flatten(row: &mut Row, name: &str, value: &Value) {
     match value {
         Value::Null | Value::Array(_) => {}
         Value::String(text) => drop(row.insert(name.to_owned(), text.clone())),
         Value::Object(fields) => {
-            let before = if name.is_empty() { String::new() } else { format!("{name}.") };
-            fields.iter().for_each(|(field, value)| flatten(row, &format!("{before}{field}"), value));
+            let prefix = if name.is_empty() { String::new() } else { format!("{name}.") };
+            fields.iter().for_each(|(field, value)| flatten(row, &format!("{prefix}{field}"), value));
             row.insert(name.to_owned(), value.to_string());
         }
         other => drop(row.insert(name.to_owned(), other.to_string())),
     }
 }
 
-/// The records of a file of JSON; with the name of an array, a row for each element of the array of each record.
+/// Returns a row for each record of a JSON text or, if `array` names an array, for each element of this array in each
+/// record.
 fn json(text: &str, array: &str) -> std::result::Result<Vec<Row>, String> {
     let records: Vec<Value> = serde_json::from_str(text).map_err(|e| e.to_string())?;
     let mut rows = Vec::new();
@@ -115,7 +120,7 @@ fn json(text: &str, array: &str) -> std::result::Result<Vec<Row>, String> {
     Ok(rows)
 }
 
-/// The rows of a CSV file; lines that begin with # are comments.
+/// Returns the rows of a CSV text; lines that begin with # are comments.
 fn comma_separated(text: &str) -> std::result::Result<Vec<Row>, String> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let head = reader.headers().map_err(|e| e.to_string())?.clone();
@@ -125,7 +130,8 @@ fn comma_separated(text: &str) -> std::result::Result<Vec<Row>, String> {
     reader.records().map(|record| record.map(row).map_err(|e| e.to_string())).collect()
 }
 
-/// The rows of all tables of a page, by the names in their heads; `row` is the whole line.
+/// Returns the rows of all tables of a Markdown page. The heads of the tables name the fields; the field `row` is the
+/// whole line.
 fn tables(text: &str) -> Vec<Row> {
     let cells = |line: &str| line.trim_matches('|').split(" | ").map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let lines: Vec<&str> = text.lines().collect();
@@ -140,21 +146,25 @@ fn tables(text: &str) -> Vec<Row> {
     rows
 }
 
-/// The lines of a plain text, by their words and numbers between blanks and commas: `w1` is the first, `e1` the last.
+/// Returns a row for each line of a plain text. Blanks and commas separate the words of a line. The fields `w1`, `w2`,
+/// … are the words counted from the first, and `e1`, `e2`, … those counted from the last. `text` is the line, and
+/// `words` its number of words.
 fn words(text: &str) -> Vec<Row> {
     let row = |line: &str| {
         let words: Vec<_> = line.split([' ', ',']).filter(|word| !word.is_empty()).map(str::to_owned).collect();
         let count = words.len();
-        let both =
+        // The two fields of the word with index n.
+        let fields =
             |(n, word): (usize, String)| [(format!("w{}", n + 1), word.clone()), (format!("e{}", count - n), word)];
-        let mut row: Row = words.into_iter().enumerate().flat_map(both).collect();
+        let mut row: Row = words.into_iter().enumerate().flat_map(fields).collect();
         row.extend([("text".to_owned(), line.to_owned()), ("words".to_owned(), count.to_string())]);
         row
     };
     text.lines().map(row).collect()
 }
 
-/// What tables call the method of a row with its options, if the row has them.
+/// Returns the name that tables give to the method of a row with its options; `None` if the row lacks one of these
+/// fields.
 fn name(row: &Row) -> Option<String> {
     let [method, beyond, fallback, captures] = ["method", "beyond", "fallback", "captures"].map(|field| row.get(field));
     let (method, beyond, fallback, captures) = (method?, beyond?, fallback?, captures?);
@@ -164,7 +174,8 @@ fn name(row: &Row) -> Option<String> {
     Some(format!("{method}{alone}{behind}{captured}"))
 }
 
-/// Adds fields that follow from others: `size`, `name`, and for cases of stress whether the method `lacks` what it needs.
+/// Adds fields that follow from other fields: `size`, `name`, and for a case of stress the field `lacks`, which says
+/// whether the method lacks something that it needs of the scene.
 fn complete(row: &mut Row) {
     if let (Some(width), Some(height), None) = (row.get("width"), row.get("height"), row.get("size")) {
         row.insert("size".to_owned(), format!("{width}x{height}"));
@@ -178,7 +189,8 @@ fn complete(row: &mut Row) {
     }
 }
 
-/// The rows of a file, whatever its kind. `array` names an array of the records of JSON whose elements are wanted.
+/// Returns the rows of a file, read by the ending of its name. `array` names an array in records of JSON whose elements
+/// become the rows, and may be empty.
 pub fn read(path: &Path, array: &str) -> Result<Vec<Row>> {
     let fails = |e: String| Failure::from(format!("{}: {e}", path.display()));
     // A path `NAME.built-in` is no file: it stands for the counts of the built-in scene NAME.
@@ -197,21 +209,22 @@ pub fn read(path: &Path, array: &str) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// The names that a pattern stands for: `(a|b)/c` is `a/c` and `b/c`.
+/// Returns the names that a pattern stands for: `(a|b)/c` stands for `a/c` and `b/c`.
 fn each_name(pattern: &str) -> Vec<String> {
     let parts = pattern.split_once('(').and_then(|(before, rest)| Some((before, rest.split_once(')')?)));
     let Some((before, (names, after))) = parts else { return vec![pattern.to_owned()] };
     names.split('|').flat_map(|name| each_name(&format!("{before}{name}{after}"))).collect()
 }
 
-/// Files that were read already.
+/// A cache of the files that were read.
 #[derive(Debug, Default)]
 pub struct Library {
+    /// The rows by path and name of an array.
     read: RefCell<HashMap<(PathBuf, String), Rows>>,
 }
 
 impl Library {
-    /// The rows of a file.
+    /// Returns the rows of a file, which is read only once.
     fn rows(&self, path: PathBuf, array: &str) -> Result<Rows> {
         let key = (path, array.to_owned());
         if let Some(rows) = self.read.borrow().get(&key) {
@@ -222,11 +235,13 @@ impl Library {
         Ok(rows)
     }
 
-    /// The rows of files below some folders: `a/b.json` is of the first folder, `@2/b.json` of the second, and `@*/b.json` of each
-    /// that has the file. `(a|b)/c.json` names two files. `b.json#passes` has the elements of the array `passes`. An empty name is
-    /// the folder itself, which is then a file.
+    /// Returns the rows of the named files below some folders. `a/b.json` is in the first folder, `@2/b.json` in the
+    /// second, and `@*/b.json` in each folder that has the file. `(a|b)/c.json` names two files. `b.json#passes` has a
+    /// row for each element of the array `passes`. An empty name means the path of the folder itself, which then is a
+    /// file.
     pub fn select(&self, folders: &[PathBuf], files: &str) -> Result<Rows> {
         let (files, array) = files.split_once('#').unwrap_or((files, ""));
+        // The folders to look into, and the pattern of file names below them.
         let (from, files) = match files.strip_prefix('@').map(|rest| rest.split_once('/').unwrap_or((rest, ""))) {
             Some(("*", files)) => (folders, files),
             Some((number, files)) => {
@@ -248,11 +263,11 @@ impl Library {
         match &mut paths[..] {
             [path] => self.rows(std::mem::take(path), array),
             _ => {
-                let mut all = Vec::new();
+                let mut rows = Vec::new();
                 for path in paths {
-                    all.extend(self.rows(path, array)?.iter().cloned());
+                    rows.extend(self.rows(path, array)?.iter().cloned());
                 }
-                Ok(Rc::new(all))
+                Ok(Rc::new(rows))
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What the built-in scenes have, and what methods lack in them.
+//! Counts of the built-in scenes, and the methods that lack something in them.
 
 use crate::records::Row;
 use ssct::methods::METHODS;
@@ -6,17 +6,19 @@ use ssct_scenes::library;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
-/// What is known of a scene: counts, and the methods that lack what they need.
+/// Facts about a built-in scene.
 #[derive(Debug, Clone)]
 struct Known {
+    /// The counts, as the fields of a row.
     counts: Row,
+    /// The names of the methods that lack something that they need.
     lacking: Vec<&'static str>,
 }
 
-/// The scenes that were made already.
+/// The facts about the scenes that were asked for, by the scene's name.
 static KNOWN: Mutex<BTreeMap<&'static str, Known>> = Mutex::new(BTreeMap::new());
 
-/// What is known of a scene of the library, if there is one of the name.
+/// Returns the facts about the scene of this name in the library; `None` if there is no such scene.
 fn known(name: &str) -> Option<Known> {
     let name = library::names().iter().copied().find(|known| *known == name)?;
     let mut all = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -24,6 +26,7 @@ fn known(name: &str) -> Option<Known> {
         return Some(known.clone());
     }
     let scene = library::scene(name)?;
+    // The number of different edges of a mesh.
     let edges = |indices: &[u32]| {
         let sides = indices.chunks_exact(3).flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
         sides.map(|[a, b]| [a.min(b), a.max(b)]).collect::<BTreeSet<_>>().len()
@@ -39,17 +42,19 @@ fn known(name: &str) -> Option<Known> {
     Some(all.entry(name).or_insert(Known { counts, lacking }).clone())
 }
 
-/// Counts of a built-in scene: vertices, edges, textures and billboards. An edge counts once for all triangles of a mesh that share it.
+/// Returns the counts of a built-in scene: vertices, edges, textures and billboards. An edge counts once for all
+/// triangles of a mesh that share it.
 pub(crate) fn counts(scene: &str) -> Option<Row> {
     known(scene).map(|known| known.counts)
 }
 
-/// Whether a method lacks what it needs in a scene of the library.
+/// Returns whether a method lacks something that it needs in a scene of the library.
 pub fn lacks(scene: &str, method: &str) -> bool {
     known(scene).is_some_and(|known| known.lacking.contains(&method))
 }
 
-/// The scene of a row: its own field, or the library's scene whose name its case begins with.
+/// Returns the scene of a row from its fields `scene` and `case`. Without a scene, it is the library's scene with whose
+/// name the case begins, before a colon.
 pub fn of_row<'a>(scene: Option<&'a str>, case: Option<&'a str>) -> Option<&'a str> {
     scene.or_else(|| case?.split_once(": ").map(|(name, _)| name).filter(|name| library::names().contains(name)))
 }

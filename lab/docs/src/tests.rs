@@ -33,7 +33,8 @@ from = "c.csv"
 answer = "{median(rmse)}"
 "#;
 
-/// A repository with these queries, and a run of a day with records.
+/// Makes a repository with these queries and a run with records; the name of a run begins with its day. Returns the
+/// temporary folder of the repository, its queries, and the folders of records.
 fn repository(run: &str) -> (tempfile::TempDir, Queries, Vec<PathBuf>) {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| {

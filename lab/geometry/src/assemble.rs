@@ -20,30 +20,32 @@ pub struct MeshPart {
     pub material: usize,
     /// Triangles with unit normals and matching winding.
     pub triangles: Vec<Triangle>,
-    /// Whether the file gives the tangents; else they are made here.
+    /// Whether the file gives the tangents; if not, [`meshes`] computes them.
     pub has_tangents: bool,
 }
 
-/// Whether the sum of the normals at a triangle's corners is more than 120 degrees away from `face`, the unit normal of
-/// its winding. Normals that lean only a little behind the face are common on rounded surfaces.
+/// Returns true if the sum of the normals at a triangle's corners is more than 120 degrees away from `face`, the unit
+/// normal of its winding. Normals that lean only a little behind the face are common on rounded surfaces.
 pub fn normals_point_behind(triangle: &Triangle, face: DVec3) -> bool {
-    let stated: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
-    stated.dot(face) < -0.5 * stated.length()
+    let normal_sum: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
+    // The cosine of 120 degrees is −0.5.
+    normal_sum.dot(face) < -0.5 * normal_sum.length()
 }
 
 /// Greatest number of triangles in a mesh: few enough for frustum culling to be useful, and enough to keep draws few.
 const MAX_TRIANGLES: usize = 8192;
 
-/// If a file has more groups than this (some exporters write one per face), its groups are useless as units of
-/// culling. The triangles of each material are then pooled and only split in space.
+/// Greatest number of groups that are kept apart. A file with more groups (some exporters write one per face) has
+/// groups too small for culling: the triangles of each material are then pooled, and split only in space.
 const MAX_PARTS: usize = 2048;
 
-/// Makes the meshes of a file's parts. `material_of` gives the scene's material index of a part.
+/// Makes the meshes of a file's parts. `material_of` gives the scene's material index of a part. A part with more than
+/// `MAX_TRIANGLES` triangles becomes several meshes, whose names are numbered ("wall 1/3").
 pub fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -> usize + Sync) -> Vec<Mesh> {
     if parts.len() > MAX_PARTS {
         parts = pool(parts);
     }
-    let meshes_of = |part: MeshPart| {
+    let meshes_of_part = |part: MeshPart| {
         let material = material_of(&part);
         let MeshPart { name, mut triangles, has_tangents, .. } = part;
         match has_tangents {
@@ -56,18 +58,20 @@ pub fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -> usize
         let names = (1..).map(|i| if count == 1 { name.clone() } else { format!("{name} {i}/{count}") });
         names.zip(chunks).map(|(name, chunk)| weld(name, material, chunk)).collect::<Vec<_>>()
     };
-    parts.into_par_iter().flat_map_iter(meshes_of).collect()
+    parts.into_par_iter().flat_map_iter(meshes_of_part).collect()
 }
 
-/// Merges into one the parts that have the same material and the same `has_tangents`.
+/// Merges all parts that have the same material and the same `has_tangents` into one part, which keeps the name of the
+/// first of them.
 fn pool(parts: Vec<MeshPart>) -> Vec<MeshPart> {
     let mut pooled: Vec<MeshPart> = Vec::new();
-    let mut place: HashMap<(usize, bool), usize> = HashMap::new();
+    // The index in `pooled` for each pair of material and `has_tangents`.
+    let mut index_of: HashMap<(usize, bool), usize> = HashMap::new();
     for part in parts {
-        match place.get(&(part.material, part.has_tangents)) {
+        match index_of.get(&(part.material, part.has_tangents)) {
             Some(&index) => pooled[index].triangles.extend(part.triangles),
             None => {
-                place.insert((part.material, part.has_tangents), pooled.len());
+                index_of.insert((part.material, part.has_tangents), pooled.len());
                 pooled.push(part);
             }
         }
@@ -82,6 +86,7 @@ fn split<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
         chunks.push(triangles);
         return;
     }
+    // The sum of the corners is three times the centre, and orders triangles in the same way.
     let thrice_centre = |t: &Triangle| t.iter().map(|v| Vec3::from(v.position)).sum::<Vec3>();
     let (min, max) = triangles
         .iter()
@@ -97,6 +102,7 @@ fn split<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
 
 /// Makes an indexed mesh in which vertices that are equal bit by bit are stored once.
 fn weld(name: String, material: usize, triangles: &[Triangle]) -> Mesh {
+    // The index in `vertices` for the bits of the twelve numbers of a vertex.
     let mut index_of: HashMap<[u32; 12], u32> = HashMap::with_capacity(triangles.len());
     let mut vertices = Vec::new();
     let mut indices = Vec::with_capacity(3 * triangles.len());

@@ -5,11 +5,12 @@ use ssct_ground::{Error, Result};
 use std::io::Read;
 use std::path::Path;
 
-/// Greatest number of bytes that one byte of a compressed image may unpack to. Deflate compresses by at most 1032 to 1, and a
-/// PNG with one bit per texel unpacks to eight times as much. A file that claims more is a decompression bomb.
+/// Greatest number of bytes that one byte of a compressed image may unpack to. Deflate compresses by at most 1032 to 1,
+/// and a PNG with one bit per texel unpacks to eight times as much. A file that claims more is a decompression bomb.
 pub const MOST_UNPACKED_PER_BYTE: u64 = 8 * 1040;
 
-/// Reads a file of at most `most` bytes. `what` names the expected content in errors, as in "a scene file".
+/// Reads a regular file of at most `most` bytes, and returns them. `what` names the expected content in errors, as in
+/// "a scene file". The call fails for a larger file, and for anything that is not a regular file.
 pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io("read", path, e);
     // Reading a device may never end, and opening a named pipe waits for a writer.
@@ -21,7 +22,7 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
     let length = metadata.len();
     let mut bytes = Vec::new();
     if length <= most {
-        // One byte more than allowed is read, to notice a file that grows meanwhile.
+        // One byte more than allowed is read, so that a file that grew after its length was taken is noticed.
         file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     }
     let length = length.max(bytes.len() as u64);
@@ -32,10 +33,11 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A name from a file in the form for messages: short, and without control characters, which a terminal might obey.
+/// Returns a name from a file in the form for messages: at most 80 characters of it, with � for each control character,
+/// which a terminal might obey.
 pub fn printable_name(name: &str) -> String {
     const MOST: usize = 80;
-    let safe = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let safe = |letter: char| if letter.is_control() { '\u{fffd}' } else { letter };
     let mut shown: String = name.chars().take(MOST).map(safe).collect();
     if name.chars().nth(MOST).is_some() {
         shown.push('…');
@@ -43,13 +45,14 @@ pub fn printable_name(name: &str) -> String {
     shown
 }
 
-/// Whether a file of `length` bytes may hold an image that unpacks to `unpacked` bytes. Any file, however
+/// Returns true if a file of `length` bytes may hold an image that unpacks to `unpacked` bytes. Any file, however
 /// short, may unpack to `free` bytes.
 pub fn may_unpack(length: usize, unpacked: u64, free: u64) -> bool {
     unpacked <= free.saturating_add(MOST_UNPACKED_PER_BYTE.saturating_mul(length as u64))
 }
 
-/// A progress bar over the images of a scene with many images; hidden if standard error is no terminal.
+/// Makes a progress bar over the images of a scene, of which `images` is the number. The bar is hidden for few images,
+/// and if standard error is no terminal.
 pub fn image_bar(images: usize) -> ProgressBar {
     /// Fewer images than this are decoded so soon that no bar is needed.
     const FEW: usize = 16;

@@ -2,9 +2,10 @@
 //! triangles, and the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection",
 //! JCGT 2013) decides in f64.
 //!
-//! The edge functions of the test in f64 depend only on an edge's two vertices, and swapping both only changes the sign. A ray
-//! that passes between two triangles with a shared edge therefore hits at least one of them. The boxes are enlarged by more
-//! than the rounding error of f32 ([`PaddedTriangles`]), so that no box hides a triangle that the test in f64 would accept.
+//! An edge function of the test in f64 depends only on the two vertices of the edge, and swapping them changes only its
+//! sign. A ray that passes between two triangles with a shared edge therefore hits at least one of them. The boxes are
+//! enlarged by more than the rounding error of f32 ([`PaddedTriangles`]), so that no box hides a triangle that the test
+//! in f64 would accept.
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
@@ -45,12 +46,12 @@ pub struct TriangleHit {
 
 /// An algorithm that finds the closest hit of a ray.
 pub trait Intersector: Send + Sync {
-    /// The closest hit with t_min ≤ t ≤ t_max that `accept` accepts. The ray passes through all other hits, as
+    /// Returns the closest hit with t_min ≤ t ≤ t_max that `accept` accepts. The ray passes through all other hits, as
     /// through the holes of an alpha mask.
     fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit>;
 
-    /// True if [`Intersector::closest`] would find a hit with t_min ≤ t ≤ t_max that `accept` accepts; the call takes less
-    /// time.
+    /// Returns true if [`Intersector::closest`] would find a hit, which may take less time than finding the closest
+    /// one.
     fn any(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> bool {
         self.closest(ray, accept).is_some()
     }
@@ -74,24 +75,25 @@ enum Boxes {
 }
 
 /// Greatest number of levels of a [`CwBvh`] that its traversal can handle; beyond it obvhs 0.4 silently skips boxes.
-/// Hierarchies of equal boxes are deeper, as in a scene far from the origin whose corners round to few places.
+/// Many equal boxes make deeper hierarchies, for example in a scene so far from the origin that its corners round to
+/// few places.
 const WIDE_LEVELS: u32 = 32;
 
 impl Boxes {
-    /// Builds a hierarchy of eight boxes a node, or of two if the wide one would be too deep. The indices of the
-    /// hierarchy are those of `padded`.
+    /// Builds a hierarchy of eight boxes a node, or of two if the wide one would be too deep. Its `primitive_indices`
+    /// are indices into `padded`.
     fn new(padded: &[PaddedBox]) -> Self {
         let mut binary = build_ploc(padded);
         let wide = bvh2_to_cwbvh(&binary, LEAF, true, false);
         if levels(&wide) < WIDE_LEVELS {
             return Self::Wide(wide);
         }
-        // `max_depth` counts one level more than there are, as obvhs requires.
+        // The traversal of obvhs needs a `max_depth` that is one more than the depth of the hierarchy.
         binary.max_depth = binary.max_depth.max(binary.depth(0) + 1);
         Self::Binary(binary)
     }
 
-    /// The indices of triangles, in the order of the leaves.
+    /// The indices in the leaves, leaf by leaf: indices of boxes after [`Boxes::new`], and later those of triangles.
     fn primitive_indices_mut(&mut self) -> &mut [u32] {
         match self {
             Self::Wide(boxes) => &mut boxes.primitive_indices,
@@ -106,9 +108,9 @@ impl TriangleBvh {
         let PaddedTriangles { middle, with_area, boxes: padded } =
             PaddedTriangles::new(triangles.len(), |i| triangles[i].map(|v| v.as_dvec3()));
         let boxes = (!padded.is_empty()).then(|| {
-            // Only triangles with an area have boxes, so that indices of boxes become indices of all triangles.
             let mut boxes = Boxes::new(&padded);
-            boxes.primitive_indices_mut().iter_mut().for_each(|i| *i = with_area[*i as usize]);
+            // Only triangles with an area have boxes, so each index of a box is replaced by that of its triangle.
+            boxes.primitive_indices_mut().iter_mut().for_each(|index| *index = with_area[*index as usize]);
             boxes
         });
         Self { triangles, middle, boxes }
@@ -120,30 +122,29 @@ impl TriangleBvh {
     }
 }
 
-/// The ray in f32, relative to the middle of the bounds, for tests against boxes.
+/// Makes the ray for tests against boxes: in f32, and relative to `middle`, the middle of the bounds.
 fn box_ray(ray: &WorldRay, middle: DVec3) -> BoxRay {
-    // Adding 0 turns −0 into +0: obvhs takes the sign of the reciprocal from the zero itself, but the order
-    // of a box's sides from a comparison, in which −0 is not less than 0.
+    // Adding 0 turns −0 into +0. With −0, obvhs would be inconsistent: it takes the sign of the reciprocal from the
+    // zero itself, but the order of a box's sides from a comparison, in which −0 is not less than 0.
     let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
     BoxRay::new((ray.origin - middle).as_vec3a(), direction, 0.0, f32::INFINITY)
 }
 
 impl Intersector for TriangleBvh {
     fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
-        // An empty scene returns first, since a ray may begin anywhere around it, even at infinity.
+        // An empty scene returns before anything is computed, since its rays may begin anywhere, even at infinity.
         let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
         let mut closest: Option<TriangleHit> = None;
-        // The closure returns the distance of a hit, rounded up, beyond which boxes are skipped, or infinity for no
-        // hit.
+        // Tests one triangle, and keeps it in `closest` if it is hit. The result is the distance of the hit, rounded
+        // up, beyond which the traversal skips boxes, or infinity for no hit.
         let mut test = |triangle: u32| {
-            let beyond = closest.map_or(ray.t_max, |hit| hit.t);
+            let farthest = closest.map_or(ray.t_max, |hit| hit.t);
             match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
-                // The lower index wins between equally close triangles, whatever the order of the
-                // boxes.
+                // The lower index wins between equally close triangles, so that the order of the boxes does not matter.
                 Some(hit)
                     if hit.t >= ray.t_min
-                        && (hit.t < beyond || hit.t == beyond && closest.is_none_or(|c| triangle < c.triangle))
+                        && (hit.t < farthest || hit.t == farthest && closest.is_none_or(|c| triangle < c.triangle))
                         && accept(&hit) =>
                 {
                     closest = Some(hit);
@@ -169,7 +170,7 @@ impl Intersector for TriangleBvh {
         let sheared = ShearedRay::new(ray);
         let mut box_ray = box_ray(ray, self.middle);
         box_ray.tmax = (ray.t_max as f32).next_up();
-        // The traversal ends at the first result below `tmax`, so that minus infinity stands for a hit.
+        // The traversal ends at the first result below `tmax`, so minus infinity for a hit ends it at once.
         let test = |triangle: u32| match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
             Some(hit) if (ray.t_min..=ray.t_max).contains(&hit.t) && accept(&hit) => f32::NEG_INFINITY,
             _ => f32::INFINITY,
@@ -182,34 +183,42 @@ impl Intersector for TriangleBvh {
     }
 }
 
-/// A ray in the space of Woop et al., in which it is the z axis and its direction has length 1 in z.
+/// A ray with the shear of Woop et al. The shear maps points to a space in which the ray begins at the origin and runs
+/// along the z axis, so that z is the distance along the ray.
 pub struct ShearedRay {
     origin: DVec3,
     /// The axes of world space (0 to 2) that become x, y and z.
     axes: [usize; 3],
-    /// The numbers S of the paper: by how much x and y shift with each metre of z, and the factor of z.
+    /// The numbers S of the paper: by how much x and y shift with each metre along the third axis, and the factor of z.
     shear: DVec3,
 }
 
 impl ShearedRay {
-    /// Computes the ray's space; z is the axis along which the ray advances most.
+    /// Computes the shear of a ray; its z is the axis of world space along which the ray advances most.
     pub fn new(ray: &WorldRay) -> Self {
-        let d = ray.direction;
-        let z = d.abs().max_position();
+        let direction = ray.direction;
+        let z = direction.abs().max_position();
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
+        // Swapping the axes keeps the winding of triangles, as in the paper.
+        if direction[z] < 0.0 {
             (x, y) = (y, x);
         }
-        Self { origin: ray.origin, axes: [x, y, z], shear: DVec3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]) }
+        let shear = DVec3::new(direction[x] / direction[z], direction[y] / direction[z], 1.0 / direction[z]);
+        Self { origin: ray.origin, axes: [x, y, z], shear }
     }
 
-    /// The intersection at any distance, including negative ones, from either side. A triangle that has no area
-    /// or contains the ray is not hit. The edge functions u, v and w are those of the paper.
+    /// Returns the intersection with a triangle, whose index is `triangle` and whose corners are in metres. Hits count
+    /// from either side and at any distance, even a negative one. A triangle that has no area or contains the ray is
+    /// not hit. The edge functions u, v and w are those of the paper.
     pub fn intersect(&self, triangle: u32, corners: &[Vec3; 3]) -> Option<TriangleHit> {
         let [x, y, z] = self.axes;
-        let [a, b, c] = corners.map(|v| {
-            let v = v.as_dvec3() - self.origin;
-            DVec3::new(v[x] - self.shear.x * v[z], v[y] - self.shear.y * v[z], self.shear.z * v[z])
+        let [a, b, c] = corners.map(|corner| {
+            let offset = corner.as_dvec3() - self.origin;
+            DVec3::new(
+                offset[x] - self.shear.x * offset[z],
+                offset[y] - self.shear.y * offset[z],
+                self.shear.z * offset[z],
+            )
         });
         let u = c.x * b.y - c.y * b.x;
         let v = a.x * c.y - a.y * c.x;
@@ -243,7 +252,7 @@ mod tests {
         }
     }
 
-    /// A random number in −1…1.
+    /// A random number in −1…1; `i` and `j` choose it.
     fn signed(i: u64, j: u64) -> f64 {
         2.0 * Stream::new(7, i).uniform(j) - 1.0
     }
@@ -258,9 +267,10 @@ mod tests {
         WorldRay { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
     }
 
-    /// Tests triangles that all fill one box, whose hierarchy is one long chain.
+    /// Tests triangles that all have the same box, over which the hierarchy is one long chain.
     #[test]
     fn triangles_in_one_box_are_all_found() {
+        // Corner j has the height j, and takes its x and y, each 0 or 1, from two bits of i.
         let corner = |i: u32, j: u32| Vec3::new((i >> (2 * j) & 1) as f32, (i >> (2 * j + 1) & 1) as f32, j as f32);
         let triangles: Vec<[Vec3; 3]> = (0..3000).map(|i| [0, 1, 2].map(|j| corner(i % 64, j))).collect();
         let bvh = TriangleBvh::new(triangles.clone());
@@ -277,8 +287,8 @@ mod tests {
         assert!(hits > 5, "only {hits} of 200 rays hit");
     }
 
-    /// Tests a scene whose corners have rounded to a few points: triangles without area must not make the hierarchy deep, and a
-    /// triangle with an area among them must be found.
+    /// Tests a scene whose corners have rounded to a few points: triangles without area must not make the hierarchy
+    /// deep, and a triangle with an area among them must be found.
     #[test]
     fn points_are_never_hit_and_hide_nothing() {
         let point = |i: u32| [Vec3::splat((i % 3) as f32); 3];
@@ -290,12 +300,13 @@ mod tests {
         assert!(TriangleBvh::new((0..9).map(point).collect()).closest(&towards, &|_| true).is_none());
     }
 
+    /// Compares the hits of 3000 random rays in 400 random triangles, of which all count or those with odd indices.
     #[test]
     fn the_hierarchy_agrees_with_brute_force() {
         let triangles: Vec<[Vec3; 3]> = (0..400)
             .map(|i| {
                 let centre = 5.0 * vector(i, 0);
-                [1, 2, 3].map(|k| (centre + vector(i, k)).as_vec3())
+                [1, 2, 3].map(|corner| (centre + vector(i, corner)).as_vec3())
             })
             .collect();
         let brute = BruteForce(triangles.clone());
@@ -321,9 +332,9 @@ mod tests {
         let mut triangles = Vec::new();
         for i in 0..16 {
             let (x, y) = ((i % 4) as f32, (i / 4) as f32);
-            let p = |dx: f32, dy: f32| Vec3::new(x + dx, y + dy, 3.0);
-            triangles.push([p(0.0, 0.0), p(1.0, 0.0), p(1.0, 1.0)]);
-            triangles.push([p(0.0, 0.0), p(1.0, 1.0), p(0.0, 1.0)]);
+            let corner = |dx: f32, dy: f32| Vec3::new(x + dx, y + dy, 3.0);
+            triangles.push([corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0)]);
+            triangles.push([corner(0.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)]);
         }
         let bvh = TriangleBvh::new(triangles);
         for i in 0..=16 {
@@ -337,9 +348,8 @@ mod tests {
         assert_eq!(bvh.closest(&ray(DVec3::new(1.5, 1.5, -1.0), -DVec3::Z), &|_| true), None);
         // Zeros of either sign must give the same hits.
         for (x, y) in [(0.0, -0.0), (-0.0, 0.0), (-0.0, -0.0), (-1e-60, -1e-60)] {
-            for (from, towards) in [(-1.0, 1.0), (7.0, -1.0)] {
-                let ray =
-                    WorldRay { direction: DVec3::new(x, y, towards), ..ray(DVec3::new(1.3, 2.6, from), DVec3::Z) };
+            for (start_z, z) in [(-1.0, 1.0), (7.0, -1.0)] {
+                let ray = WorldRay { direction: DVec3::new(x, y, z), ..ray(DVec3::new(1.3, 2.6, start_z), DVec3::Z) };
                 assert!(bvh.closest(&ray, &|_| true).is_some(), "{:?}", ray.direction);
             }
         }
@@ -349,11 +359,11 @@ mod tests {
 
     #[test]
     fn slanted_rays_never_pass_through_shared_edges() {
-        // A fan of triangles around the z axis; rays are aimed at points on the shared edges.
+        // Seven triangles fan out from the origin to points around the z axis. Rays are aimed at the shared edges.
         let rim = |k: u32| {
             let k = k % 7;
-            let a = std::f32::consts::TAU * k as f32 / 7.0;
-            Vec3::new(a.cos(), a.sin(), 0.1 * (k % 3) as f32)
+            let angle = std::f32::consts::TAU * k as f32 / 7.0;
+            Vec3::new(angle.cos(), angle.sin(), 0.1 * (k % 3) as f32)
         };
         let bvh = TriangleBvh::new((0..7).map(|k| [Vec3::ZERO, rim(k), rim(k + 1)]).collect());
         for i in 0..5000_u64 {

@@ -1,12 +1,13 @@
-//! Renders the images of impostors: objects of a scene are drawn orthographically onto a rectangle, lit by the scene's lights,
-//! and the image is transparent around the objects. An impostor therefore shows exactly the object that it replaces.
+//! Renders the images of impostors: objects of a scene are drawn orthographically onto a rectangle, lit by the scene's
+//! lights, and the image is transparent around the objects. An impostor therefore shows exactly the object that it
+//! replaces.
 
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use ssct_ground::math::{display_byte, srgb_to_linear};
 use ssct_ground::scene::{Encoding, Impostor, Mesh, Scene, Texture, Vertex};
 
-/// Samples along each side of a texel.
+/// Number of samples along each side of a texel.
 const OVERSAMPLED: u32 = 2;
 /// Greatest number of texels of a material's image, along each side, that one sample averages.
 const FOOTPRINT_MAX: f32 = 4.0;
@@ -17,15 +18,15 @@ pub struct ImpostorFrame {
     pub name: &'static str,
     /// Centre of the rectangle, in metres.
     pub centre: Vec3,
-    /// Half vector to the right for a viewer in front of the image.
+    /// From the centre to the middle of the right edge, as a viewer in front of the image sees it, in metres.
     pub half_right: Vec3,
-    /// Half vector upwards for this viewer.
+    /// From the centre to the middle of the upper edge, in metres.
     pub half_up: Vec3,
     /// Width of the image in texels; the height follows from the aspect ratio.
     pub width: u32,
 }
 
-/// Adds an impostor to the scene. The image of the impostor shows the meshes with the given names, seen along the
+/// Adds an impostor with its image to the scene. The image shows the meshes whose names `meshes` lists, seen along the
 /// rectangle's normal.
 pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
     let ratio = frame.half_up.length() / frame.half_right.length();
@@ -69,7 +70,7 @@ struct Placed<'a> {
     corners: [&'a Vertex; 3],
     /// Column, row and height of each corner, as [`ImpostorCanvas::place`] gives them.
     places: [Vec3; 3],
-    /// Twice the triangle's area, in samples.
+    /// Twice the triangle's area, in samples; its sign is that of the winding on the canvas.
     area: f32,
 }
 
@@ -84,36 +85,36 @@ struct Highest<'a> {
 }
 
 impl<'a> ImpostorCanvas<'a> {
-    /// An empty canvas of `size` samples over the rectangle of an impostor.
+    /// Makes a canvas of `size` samples (columns and rows) over the rectangle of an impostor.
     fn new(scene: &'a Scene, impostor: &'a Impostor, size: [u32; 2]) -> Self {
         let decoded = std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0));
         Self { scene, impostor, size, decoded, normal: impostor.normal() }
     }
 
-    /// Draws the meshes, and returns the linear colour of each sample that is covered. Rows are drawn in parallel. A sample is shaded
-    /// once, when its highest triangle is known.
+    /// Draws the meshes, and returns the linear colour of each sample, row by row, or `None` where no triangle covers
+    /// it. Rows are drawn in parallel. A sample is shaded once, when its highest triangle is known.
     fn drawn(&self, meshes: &[&Mesh]) -> Vec<Option<Vec3>> {
         let triangles: Vec<Placed> = meshes
             .iter()
             .flat_map(|mesh| mesh.indices.chunks_exact(3).map(move |t| self.placed(mesh, t)))
             .filter(|triangle| triangle.area.abs() >= 1e-9)
             .collect();
-        let row = |y: u32| {
+        let colors_of_row = |y: u32| {
             let middle = y as f32 + 0.5;
             let mut row = vec![None; self.size[0] as usize];
             for triangle in &triangles {
-                let least = triangle.places.iter().fold(f32::INFINITY, |m, p| m.min(p.y));
-                let most = triangle.places.iter().fold(f32::NEG_INFINITY, |m, p| m.max(p.y));
-                if least <= middle && middle <= most {
+                let top = triangle.places.iter().fold(f32::INFINITY, |least, place| least.min(place.y));
+                let bottom = triangle.places.iter().fold(f32::NEG_INFINITY, |most, place| most.max(place.y));
+                if top <= middle && middle <= bottom {
                     self.draw(&mut row, middle, triangle);
                 }
             }
             row.into_iter().map(|highest| highest.map(|highest| self.color(&highest))).collect::<Vec<_>>()
         };
-        (0..self.size[1]).into_par_iter().flat_map_iter(row).collect()
+        (0..self.size[1]).into_par_iter().flat_map_iter(colors_of_row).collect()
     }
 
-    /// Places the triangle with these three indices of vertices on the canvas.
+    /// Places a triangle on the canvas; `indices` are its three indices into the vertices of `mesh`.
     fn placed<'m>(&self, mesh: &'m Mesh, indices: &[u32]) -> Placed<'m> {
         let corners = [0, 1, 2].map(|k| &mesh.vertices[indices[k] as usize]);
         let places = corners.map(|v| self.place(Vec3::from(v.position)));
@@ -121,24 +122,25 @@ impl<'a> ImpostorCanvas<'a> {
         Placed { mesh, corners, places, area: (b - a).perp_dot(c - a) }
     }
 
-    /// The column and row of a point, in samples, and its height above the rectangle.
+    /// Returns the column and row of a point in world space, in samples, and its height above the rectangle, in metres.
     fn place(&self, point: Vec3) -> Vec3 {
-        let from = point - self.impostor.centre;
-        let along = |half: Vec3, count: u32| (0.5 + 0.5 * from.dot(half) / half.length_squared()) * count as f32;
+        let offset = point - self.impostor.centre;
+        let along = |half: Vec3, count: u32| (0.5 + 0.5 * offset.dot(half) / half.length_squared()) * count as f32;
         Vec3::new(
             along(self.impostor.half_u, self.size[0]),
             along(self.impostor.half_v, self.size[1]),
-            from.dot(self.normal),
+            offset.dot(self.normal),
         )
     }
 
-    /// Draws the part of a triangle that lies in one row; `middle` is the middle of the row, in samples from the top.
+    /// Draws the part of a triangle that lies in one row: each sample that it covers gets it if it is the highest so
+    /// far. `middle` is the middle of the row, in samples from the top.
     fn draw<'t>(&self, row: &mut [Option<Highest<'t>>], middle: f32, triangle: &'t Placed<'t>) {
         let places = &triangle.places;
         let [a, b, c] = places.map(|p| p.truncate());
-        let least = a.x.min(b.x).min(c.x).floor().max(0.0) as usize;
-        let most = (a.x.max(b.x).max(c.x).ceil().max(0.0) as usize).min(row.len());
-        for (x, sample) in row.iter_mut().enumerate().take(most).skip(least) {
+        let left = a.x.min(b.x).min(c.x).floor().max(0.0) as usize;
+        let right = (a.x.max(b.x).max(c.x).ceil().max(0.0) as usize).min(row.len());
+        for (x, sample) in row.iter_mut().enumerate().take(right).skip(left) {
             let point = Vec2::new(x as f32 + 0.5, middle);
             let weights =
                 Vec3::new((c - b).perp_dot(point - b), (a - c).perp_dot(point - c), (b - a).perp_dot(point - a))
@@ -153,44 +155,45 @@ impl<'a> ImpostorCanvas<'a> {
         }
     }
 
-    /// Whether the mask of a triangle has a hole at a point.
+    /// Returns true if the alpha mask of a triangle has a hole at the point with these barycentric weights.
     fn is_hole(&self, triangle: &Placed, weights: Vec3) -> bool {
         let mask = self.scene.materials[triangle.mesh.material].alpha_mask;
         mask.is_some_and(|mask| self.average(&self.scene.textures[mask], triangle.uv(weights), 0.0).x < 0.5)
     }
 
-    /// The lit colour at a point of a triangle, without its normal map.
+    /// Returns the lit linear colour of the highest triangle at a sample. Its normal map is left out.
     fn color(&self, Highest { triangle, weights, .. }: &Highest) -> Vec3 {
         let material = &self.scene.materials[triangle.mesh.material];
-        let [i, j, k] = triangle.corners.map(|v| Vec2::from(v.uv));
-        let footprint = ((j - i).perp_dot(k - i) / triangle.area).abs().sqrt();
+        let [a, b, c] = triangle.corners.map(|v| Vec2::from(v.uv));
+        // The side of the square in texture coordinates whose area is that of one sample.
+        let footprint = ((b - a).perp_dot(c - a) / triangle.area).abs().sqrt();
         let uv = triangle.uv(*weights);
         let image = material.albedo_map.map_or(Vec4::ONE, |t| self.average(&self.scene.textures[t], uv, footprint));
         let position = triangle.mix(*weights, |v| Vec3::from(v.position));
         let normal = triangle.mix(*weights, |v| Vec3::from(v.normal)).normalize_or(self.normal);
-        let facing = if normal.dot(self.normal) < 0.0 { -normal } else { normal };
-        let shading: f32 = self.scene.lights.iter().map(|light| light.shading(position, facing)).sum();
+        let towards_viewer = if normal.dot(self.normal) < 0.0 { -normal } else { normal };
+        let shading: f32 = self.scene.lights.iter().map(|light| light.shading(position, towards_viewer)).sum();
         material.albedo * image.truncate() * (0.2 + 0.8 * shading.min(1.0))
     }
 
-    /// The mean of an image over a square with sides of `footprint` (in texture coordinates); the image
-    /// repeats.
+    /// Returns the mean of an image over a square around `uv` with sides of `footprint`, both in texture coordinates,
+    /// from at most [`FOOTPRINT_MAX`]² texels. The image repeats, and its values come decoded: linear and from 0 to 1.
     fn average(&self, texture: &Texture, uv: Vec2, footprint: f32) -> Vec4 {
         let size = Vec2::new(texture.width as f32, texture.height as f32);
         let count = (footprint * size.max_element()).round().clamp(1.0, FOOTPRINT_MAX) as i32;
         let corner = uv * size - 0.5 * (count - 1) as f32;
         let (width, height) = (texture.width as i32, texture.height as i32);
         let first = [(corner.x.floor() as i32).rem_euclid(width), (corner.y.floor() as i32).rem_euclid(height)];
-        // A division for each texel would take longer than the rest.
-        let wrapped = |place: i32, size: i32| if place < size { place } else { place % size };
+        // Most texels lie inside the image and need no division, which would take longer than the rest.
+        let wrapped = |texel: i32, size: i32| if texel < size { texel } else { texel % size };
         let mut sum = Vec4::ZERO;
         for y in 0..count {
             for x in 0..count {
                 let [column, row] = [wrapped(first[0] + x, width), wrapped(first[1] + y, height)];
                 let texel = &texture.rgba[4 * (row * width + column) as usize..][..4];
                 sum += match texture.encoding {
-                    Encoding::Srgb => Vec4::from_array([0, 1, 2, 3].map(|k| self.decoded[usize::from(texel[k])])),
-                    Encoding::Linear => Vec4::from_array([0, 1, 2, 3].map(|k| f32::from(texel[k]) / 255.0)),
+                    Encoding::Srgb => Vec4::from_array([0, 1, 2, 3].map(|i| self.decoded[usize::from(texel[i])])),
+                    Encoding::Linear => Vec4::from_array([0, 1, 2, 3].map(|i| f32::from(texel[i]) / 255.0)),
                 };
             }
         }
@@ -199,40 +202,42 @@ impl<'a> ImpostorCanvas<'a> {
 }
 
 impl Placed<'_> {
-    /// An attribute at a point, from those of the corners.
+    /// Returns an attribute at the point with these barycentric weights, interpolated between the corners.
     fn mix(&self, weights: Vec3, attribute: impl Fn(&Vertex) -> Vec3) -> Vec3 {
         (0..3).map(|k| weights[k] * attribute(self.corners[k])).sum()
     }
 
-    /// The texture coordinates at a point.
+    /// Returns the texture coordinates at the point with these barycentric weights.
     fn uv(&self, weights: Vec3) -> Vec2 {
         self.mix(weights, |v| Vec2::from(v.uv).extend(0.0)).truncate()
     }
 }
 
-/// Reduces samples to texels: the colour is the mean of the covered samples, and alpha is the share of covered samples.
-/// Texels without covered samples get the mean colour of the image, so that filtering adds no dark seam.
+/// Reduces samples to an image of `width` × `height` texels, as sRGB bytes with alpha. The colour is the mean of the
+/// covered samples, and alpha is the share of covered samples. Texels without covered samples get the mean colour of
+/// the image, so that filtering adds no dark seam.
 fn reduced(samples: &[Option<Vec3>], [width, height]: [u32; 2]) -> Vec<u8> {
     let stride = width * OVERSAMPLED;
-    let texel = |x: u32, y: u32| {
+    // The sum of the colours of the covered samples of a texel, and their number as the fourth component.
+    let texel_sum = |x: u32, y: u32| {
         let mut sum = Vec4::ZERO;
         for k in 0..OVERSAMPLED * OVERSAMPLED {
-            let (i, j) = (x * OVERSAMPLED + k % OVERSAMPLED, y * OVERSAMPLED + k / OVERSAMPLED);
-            if let Some(colour) = samples[(j * stride + i) as usize] {
+            let (column, row) = (x * OVERSAMPLED + k % OVERSAMPLED, y * OVERSAMPLED + k / OVERSAMPLED);
+            if let Some(colour) = samples[(row * stride + column) as usize] {
                 sum += colour.extend(1.0);
             }
         }
         sum
     };
-    let sums: Vec<Vec4> = (0..width * height).map(|k| texel(k % width, k / width)).collect();
-    let all: Vec4 = sums.iter().sum();
-    let mean = all.truncate() / all.w.max(1.0);
-    let whole = (OVERSAMPLED * OVERSAMPLED) as f32;
+    let sums: Vec<Vec4> = (0..width * height).map(|k| texel_sum(k % width, k / width)).collect();
+    let total: Vec4 = sums.iter().sum();
+    let mean = total.truncate() / total.w.max(1.0);
+    let samples_per_texel = (OVERSAMPLED * OVERSAMPLED) as f32;
     sums.iter()
         .flat_map(|sum| {
             let colour = if sum.w > 0.0 { sum.truncate() / sum.w } else { mean };
             let [r, g, b] = colour.to_array().map(display_byte);
-            [r, g, b, (sum.w / whole * 255.0).round() as u8]
+            [r, g, b, (sum.w / samples_per_texel * 255.0).round() as u8]
         })
         .collect()
 }

@@ -1,8 +1,10 @@
-//! Triangles, images and rays on the CPU. They are a package of their own, since their loops over vertices, texels and rays must be
-//! optimised, and the readers of files must not, which would take long to compile. [`assemble`] makes meshes of triangles,
-//! [`bvh`] and [`triangles`] trace rays against these, [`viewpoint`] and [`placement`] find places for cameras and captures,
-//! [`texture`] decodes and samples images, [`pattern`] makes those of the built-in scenes, and [`impostor_image`] those of impostors. [`bounded`] limits what a file
-//! may cost.
+//! Triangles, images and rays on the CPU. They are a package of their own because loops over vertices, texels and rays
+//! must be optimised. The readers of files need no optimisation, which would make them slow to compile.
+//!
+//! [`assemble`] makes meshes of triangles, and [`bvh`] and [`triangles`] trace rays against triangles. [`viewpoint`]
+//! and [`placement`] find places for cameras and captures. [`texture`] decodes and samples images, [`pattern`] makes
+//! the images of the built-in scenes, and [`impostor_image`] makes those of impostors. [`bounded`] limits the cost of a
+//! file.
 
 pub mod assemble;
 pub mod bounded;

@@ -1,8 +1,9 @@
-//! Generated images that tile: the surfaces of the built-in scenes, and replacements for the textures of the
-//! thesis's rooms, which were never published.
+//! Generated images that tile: textures for the surfaces of the built-in scenes, and replacements for the textures of
+//! the thesis's rooms, which were never published.
 //!
-//! Each pattern is one function of relief and albedo (in `designs`). The function is sampled into an sRGB albedo image and the
-//! tangent-space normal map of the same relief. All images are seamless and identical on every machine and at every call.
+//! Each pattern is one function of relief and albedo (in `designs`). The function is sampled into an sRGB albedo image
+//! and the tangent-space normal map of the same relief. All images are seamless and identical on every machine and at
+//! every call.
 
 mod designs;
 mod lettering;
@@ -74,7 +75,7 @@ pub enum Pattern {
     Cloth(Dye),
     /// Leaves.
     Foliage,
-    /// A wet road. The hollows of the road are puddles, which reflect.
+    /// A wet road, whose hollows are reflecting puddles.
     Asphalt,
     /// Polished squares of white and black marble.
     Marble,
@@ -114,7 +115,7 @@ impl Pattern {
         }
     }
 
-    /// The factor on the reflectivity at a point of the image, if it varies.
+    /// The factor on the reflectivity as a function of a texel; `None` if it is the same everywhere.
     fn reflectivity(self) -> Option<Grain> {
         match self {
             Self::Asphalt => Some(designs::wetness()),
@@ -122,7 +123,7 @@ impl Pattern {
         }
     }
 
-    /// The name of the pattern in the names of its images.
+    /// The name of the pattern, which becomes part of its images' names.
     fn label(self) -> &'static str {
         match self {
             Self::Stones => "stones",
@@ -146,6 +147,7 @@ impl Pattern {
     }
 }
 
+/// The look of [`Pattern::Tiles`].
 const FLOOR_TILES: TileLook = TileLook {
     count: 4,
     staggered: false,
@@ -153,6 +155,7 @@ const FLOOR_TILES: TileLook = TileLook {
     grout: Vec3::new(0.11, 0.10, 0.09),
 };
 
+/// The look of [`Pattern::Slabs`].
 const FLOOR_SLABS: TileLook = TileLook {
     count: 4,
     staggered: true,
@@ -165,12 +168,12 @@ const FLOOR_SLABS: TileLook = TileLook {
 struct Texel {
     /// The middle of the texel: (0, 0) is the top left of the image and (1, 1) the bottom right.
     uv: Vec2,
-    /// The number of the texel, row by row.
+    /// Number of the texel, counted row by row from the top left.
     index: usize,
 }
 
 impl Texel {
-    /// The texel of an image with this number, row by row.
+    /// Makes the texel with this number, counted row by row, in an image of `width` × `height` texels.
     fn new(index: u32, [width, height]: [u32; 2]) -> Self {
         let corner = Vec2::new((index % width) as f32, (index / width) as f32);
         Self { uv: (corner + 0.5) / Vec2::new(width as f32, height as f32), index: index as usize }
@@ -199,8 +202,8 @@ impl Dye {
     }
 }
 
-/// The pattern that a texture's file name suggests (case and folders are ignored): wood, brick, stone or tile.
-/// Wood is pale if the name contains "ceiling", dark if it contains a 2, and medium otherwise.
+/// Returns the pattern that the file name of a texture suggests (case and folders are ignored): wood, brick, stone or
+/// tile. Wood is pale if the name contains "ceiling", dark if it contains a 2, and medium otherwise.
 pub fn named(file_name: &str) -> Option<Pattern> {
     let name = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name).to_lowercase();
     let has = |word| name.contains(word);
@@ -217,7 +220,7 @@ pub fn named(file_name: &str) -> Option<Pattern> {
         .find_map(|(word, pattern)| has(word).then_some(pattern))
 }
 
-/// The generated image that replaces a texture of this file name; `None` if the name suggests no stone, tile,
+/// Returns the generated image that replaces a texture of this file name; `None` if the name suggests no stone, tile,
 /// brick or wood.
 pub fn by_name(file_name: &str, role: Role) -> Option<Texture> {
     let (albedo, normal) = images(named(file_name)?);
@@ -227,7 +230,7 @@ pub fn by_name(file_name: &str, role: Role) -> Option<Texture> {
     })
 }
 
-/// A pattern's albedo image and normal map, [`SIZE`] × [`SIZE`].
+/// Generates the albedo image and the normal map of a pattern, each of [`SIZE`] × [`SIZE`] texels.
 pub fn images(pattern: Pattern) -> (Texture, Texture) {
     let design = pattern.design();
     let samples: Vec<Sample> = (0..SIZE * SIZE).into_par_iter().map(|k| design(Texel::new(k, [SIZE, SIZE]))).collect();
@@ -244,15 +247,15 @@ pub fn images(pattern: Pattern) -> (Texture, Texture) {
     (texture("albedo", albedo, Encoding::Srgb), texture("normal", normal, Encoding::Linear))
 }
 
-/// A pattern's factor on the reflectivity (red, linear), [`SIZE`] × [`SIZE`] texels; `None` if it does not
-/// vary.
+/// Generates an image of a pattern's factor on the reflectivity (red, linear), of [`SIZE`] × [`SIZE`] texels; `None` if
+/// the factor does not vary.
 pub fn reflectivity_image(pattern: Pattern) -> Option<Texture> {
     let factor = pattern.reflectivity()?;
     let name = format!("generated {} reflectivity", pattern.label());
     Some(image(name, [SIZE, SIZE], Encoding::Linear, |texel| rgba(Vec3::splat(factor(texel)))))
 }
 
-/// A picture (sRGB with alpha) and, if it has holes, its alpha as a mask (red, linear).
+/// Generates the image of a picture (sRGB with alpha) and, if the picture has holes, its alpha as a mask (red, linear).
 pub fn picture_images(picture: Picture) -> (Texture, Option<Texture>) {
     let name = format!("generated {}", picture.label());
     let colour = image(name.clone(), picture.size(), Encoding::Srgb, |texel| {
@@ -261,14 +264,15 @@ pub fn picture_images(picture: Picture) -> (Texture, Option<Texture>) {
         [r, g, b, byte(sample.w)]
     });
     let mask = picture.has_alpha().then(|| {
-        let grey = |a: &[u8]| [a[3], a[3], a[3], 255];
-        let rgba = colour.rgba.chunks_exact(4).flat_map(grey).collect();
+        let grey_of_alpha = |texel: &[u8]| [texel[3], texel[3], texel[3], 255];
+        let rgba = colour.rgba.chunks_exact(4).flat_map(grey_of_alpha).collect();
         Texture { name: format!("{name} mask"), rgba, encoding: Encoding::Linear, ..colour }
     });
     (colour, mask)
 }
 
-/// Makes an image by evaluating a function at each texel.
+/// Makes an image of `width` × `height` texels by evaluating the function `texel`, which returns RGBA bytes, at each of
+/// them.
 fn image(
     name: String,
     [width, height]: [u32; 2],
@@ -287,7 +291,8 @@ fn bytes([width, height]: [u32; 2], texel: impl Fn(u32) -> [u8; 4] + Sync) -> Ve
     rgba
 }
 
-/// The unit normal at texel `k` by central differences that wrap; x right, y up, z out.
+/// Returns the unit normal at texel `k` (counted row by row) of a relief, with x to the right, y up and z out. It comes
+/// from central differences, which wrap at the border. `texel_m` is the width of a texel in metres.
 fn normal_at(samples: &[Sample], k: u32, texel_m: f32) -> Vec3 {
     let (x, y) = (k % SIZE, k / SIZE);
     let height = |x: u32, y: u32| samples[((y % SIZE) * SIZE + x % SIZE) as usize].height_m;
@@ -296,17 +301,17 @@ fn normal_at(samples: &[Sample], k: u32, texel_m: f32) -> Vec3 {
     Vec3::new(-rightward, downward, 2.0 * texel_m).normalize()
 }
 
-/// An opaque texel from three numbers from 0 to 1, which are not encoded.
+/// Makes the bytes of an opaque texel from three numbers from 0 to 1, which are not encoded.
 fn rgba(colour: Vec3) -> [u8; 4] {
     [byte(colour.x), byte(colour.y), byte(colour.z), 255]
 }
 
-/// An opaque texel from a linear colour, encoded as sRGB.
+/// Makes the bytes of an opaque texel from a linear colour, which is encoded as sRGB.
 fn srgba(colour: Vec3) -> [u8; 4] {
     [display_byte(colour.x), display_byte(colour.y), display_byte(colour.z), 255]
 }
 
-/// A number from 0 to 1 as a byte from 0 to 255.
+/// Converts a number from 0 to 1 to the nearest byte from 0 to 255.
 fn byte(x: f32) -> u8 {
     // The code avoids `f32::round`, since that is a call on processors that may lack SSE 4.1.
     let scaled = x.clamp(0.0, 1.0) * 255.0;
@@ -354,7 +359,8 @@ mod tests {
     fn every_pattern_has_period_one() {
         for pattern in ALL {
             let design = pattern.design();
-            // Noise is read by the index of the texel, which stays; noise itself repeats (ssct_ground::math::noise).
+            // Noise is looked up by the index of a texel, which a shift by a period does not change. The noise itself
+            // repeats (ssct_ground::math::noise).
             for texel in (0..400).map(|k| Texel::new(k * 655 + k % 97, [SIZE, SIZE])) {
                 let here = design(texel);
                 for period in [Vec2::X, Vec2::Y] {
@@ -371,17 +377,18 @@ mod tests {
 
     #[test]
     fn images_are_as_continuous_across_their_borders_as_inside() {
-        let step = |t: &Texture, a: [u32; 2], b: [u32; 2]| -> f32 {
-            let texel = |[x, y]: [u32; 2]| &t.rgba[((y * SIZE + x) * 4) as usize..][..3];
-            texel(a).iter().zip(texel(b)).map(|(&p, &q)| f32::from(p.abs_diff(q))).sum()
+        // The sum of the differences of red, green and blue between two texels.
+        let step = |image: &Texture, a: [u32; 2], b: [u32; 2]| -> f32 {
+            let texel = |[x, y]: [u32; 2]| &image.rgba[((y * SIZE + x) * 4) as usize..][..3];
+            texel(a).iter().zip(texel(b)).map(|(&value_a, &value_b)| f32::from(value_a.abs_diff(value_b))).sum()
         };
         for (_, albedo, normal) in IMAGES.iter() {
             for image in [albedo, normal] {
                 let between_columns = |x: u32| (0..SIZE).map(|y| step(image, [x, y], [(x + 1) % SIZE, y])).sum::<f32>();
                 let between_rows = |y: u32| (0..SIZE).map(|x| step(image, [x, y], [x, (y + 1) % SIZE])).sum::<f32>();
-                let widest = |f: &dyn Fn(u32) -> f32| (0..SIZE - 1).map(f).fold(0.0, f32::max);
-                assert!(between_columns(SIZE - 1) <= 1.5 * widest(&between_columns), "{image:?}");
-                assert!(between_rows(SIZE - 1) <= 1.5 * widest(&between_rows), "{image:?}");
+                let greatest = |sums: &dyn Fn(u32) -> f32| (0..SIZE - 1).map(sums).fold(0.0, f32::max);
+                assert!(between_columns(SIZE - 1) <= 1.5 * greatest(&between_columns), "{image:?}");
+                assert!(between_rows(SIZE - 1) <= 1.5 * greatest(&between_rows), "{image:?}");
             }
         }
     }
@@ -390,17 +397,17 @@ mod tests {
     fn colours_are_mid_toned_and_normals_are_unit_and_mostly_straight() {
         for (pattern, albedo, normal) in IMAGES.iter() {
             let texels = (SIZE * SIZE) as f32;
-            let brightest = albedo.rgba.chunks(4).flat_map(|c| &c[..3]).max();
+            let brightest = albedo.rgba.chunks(4).flat_map(|texel| &texel[..3]).max();
             assert!(brightest < Some(&235), "{pattern:?}: {brightest:?}");
-            let mean = albedo.rgba.chunks(4).map(|c| f32::from(c[1])).sum::<f32>() / texels;
+            let mean = albedo.rgba.chunks(4).map(|texel| f32::from(texel[1])).sum::<f32>() / texels;
             assert!((40.0..190.0).contains(&mean), "{pattern:?}: mean green {mean}");
-            let mut up = 0.0;
-            for c in normal.rgba.chunks(4) {
-                let n = Vec3::new(f32::from(c[0]), f32::from(c[1]), f32::from(c[2])) / 127.5 - 1.0;
+            let mut sum_of_z = 0.0;
+            for texel in normal.rgba.chunks(4) {
+                let n = Vec3::new(f32::from(texel[0]), f32::from(texel[1]), f32::from(texel[2])) / 127.5 - 1.0;
                 assert!((n.length() - 1.0).abs() < 0.02 && n.z > 0.1, "{pattern:?}: {n}");
-                up += n.z;
+                sum_of_z += n.z;
             }
-            assert!(up / texels > 0.85, "{pattern:?}: mean z {}", up / texels);
+            assert!(sum_of_z / texels > 0.85, "{pattern:?}: mean z {}", sum_of_z / texels);
         }
     }
 

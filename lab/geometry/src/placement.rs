@@ -1,9 +1,9 @@
 //! Finds places for captures in any scene, independent of a view (docs/definitions.md, "Captures").
 //!
-//! People stand on floors, between walls or under roofs (`space`). The places that people see in mirrors are sampled by paths:
-//! from an eye to a surface, and from there along the mirror ray to its end (`mirrors`). A greedy search then takes, one after
-//! another, the capture that shows most ends that no earlier capture shows. Random numbers are computed from counters, so that
-//! the places depend on the scene alone.
+//! The module `space` finds where people can stand: on floors, between walls or under roofs. The module `mirrors`
+//! samples what people see in mirrors by paths: from an eye to a surface, and from there along the mirror ray to its
+//! end. A greedy search then takes captures one after another, each time the capture that shows the most ends that no
+//! earlier one shows. Random numbers are computed from counters, so that the places depend on the scene alone.
 
 mod mirrors;
 mod space;
@@ -21,8 +21,8 @@ pub use ssct_ground::scene::capture::WantedCaptures;
 
 /// Greatest number of captures that [`WantedCaptures::Auto`] places.
 ///
-/// In most scenes four captures see nearly all that mirrors show, and the images of four cubes of 512² with their pyramids just
-/// fit into 200 MB.
+/// In most scenes four captures see nearly all that mirrors show. The images of four cubes with faces of 512² texels
+/// and their pyramids just fit into 200 MB.
 pub const AUTO_MOST: usize = 4;
 
 /// Least gain of a further capture that [`WantedCaptures::Auto`] places, as a share of what mirrors show beyond the
@@ -30,7 +30,8 @@ pub const AUTO_MOST: usize = 4;
 /// [`mirrors`]. A smaller gain may come from the random choice of the paths alone.
 const AUTO_GAIN: f32 = 0.005;
 
-/// Weight of coarse texels against a capture: the weight of an end is 1 / (1 + `COARSENESS` · (texel's edge / pixel's edge)²).
+/// How much coarse texels count against a capture: a seen end counts
+/// 1 / (1 + `COARSENESS` · (texel's edge / pixel's edge)²).
 ///
 /// The value is so small that resolution decides only between places that see almost equally much.
 const COARSENESS: f64 = 0.02;
@@ -46,23 +47,23 @@ pub struct Placement {
     pub captures: Vec<Capture>,
     /// Number of captures, from the first on, that come from the scene file.
     pub own: usize,
-    /// Shares, 0…1, of what mirrors show beyond the screen (see `mirrors`): the share that the first capture sees, the share
-    /// that the first two see, and so on. The list is as long as [`Placement::captures`]. All shares are 0 where mirrors show
-    /// nothing.
+    /// Shares, 0…1, of what mirrors show beyond the screen (see `mirrors`): the share that the first capture sees, the
+    /// share that the first two see, and so on. The list is as long as [`Placement::captures`]. All shares are 0 where
+    /// mirrors show nothing.
     pub seen: Vec<f32>,
-    /// Eye positions of people, for whom the captures are placed; in world space, in metres.
+    /// Positions of the eyes of the people for whom the captures are placed; in world space, in metres.
     pub stands: Vec<Vec3>,
 }
 
-/// Gives a scene the captures that are wanted, and returns them with the shares that they see.
+/// Finds the captures that are wanted, stores them in the scene, and returns them with the shares that they see.
 pub fn with_captures(scene: &mut Scene, wanted: WantedCaptures) -> Placement {
     let placement = place(scene, wanted);
     scene.captures.clone_from(&placement.captures);
     placement
 }
 
-/// A function that places the captures of a scene when called: it runs [`place`] in a copy of the scene, with the
-/// captures of the scene file that its caller passes.
+/// Returns a function that runs [`place`] in a copy of the scene. The function takes the captures of the scene file and
+/// how many captures are wanted, and returns the captures that [`place`] finds.
 pub fn finder(scene: &Scene) -> impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + use<> {
     let bare = RefCell::new(placement_scene(scene));
     move |own, wanted| {
@@ -72,7 +73,8 @@ pub fn finder(scene: &Scene) -> impl Fn(&[Capture], WantedCaptures) -> Vec<Captu
     }
 }
 
-/// Finds the captures that are wanted for a scene. The scene's views have no influence.
+/// Returns the scene's own captures, as many as are wanted, followed by further ones up to the wanted number. These
+/// stand where they show the most of what people see in mirrors. The scene's views have no influence.
 pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
     let (own, most, least_gain) = match wanted {
         WantedCaptures::Auto if scene.captures.is_empty() => (0, AUTO_MOST, AUTO_GAIN),
@@ -80,60 +82,67 @@ pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
         WantedCaptures::Count(count) => (count.min(scene.captures.len()), count.min(MAX_CAPTURES), 0.0),
     };
     let triangles = Triangles::new(scene, &scene.materials);
-    let inhabited = |size: &f64| {
+    // The places where people of a size can stand, and the ends of mirror rays that they see beyond the screen; `None`
+    // if there are no such ends. The first of the sizes that has some is taken.
+    let stands_and_ends = |size: &f64| {
         let stands = space::stands(&triangles, scene, *size);
         let ends = mirrors::ends(&triangles, &stands);
         (!ends.is_empty()).then_some((stands, ends))
     };
-    let Some((stands, ends)) = space::SIZES.iter().find_map(inhabited) else {
+    let Some((stands, ends)) = space::SIZES.iter().find_map(stands_and_ends) else {
         let captures = scene.captures[..own].to_vec();
         return Placement { seen: vec![0.0; own], captures, own, stands: Vec::new() };
     };
     let placement = Placement { stands: stands.iter().map(|s| s.eye.as_vec3()).collect(), ..Placement::default() };
-    let mut found = CaptureSearch { triangles: &triangles, best: vec![0.0; ends.len()], ends, placement };
+    let mut search = CaptureSearch { triangles: &triangles, best: vec![0.0; ends.len()], ends, placement };
     for capture in &scene.captures[..own] {
-        let row = found.row(capture.position.as_dvec3());
-        found.take(*capture, &row);
+        // How well the capture shows each end.
+        let row = search.row(capture.position.as_dvec3());
+        search.take(*capture, &row);
     }
-    found.placement.own = own;
+    search.placement.own = own;
     if own < most {
         let base = scene.captures.first().copied().unwrap_or(Capture::placed_at(Vec3::ZERO));
-        found.search(base, &space::candidates(&stands), most, least_gain);
+        search.search(base, &space::candidates(&stands), most, least_gain);
     }
-    found.placement
+    search.placement
 }
 
-/// A copy of the scene with everything that decides where captures are placed: its triangles and masks.
+/// Copies what decides where captures are placed: meshes, materials, lights and the texels of alpha masks. All other
+/// textures become a single texel, so that the copy is small.
 fn placement_scene(scene: &Scene) -> Scene {
     let masks: Vec<usize> = scene.materials.iter().filter_map(|m| m.alpha_mask).collect();
-    let without_texels = |(i, t): (usize, &Texture)| {
-        if masks.contains(&i) {
-            t.clone()
+    let reduced = |(index, texture): (usize, &Texture)| {
+        if masks.contains(&index) {
+            texture.clone()
         } else {
-            Texture { name: String::new(), rgba: vec![255; 4], width: 1, height: 1, encoding: t.encoding }
+            Texture { name: String::new(), rgba: vec![255; 4], width: 1, height: 1, encoding: texture.encoding }
         }
     };
     Scene {
         name: scene.name.clone(),
         meshes: scene.meshes.clone(),
         materials: scene.materials.clone(),
-        textures: scene.textures.iter().enumerate().map(without_texels).collect(),
+        textures: scene.textures.iter().enumerate().map(reduced).collect(),
         lights: scene.lights.clone(),
         ..Scene::default()
     }
 }
 
-/// A search in progress.
+/// A greedy search for captures, while it is in progress.
 struct CaptureSearch<'a> {
     triangles: &'a Triangles<'a>,
+    /// The ends of sampled mirror rays, which captures should show.
     ends: Vec<MirrorEnd>,
     /// How well the best capture so far shows each end, 0…1.
     best: Vec<f32>,
+    /// The captures found so far.
     placement: Placement,
 }
 
 impl CaptureSearch<'_> {
-    /// Takes the candidate with the greatest gain, again and again.
+    /// Adds captures like `base` at the candidate with the greatest gain, one after another. The search ends with
+    /// `most` captures, or when the gain is below `least_gain`, as a share of all ends, or is 0.
     fn search(&mut self, base: Capture, candidates: &[space::Candidate], most: usize, least_gain: f32) {
         let mut rows: Vec<Vec<f32>> = candidates.par_iter().map(|c| self.row(c.position)).collect();
         while self.placement.captures.len() < most {
@@ -141,7 +150,7 @@ impl CaptureSearch<'_> {
             // The first of equal gains is taken, so that the result does not depend on threads.
             let best = (0..gains.len()).rev().max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
             let Some(index) = best.filter(|i| gains[*i] > 0.0) else { break };
-            // A candidate whose row was taken away has no gain, so that no candidate is tried twice.
+            // The candidate's row is taken out. A candidate without a row has no gain, so that none is tried twice.
             let row = std::mem::take(&mut rows[index]);
             let candidate = &candidates[index];
             if !space::is_clear(self.triangles, candidate) {
@@ -154,7 +163,7 @@ impl CaptureSearch<'_> {
         }
     }
 
-    /// How well a capture at a place would show the end of each sampled mirror ray, 0…1; 0 for a hidden end.
+    /// Returns how well a capture at `place` would show each end, 0…1, in the order of the ends; 0 for a hidden end.
     fn row(&self, place: DVec3) -> Vec<f32> {
         self.ends
             .iter()
@@ -162,13 +171,14 @@ impl CaptureSearch<'_> {
             .collect()
     }
 
-    /// The gain of a candidate with this row: by how much it shows ends better than the captures so far, summed over
-    /// all ends. The gain of an empty row is 0.
+    /// Returns the gain of a candidate that shows each end as well as `row` says: by how much it shows ends better than
+    /// the captures so far, summed over all ends. The gain of an empty row is 0.
     fn gain(&self, row: &[f32]) -> f32 {
         row.iter().zip(&self.best).map(|(new, best)| (new - best).max(0.0)).sum()
     }
 
-    /// Adds a capture with its row, and the share of the ends that the captures see by now.
+    /// Adds a capture, which shows each end as well as `row` says, and the share of the ends that all captures then
+    /// see.
     fn take(&mut self, capture: Capture, row: &[f32]) {
         self.best.iter_mut().zip(row).for_each(|(best, new)| *best = best.max(*new));
         let seen = self.best.iter().filter(|b| **b > 0.0).count();
@@ -177,25 +187,25 @@ impl CaptureSearch<'_> {
     }
 }
 
-/// How finely a capture at a place shows the end of a mirror ray, in 0…1. The result falls as the capture's texel at
-/// the end grows against the pixel of the eye there.
+/// Returns how finely a capture at `place` shows the end of a mirror ray, in 0…1: less, the larger the capture's texel
+/// at the end is in comparison with the pixel of the eye there.
 fn shown_share(place: DVec3, end: &MirrorEnd) -> f32 {
-    let away = place - end.position;
-    let cosine = away.normalize_or_zero().dot(end.normal).abs().max(COSINE_MIN);
+    let to_capture = place - end.position;
+    let cosine = to_capture.normalize_or_zero().dot(end.normal).abs().max(COSINE_MIN);
     // A cube face spans two units at distance one, and the area of a texel on the surface grows with 1 / cosine.
-    let texel = away.length() * 2.0 / f64::from(Capture::RESOLUTION) / cosine.sqrt();
+    let texel = to_capture.length() * 2.0 / f64::from(Capture::RESOLUTION) / cosine.sqrt();
     let pixel = end.path_m * mirrors::PIXEL_RADIANS;
     (1.0 / (1.0 + COARSENESS * (texel / pixel).powi(2))) as f32
 }
 
-/// Whether no surface lies between two points. The last 0.1 mm plus 0.1 ‰ of the way are ignored, since the surface of
-/// the second point itself is there.
+/// Returns true if no surface lies between two points. The last 0.1 mm plus 0.1 ‰ of the distance are ignored, since
+/// the surface that the second point lies on is there.
 pub fn sees(triangles: &Triangles, from: DVec3, to: DVec3) -> bool {
-    let way = to - from;
-    let length = way.length();
+    let offset = to - from;
+    let length = offset.length();
     let margin = 1e-4 + 1e-4 * length;
     length <= margin
-        || !triangles.any(&WorldRay { origin: from, direction: way / length, t_min: 0.0, t_max: length - margin })
+        || !triangles.any(&WorldRay { origin: from, direction: offset / length, t_min: 0.0, t_max: length - margin })
 }
 
 #[cfg(test)]

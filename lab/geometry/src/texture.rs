@@ -1,5 +1,5 @@
-//! Images of materials ([`Texture`]): decoding from files within limits, sampling, and the conversions to masks, reflectivity
-//! maps and normal maps (also from height fields).
+//! Images of materials ([`Texture`]): decodes them from files within limits, samples them, and converts them to alpha
+//! masks, reflectivity maps and normal maps (also from height fields).
 
 use super::bounded;
 use glam::{DVec2, DVec4, Vec2, Vec3};
@@ -22,18 +22,17 @@ pub const MAX_TEXELS: u64 = 1 << 30;
 /// The largest image file that can be read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Any image may unpack to this many bytes; for more, its file must be long enough.
+/// Number of bytes that any image may unpack to; for more, its file must be long enough ([`bounded::may_unpack`]).
 const FREE_BYTES: u64 = 1 << 20;
 
-/// A WebP image may unpack to this many bytes, whatever its length, since an image of a single colour has no bits for its
-/// texels.
+/// Number of bytes that any WebP image may unpack to, since an image of a single colour has no bits for its texels.
 const FREE_WEBP_BYTES: u64 = 4 * 4096 * 4096;
 
 /// The depth of a height field without a bump multiplier, in texels (see [`normal_map_from_height`]).
 pub const RELIEF_TEXELS: f32 = 2.0;
 
-/// Correlation below which a normal map's green points down. Maps with green up are above 0, and maps of Crytek's Sponza (green
-/// down) are mostly below −0.2; values in between are too weak to decide.
+/// Value of [`green_correlation`] below which a normal map's green points down. Maps with green up have more than 0,
+/// and maps of Crytek's Sponza (green down) mostly less than −0.2; values in between are too weak to decide.
 const GREEN_DOWN: f64 = -0.15;
 
 /// The linear value of each byte of an sRGB image.
@@ -50,11 +49,12 @@ pub fn decode(path: &Path, encoding: Encoding) -> Result<Texture> {
     from_bytes(&bounded::read(path, "an image", MAX_FILE_BYTES)?, path, encoding)
 }
 
-/// Decodes the bytes of an image file. Errors call the file `path`.
+/// Decodes the bytes of an image file. Errors name the file by `path`.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the bytes are not an image of a supported format, if the image is larger than [`MAX_EXTENT`] on a
-/// side, or if it claims more texels than the bytes can hold. The size is checked before memory is allocated for the image.
+/// [`Error::Malformed`] if the bytes are not an image of a supported format, if the image is larger than [`MAX_EXTENT`]
+/// on a side, or if it claims more texels than the bytes can hold. The size is checked before memory is allocated for
+/// the image.
 pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Texture> {
     let image = decode_bytes(bytes, path)?;
     let (width, height) = (image.width(), image.height());
@@ -62,8 +62,8 @@ pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Textu
     Ok(Texture { name, width, height, rgba: image.into_rgba8().into_raw(), encoding })
 }
 
-/// The width and height of an image and its values: red, green, blue and alpha of each texel, 0…1, as the image encodes them. A
-/// 16-bit image keeps all its bits.
+/// Decodes the bytes of an image file to its width and height and its values: red, green, blue and alpha of each texel,
+/// from 0 to 1. Values stay as the image encodes them, sRGB or linear, and a 16-bit image keeps all its bits.
 ///
 /// # Errors
 /// The errors of [`from_bytes`].
@@ -79,7 +79,7 @@ pub fn unit_values(bytes: &[u8], path: &Path) -> Result<([u32; 2], Vec<f32>)> {
     Ok((size, values))
 }
 
-/// Decodes the bytes of an image file in the image's own format, after its size is checked.
+/// Decodes the bytes of an image file to texels of the image's own format. Its size is checked before.
 fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
     let malformed = |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
     let mut reader = ImageReader::new(Cursor::new(bytes));
@@ -87,7 +87,7 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
         reader.set_format(format);
     }
     let mut reader = reader.with_guessed_format().map_err(|e| Error::io("read", path, e))?;
-    let free = if reader.format() == Some(ImageFormat::WebP) { FREE_WEBP_BYTES } else { FREE_BYTES };
+    let free_bytes = if reader.format() == Some(ImageFormat::WebP) { FREE_WEBP_BYTES } else { FREE_BYTES };
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_EXTENT);
     limits.max_image_height = Some(MAX_EXTENT);
@@ -100,35 +100,38 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
         let message = format!("the image has {width} x {height} texels; each side must be 1 to {MAX_EXTENT}");
         return Err(Error::malformed(path, None, message));
     }
-    if !bounded::may_unpack(bytes.len(), decoder.total_bytes(), free) {
+    if !bounded::may_unpack(bytes.len(), decoder.total_bytes(), free_bytes) {
         let message = format!("an image of {width} x {height} texels cannot come from only {} bytes", bytes.len());
         return Err(Error::malformed(path, None, message));
     }
     DynamicImage::from_decoder(decoder).map_err(malformed)
 }
 
-/// The number of texels of an image of this size after [`shrink_to_side`].
+/// Returns the number of texels of an image of `width` × `height` texels after [`shrink_to_side`].
 pub fn texels_within(width: u32, height: u32, side: u32) -> u64 {
     let [width, height] = size_within(width, height, side);
     u64::from(width) * u64::from(height)
 }
 
-/// The size of an image after shrinking to a greatest side of `side`, with its shape kept.
+/// Returns the width and height of an image after it is shrunk so that its longer side has at most `side` texels. The
+/// shape is kept, and each side stays at least 1.
 fn size_within(width: u32, height: u32, side: u32) -> [u32; 2] {
     let greatest = u64::from(width.max(height));
-    let scaled =
-        |v: u32| if greatest <= u64::from(side) { v } else { (u64::from(v) * u64::from(side) / greatest) as u32 };
-    [width, height].map(|v| scaled(v).max(1))
+    let scaled = |extent: u32| {
+        if greatest <= u64::from(side) { extent } else { (u64::from(extent) * u64::from(side) / greatest) as u32 }
+    };
+    [width, height].map(|extent| scaled(extent).max(1))
 }
 
-/// Makes an image smaller so that no side is above `side`, by a triangle filter over decoded texels, so that the filter
-/// averages light. An image that is small enough is not changed.
+/// Shrinks an image so that no side has more than `side` texels. A triangle filter averages decoded texels, that is,
+/// light. An image that is small enough is not changed.
 pub fn shrink_to_side(texture: Texture, side: u32) -> Texture {
     let [width, height] = size_within(texture.width, texture.height, side);
     if [width, height] == [texture.width, texture.height] {
         return texture;
     }
     let srgb = texture.encoding == Encoding::Srgb;
+    // Every fourth byte is alpha, which is never encoded as sRGB.
     let unpacked = |(k, &byte): (usize, &u8)| {
         if srgb && k % 4 != 3 { DECODED[usize::from(byte)] as f32 } else { f32::from(byte) / 255.0 }
     };
@@ -145,20 +148,22 @@ pub fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
     ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?.into_dimensions().ok()
 }
 
-/// Samples the image, bilinear, repeating and decoded, as Vulkan's "Texel Filtering" defines VK_FILTER_LINEAR.
-/// (0, 0) is the top left corner, (1, 1) the lower right one.
+/// Samples the image with a bilinear filter, as Vulkan's "Texel Filtering" defines VK_FILTER_LINEAR. The image repeats,
+/// and texels are decoded to linear values before they are mixed. (0, 0) is the top left corner, (1, 1) the lower right
+/// one.
 pub fn bilinear(texture: &Texture, uv: DVec2) -> DVec4 {
     let size = DVec2::new(f64::from(texture.width), f64::from(texture.height));
     let position = (uv - uv.floor()) * size - 0.5;
     let (corner, weight) = (position.floor(), position - position.floor());
-    let wrap = |v: f64, size: u32| (v as i64).rem_euclid(i64::from(size)) as usize;
+    let wrap = |index: f64, size: u32| (index as i64).rem_euclid(i64::from(size)) as usize;
     let texel =
         |dx: f64, dy: f64| decoded(texture, wrap(corner.x + dx, texture.width), wrap(corner.y + dy, texture.height));
-    let above = texel(0.0, 0.0).lerp(texel(1.0, 0.0), weight.x);
-    above.lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), weight.x), weight.y)
+    let upper = texel(0.0, 0.0).lerp(texel(1.0, 0.0), weight.x);
+    let lower = texel(0.0, 1.0).lerp(texel(1.0, 1.0), weight.x);
+    upper.lerp(lower, weight.y)
 }
 
-/// A texel, decoded to linear values.
+/// Returns a texel, red, green, blue and alpha from 0 to 1, decoded to linear values.
 fn decoded(texture: &Texture, x: usize, y: usize) -> DVec4 {
     let offset = 4 * (y * texture.width as usize + x);
     let rgba: [u8; 4] = std::array::from_fn(|k| texture.rgba[offset + k]);
@@ -172,24 +177,23 @@ fn decoded(texture: &Texture, x: usize, y: usize) -> DVec4 {
     }
 }
 
-/// Converts the image to an alpha mask. All channels get its alpha channel or, if that is constant, its
-/// luminance.
+/// Converts the image to an alpha mask. All channels get its alpha channel or, if all texels are opaque, its luminance.
 pub fn into_mask(texture: Texture) -> Texture {
-    let has_alpha = texture.rgba.chunks_exact(4).any(|t| t[3] < 255);
-    map_to_grey(texture, |t| if has_alpha { t[3] } else { to_byte(encoded_luminance(t)) })
+    let has_alpha = texture.rgba.chunks_exact(4).any(|texel| texel[3] < 255);
+    map_to_grey(texture, |texel| if has_alpha { texel[3] } else { to_byte(encoded_luminance(texel)) })
 }
 
-/// Converts the image to a factor on the reflectivity. All channels get the luminance of the decoded
-/// colour, stored linearly.
+/// Converts the image to a map of factors on the reflectivity. All channels get the luminance of the decoded colour,
+/// stored linearly.
 pub fn into_reflectivity(texture: Texture) -> Texture {
-    map_to_grey(texture, |t| to_byte(luminance(srgb_to_linear(t))))
+    map_to_grey(texture, |texel| to_byte(luminance(srgb_to_linear(texel))))
 }
 
 /// Converts the image to a tangent-space normal map (green up, linear), with its slopes multiplied by
 /// `tilt`.
 ///
-/// If the content is a normal map ([`is_normal_map`]), the map is kept; its unused black texels become flat, and green is
-/// inverted if it points down. Any other image is treated as a height field of depth [`RELIEF_TEXELS`] · `tilt`.
+/// If the content is a normal map ([`is_normal_map`]), the map is kept; its unused black texels become flat, and green
+/// is inverted if it points down. Any other image is treated as a height field of depth [`RELIEF_TEXELS`] · `tilt`.
 pub fn into_normal_map(mut texture: Texture, tilt: f32) -> Texture {
     if !is_normal_map(&texture) {
         return normal_map_from_height(&texture, RELIEF_TEXELS * tilt);
@@ -208,7 +212,7 @@ pub fn into_normal_map(mut texture: Texture, tilt: f32) -> Texture {
     texture
 }
 
-/// Multiplies the slopes of a normal map, green up, by a factor.
+/// Multiplies the slopes of a normal map with green up by a factor. A factor of 1 leaves the bytes as they are.
 pub fn scale_normal_map(mut texture: Texture, factor: f32) -> Texture {
     for texel in texture.rgba.chunks_exact_mut(4).filter(|_| factor != 1.0) {
         let vector = decode_vector(texel);
@@ -219,12 +223,12 @@ pub fn scale_normal_map(mut texture: Texture, factor: f32) -> Texture {
     texture
 }
 
-/// Whether the content is a normal map rather than a height field or a colour. In a normal map, nine tenths of the texels that
-/// are not black (unused) decode to vectors of length 1 ± 0.2 with z > 0. The sum of these vectors is close to the z axis,
-/// which is never so for a grey image.
+/// Returns true if the content is a normal map rather than a height field or a colour. In a normal map, nine tenths of
+/// the texels that are not black (unused) decode to vectors of length 1 ± 0.2 with z > 0. The sum of all vectors is
+/// also close to the z axis, which never holds for a grey image.
 pub fn is_normal_map(texture: &Texture) -> bool {
     let (mut sum, mut fitting, mut used) = (Vec3::ZERO, 0_usize, 0_usize);
-    for vector in texture.rgba.chunks_exact(4).filter(|t| !is_unused(t)).map(decode_vector) {
+    for vector in texture.rgba.chunks_exact(4).filter(|texel| !is_unused(texel)).map(decode_vector) {
         sum += vector;
         fitting += usize::from(vector.z > 0.0 && (vector.length() - 1.0).abs() <= 0.2);
         used += 1;
@@ -232,10 +236,10 @@ pub fn is_normal_map(texture: &Texture) -> bool {
     used > 0 && fitting * 10 >= used * 9 && sum.z > 2.0 * sum.x.abs().max(sum.y.abs())
 }
 
-/// The direction of green in a normal map, from −1 (down) to 1 (up); values near 0 are inconclusive.
+/// Returns how likely green points up in a normal map, from −1 (down) to 1 (up); values near 0 are inconclusive.
 ///
-/// The slopes of a surface have no curl: ∂(∂h/∂x)/∂y = ∂(∂h/∂y)/∂x. The result is the correlation of both sides, computed as if
-/// green were up.
+/// The slopes of a surface have no curl: ∂(∂h/∂x)/∂y = ∂(∂h/∂y)/∂x. The result is the correlation of the two sides,
+/// computed as if green were up. If green points down, the right side has the wrong sign.
 fn green_correlation(texture: &Texture) -> f64 {
     let (width, height) = (texture.width as usize, texture.height as usize);
     let texel = |x: usize, y: usize| &texture.rgba[4 * (y * width + x)..][..4];
@@ -243,24 +247,25 @@ fn green_correlation(texture: &Texture) -> f64 {
         let vector = decode_vector(texel(x, y));
         (-vector.truncate() / vector.z.max(0.2)).as_dvec2()
     };
-    let (mut both, mut left_squared, mut right_squared) = (0.0, 0.0, 0.0);
+    // Sums over texels of the product of both sides of the equation, and of their squares.
+    let (mut product, mut left_squared, mut right_squared) = (0.0, 0.0, 0.0);
     for y in 1..height.saturating_sub(1) {
         for x in 1..width.saturating_sub(1) {
-            let stencil = [(x, y - 1), (x, y + 1), (x - 1, y), (x + 1, y)];
-            if stencil.iter().any(|&(x, y)| is_unused(texel(x, y))) {
+            let neighbours = [(x, y - 1), (x, y + 1), (x - 1, y), (x + 1, y)];
+            if neighbours.iter().any(|&(x, y)| is_unused(texel(x, y))) {
                 continue;
             }
-            let [above, below, before, after] = stencil.map(|(x, y)| slope(x, y));
+            let [above, below, before, after] = neighbours.map(|(x, y)| slope(x, y));
             let (left, right) = (above.x - below.x, after.y - before.y);
-            both += left * right;
+            product += left * right;
             left_squared += left * left;
             right_squared += right * right;
         }
     }
-    both / (left_squared * right_squared).sqrt().max(f64::MIN_POSITIVE)
+    product / (left_squared * right_squared).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// Replaces each texel by an opaque grey one, whose byte is a function of the texel's bytes.
+/// Replaces each texel by an opaque grey one, whose byte the function `value` computes from the texel's four bytes.
 fn map_to_grey(mut texture: Texture, value: impl Fn(&[u8]) -> u8) -> Texture {
     for texel in texture.rgba.chunks_exact_mut(4) {
         let grey = value(texel);
@@ -269,9 +274,10 @@ fn map_to_grey(mut texture: Texture, value: impl Fn(&[u8]) -> u8) -> Texture {
     texture.encoding = Encoding::Linear;
     texture
 }
-/// Computes a tangent-space normal map (green up, linear) from a height field, which is the luminance of the
-/// image's bytes and wraps around. White is `depth_texels` texel widths above black: 2 gives a modest relief,
-/// and negative values invert it.
+
+/// Computes a tangent-space normal map (green up, linear) from a height field, which is the luminance of the image's
+/// bytes. The field wraps around. White is `depth_texels` texel widths above black: 2 gives a modest relief, and
+/// negative values invert it.
 pub fn normal_map_from_height(image: &Texture, depth_texels: f32) -> Texture {
     let (width, height) = (image.width as usize, image.height as usize);
     let heights: Vec<f32> = image.rgba.chunks_exact(4).map(encoded_luminance).collect();
@@ -295,36 +301,36 @@ pub fn luminance(linear: Vec3) -> f32 {
     linear.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Luminance of the raw bytes, 0…1, for heights and masks, which are data.
+/// Returns the luminance of a texel's raw bytes, 0…1. Heights and masks are data, so that nothing is decoded.
 fn encoded_luminance(texel: &[u8]) -> f32 {
     luminance(Vec3::new(texel[0].into(), texel[1].into(), texel[2].into()) / 255.0)
 }
 
-/// The linear colour of a texel in sRGB.
+/// Returns the linear colour of a texel whose bytes are sRGB.
 fn srgb_to_linear(texel: &[u8]) -> Vec3 {
     let decode = |byte: u8| {
-        let c = f32::from(byte) / 255.0;
-        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        let encoded = f32::from(byte) / 255.0;
+        if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
     };
     Vec3::new(decode(texel[0]), decode(texel[1]), decode(texel[2]))
 }
 
-/// A number from 0 to 1 as a byte from 0 to 255.
+/// Converts a number from 0 to 1 to the nearest byte from 0 to 255.
 fn to_byte(unit: f32) -> u8 {
     (unit.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// The vector that a texel of a normal map stands for: bytes from 0 to 255 become −1 to 1.
+/// Returns the vector of a texel of a normal map: bytes from 0 to 255 become −1 to 1.
 fn decode_vector(texel: &[u8]) -> Vec3 {
     Vec3::new(texel[0].into(), texel[1].into(), texel[2].into()) / 127.5 - 1.0
 }
 
-/// Whether a texel is black. Unused parts of normal maps are black, which decodes to no direction.
+/// Returns true if a texel is nearly black. Unused parts of normal maps are black, which decodes to no unit vector.
 fn is_unused(texel: &[u8]) -> bool {
     texel[..3].iter().all(|&byte| byte <= 8)
 }
 
-/// The bytes of a unit vector in a normal map.
+/// Returns the bytes of a unit vector in a normal map, the inverse of [`decode_vector`].
 fn encode_vector(unit: Vec3) -> [u8; 3] {
     (unit * 0.5 + 0.5).to_array().map(to_byte)
 }
@@ -333,7 +339,7 @@ fn encode_vector(unit: Vec3) -> [u8; 3] {
 mod tests {
     use super::*;
 
-    /// A grey image whose bytes are a function of column and row.
+    /// Makes a grey image whose bytes are a function of column and row.
     fn grey(width: u32, height: u32, value: impl Fn(u32, u32) -> u8) -> Texture {
         let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let rgba = texels.flat_map(|(x, y)| [value(x, y), value(x, y), value(x, y), 255]).collect();
@@ -383,7 +389,7 @@ mod tests {
     #[test]
     fn the_tilt_factor_flattens_or_steepens_the_slopes() {
         let map = normal_map_from_height(&bumps(), 4.0);
-        let tilt = |m: &Texture| (0..32).map(|i| normal_at(m, i, 7).x.abs()).sum::<f32>();
+        let tilt = |map: &Texture| (0..32).map(|x| normal_at(map, x, 7).x.abs()).sum::<f32>();
         assert_eq!(into_normal_map(map.clone(), 1.0), map);
         assert!(tilt(&into_normal_map(map.clone(), 0.5)) < 0.7 * tilt(&map));
         assert!(tilt(&into_normal_map(map.clone(), 2.0)) > 1.3 * tilt(&map));
@@ -395,14 +401,14 @@ mod tests {
         let map = normal_map_from_height(&bumps(), 4.0);
         assert!(green_correlation(&map) > 0.5, "{}", green_correlation(&map));
         let mut down = map.clone();
-        down.rgba.chunks_exact_mut(4).for_each(|t| t[1] = 255 - t[1]);
+        down.rgba.chunks_exact_mut(4).for_each(|texel| texel[1] = 255 - texel[1]);
         assert!(green_correlation(&down) < -0.5);
         down.rgba[..4 * 32 * 8].fill(0);
         let turned = into_normal_map(down, 1.0);
         assert!((normal_at(&turned, 3, 3) - Vec3::Z).length() < 0.02);
         for (x, y) in [(3, 12), (17, 20), (30, 30)] {
-            let (is, was) = (normal_at(&turned, x, y), normal_at(&map, x, y));
-            assert!((is - was).length() < 0.03, "{is} {was}");
+            let (converted, original) = (normal_at(&turned, x, y), normal_at(&map, x, y));
+            assert!((converted - original).length() < 0.03, "{converted} {original}");
         }
     }
 

@@ -1,12 +1,12 @@
-//! All triangles of a scene, ready for rays: the hierarchy of [`super::bvh`], the mesh of each triangle, and the holes of alpha
-//! masks; rays pass through single-sided materials from behind.
+//! All triangles of a scene, ready for rays: the hierarchy of [`super::bvh`] and the mesh of each triangle. Rays pass
+//! through the holes of alpha masks, and through single-sided materials from behind.
 
 use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use super::texture::bilinear;
 use glam::{DVec2, Vec3};
 use ssct_ground::scene::{Material, Scene, Vertex};
 
-/// The triangles of a scene with the materials of a view.
+/// The triangles of a scene, with materials that may be those of one view.
 pub struct Triangles<'a> {
     scene: &'a Scene,
     materials: &'a [Material],
@@ -14,7 +14,7 @@ pub struct Triangles<'a> {
     bvh: TriangleBvh,
 }
 
-/// The origin of a triangle.
+/// Where a triangle comes from: its mesh, and its place there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TriangleRef {
     /// Index into [`Scene::meshes`].
@@ -28,27 +28,27 @@ impl<'a> Triangles<'a> {
     pub fn new(scene: &'a Scene, materials: &'a [Material]) -> Self {
         let mut origins = Vec::with_capacity(scene.triangle_count());
         let mut corners = Vec::with_capacity(scene.triangle_count());
-        for (m, mesh) in scene.meshes.iter().enumerate() {
-            for (t, indices) in mesh.indices.as_chunks::<3>().0.iter().enumerate() {
-                origins.push(TriangleRef { mesh: m as u32, triangle: t as u32 });
+        for (mesh_index, mesh) in scene.meshes.iter().enumerate() {
+            for (triangle, indices) in mesh.indices.as_chunks::<3>().0.iter().enumerate() {
+                origins.push(TriangleRef { mesh: mesh_index as u32, triangle: triangle as u32 });
                 corners.push(indices.map(|i| Vec3::from(mesh.vertices[i as usize].position)));
             }
         }
         Self { scene, materials, origins, bvh: TriangleBvh::new(corners) }
     }
 
-    /// The closest hit of a ray. The ray passes where an alpha mask is below ½, and through single-sided materials from
-    /// behind.
+    /// Returns the closest hit of a ray. The ray passes where an alpha mask is below ½, and through single-sided
+    /// materials from behind.
     pub fn closest(&self, ray: &WorldRay) -> Option<TriangleHit> {
         self.bvh.closest(ray, &|hit| self.covers(ray, hit))
     }
 
-    /// Whether a ray hits anything in its range.
+    /// Returns true if a ray hits anything in its range; it passes where [`Triangles::closest`] lets it pass.
     pub fn any(&self, ray: &WorldRay) -> bool {
         self.bvh.any(ray, &|hit| self.covers(ray, hit))
     }
 
-    /// The mesh of the triangle that was hit, and its index there.
+    /// Returns the mesh of the triangle that was hit, and the triangle's index there.
     pub fn origin(&self, hit: &TriangleHit) -> TriangleRef {
         self.origins[hit.triangle as usize]
     }
@@ -65,13 +65,14 @@ impl<'a> Triangles<'a> {
 
     /// The material and the vertices of the triangle that was hit.
     pub fn surface(&self, hit: &TriangleHit) -> (&'a Material, [&'a Vertex; 3]) {
-        let from = self.origin(hit);
-        let mesh = &self.scene.meshes[from.mesh as usize];
-        let first = 3 * from.triangle as usize;
+        let origin = self.origin(hit);
+        let mesh = &self.scene.meshes[origin.mesh as usize];
+        let first = 3 * origin.triangle as usize;
         (&self.materials[mesh.material], [0, 1, 2].map(|k| &mesh.vertices[mesh.indices[first + k] as usize]))
     }
 
-    /// Whether the surface stops the ray at the hit; a texel of an alpha mask below ½ is a hole.
+    /// Returns true if the surface stops the ray at the hit. A single-sided triangle does not stop a ray from behind,
+    /// and the alpha mask has a hole where it is below ½.
     fn covers(&self, ray: &WorldRay, hit: &TriangleHit) -> bool {
         let mesh = &self.scene.meshes[self.origin(hit).mesh as usize];
         let material = &self.materials[mesh.material];
@@ -87,7 +88,7 @@ impl<'a> Triangles<'a> {
     }
 }
 
-/// The texture coordinates at the hit on a triangle.
+/// Returns the texture coordinates at the hit on a triangle, interpolated between its vertices.
 pub fn interpolate_uv(vertices: &[&Vertex; 3], hit: &TriangleHit) -> DVec2 {
     vertices
         .iter()

@@ -9,28 +9,28 @@ const AZIMUTHS: usize = 16;
 /// The least distance of the near plane, in metres, even for tiny scenes.
 const LEAST_NEAR_M: f32 = 1e-6;
 
-/// The default lens; its near and far planes are moved if the scene's bounds do not fit between them.
+/// Returns the default lens, with a nearer near plane for a small scene and a farther far plane for a large one.
 pub fn lens(bounds: Aabb) -> Lens {
     let lens = Lens::default();
     let diagonal = (bounds.max - bounds.min).length();
     Lens { near_m: lens.near_m.min(diagonal * 1e-2).max(LEAST_NEAR_M), far_m: lens.far_m.max(diagonal * 4.0), ..lens }
 }
 
-/// A view named `default` towards the centre of the bounds.
+/// Makes a view named `default`, which looks towards the centre of the scene's bounds.
 ///
-/// In an interior ([`is_interior`]) the eye is placed where the free horizontal path from the centre is longest. Otherwise the
-/// eye is outside, in front and slightly above, far enough away for the bounding sphere to fit into the image.
+/// In an interior ([`is_interior`]) the eye lies in the horizontal direction in which the first surface is farthest
+/// from the centre, at 0.8 of its distance. Otherwise the eye is outside, in front and slightly above, far enough away
+/// for the bounding sphere to fit into the image.
 pub fn default_view(scene: &Scene) -> View {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
     let directions = directions();
-    let mut seen = first_hits(scene, &rays_from(centre, &directions));
-    // The first two hits are below and above the centre.
-    let around = seen.split_off(2);
+    let mut below_and_above = first_hits(scene, &rays_from(centre, &directions));
+    let around = below_and_above.split_off(2);
     let directions = &directions[2..];
-    let eye = if is_interior(&seen, &around) {
+    let eye = if is_interior(&below_and_above, &around) {
         let horizontal = directions.iter().zip(&around).take(AZIMUTHS).filter(|(_, hit)| hit.distance.is_finite());
-        let farthest = horizontal.max_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+        let farthest = horizontal.max_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance));
         farthest.map(|(direction, hit)| centre + 0.8 * hit.distance * *direction)
     } else {
         None
@@ -46,28 +46,29 @@ pub fn default_view(scene: &Scene) -> View {
     View { name: "default".into(), eye, look_at: centre, ..View::default() }
 }
 
-/// Whether the centre of the scene's bounds is in a room or a court ([`is_interior`]).
+/// Returns true if the centre of the scene's bounds is in a room or a court ([`is_interior`]).
 pub fn is_enclosed(scene: &Scene) -> bool {
     let bounds = scene.bounds();
-    let mut seen = first_hits(scene, &rays_from(0.5 * (bounds.min + bounds.max), &directions()));
-    let around = seen.split_off(2);
-    is_interior(&seen, &around)
+    let mut below_and_above = first_hits(scene, &rays_from(0.5 * (bounds.min + bounds.max), &directions()));
+    let around = below_and_above.split_off(2);
+    is_interior(&below_and_above, &around)
 }
 
-/// The directions down and up, and then directions around.
+/// Returns the directions down and up, then [`AZIMUTHS`] horizontal ones, and as many that rise and that fall.
 fn directions() -> Vec<Vec3> {
     let around = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height));
     [Vec3::NEG_Y, Vec3::Y].into_iter().chain(around).collect()
 }
 
-/// Rays from one place in several directions.
+/// Makes a ray from one place in each of several directions.
 fn rays_from(origin: Vec3, directions: &[Vec3]) -> Vec<Ray> {
     directions.iter().map(|&direction| Ray { origin, direction }).collect()
 }
 
-/// Whether the centre is in a room or a court, judged by the first surfaces below, above and around it. In a room, the surfaces
-/// below and above face the centre, and half of those around. In a court, the surface below faces the centre, and seven eighths
-/// of those around. Objects around an empty place make no room, with or without a ground.
+/// Returns true if a centre is in a room or a court, judged by the first surfaces below, above and around it. In a
+/// room, the surfaces below and above face the centre, and at least half of those around. In a court, the surface below
+/// faces the centre, and at least seven eighths of those around. Rays between separate objects meet nothing, so that
+/// objects around an empty place make no room.
 fn is_interior(below_and_above: &[Hit], around: &[Hit]) -> bool {
     let facing = around.iter().filter(|hit| hit.facing).count();
     match below_and_above {
@@ -77,15 +78,16 @@ fn is_interior(below_and_above: &[Hit], around: &[Hit]) -> bool {
     }
 }
 
-/// The light of a scene that has none. The light comes from above and behind, over the left shoulder of the default view.
+/// Returns the light for a scene that has none. It comes from above and behind, over the left shoulder of the default
+/// view.
 pub fn default_light() -> Light {
     Light::Directional { direction: Vec3::new(-0.3, -1.0, 0.25).normalize(), energy: 1.0 }
 }
 
-/// Unit vectors in [`AZIMUTHS`] directions around, each with this ratio of height to horizontal length.
+/// Returns unit vectors in [`AZIMUTHS`] directions around, each with `height` as the ratio of y to horizontal length.
 fn round(height: f32) -> impl Iterator<Item = Vec3> {
-    (0..AZIMUTHS).map(move |i| {
-        let (sin, cos) = (i as f32 / AZIMUTHS as f32 * std::f32::consts::TAU).sin_cos();
+    (0..AZIMUTHS).map(move |index| {
+        let (sin, cos) = (index as f32 / AZIMUTHS as f32 * std::f32::consts::TAU).sin_cos();
         Vec3::new(sin, height, cos).normalize()
     })
 }
@@ -99,7 +101,7 @@ pub struct Ray {
     pub direction: Vec3,
 }
 
-/// The nearest surface in a direction; the distance is infinite if there is none.
+/// The first surface on a ray; the distance is infinite if there is none.
 #[derive(Clone, Copy)]
 pub struct Hit {
     /// Distance as a multiple of the direction's length.
@@ -110,7 +112,7 @@ pub struct Hit {
     pub normal: Vec3,
 }
 
-/// The first surface on each ray.
+/// Finds the first surface on each ray by testing every triangle of the scene.
 pub fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Hit> {
     let mut hits = vec![Hit { distance: f32::INFINITY, facing: false, normal: Vec3::ZERO }; rays.len()];
     let position = |v: &Vertex| Vec3::from(v.position);
@@ -119,15 +121,15 @@ pub fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Hit> {
             let [a, b, c] = [0, 1, 2].map(|i| position(&mesh.vertices[triangle[i] as usize]));
             let normal = (b - a).cross(c - a);
             for (hit, &Ray { origin, direction }) in hits.iter_mut().zip(rays) {
-                let across = normal.dot(direction);
-                let distance = normal.dot(a - origin) / across;
+                let along_normal = normal.dot(direction);
+                let distance = normal.dot(a - origin) / along_normal;
                 if !(distance > 0.0 && distance < hit.distance) {
                     continue;
                 }
                 let point = origin + distance * direction;
-                let inside = |from: Vec3, to: Vec3| (to - from).cross(point - from).dot(normal) >= 0.0;
+                let inside = |start: Vec3, end: Vec3| (end - start).cross(point - start).dot(normal) >= 0.0;
                 if inside(a, b) && inside(b, c) && inside(c, a) {
-                    *hit = Hit { distance, facing: across < 0.0, normal };
+                    *hit = Hit { distance, facing: along_normal < 0.0, normal };
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Captures as a folder of files, so that any renderer can provide its own probes with depth beside a G-buffer
+//! Captures as a folder of files, so that any renderer can provide its own probes with depth beside a G-buffer file
 //! ([`gbuffer_file`](super::gbuffer_file)).
 //!
 //! ```text
@@ -8,27 +8,27 @@
 //! sky/px.exr …                  what is seen at infinity; the folder may be absent
 //! ```
 //!
-//! `captures.toml` has a table for each capture, in the order of the folders: `place`, the centre of the cube in world space,
-//! in metres; `resolution`, the texels along a side of its faces, 1…4096; `near`, the distance of the near plane in metres. All
-//! captures of a folder have one resolution and one near plane. Before the tables there may be `bounds = [[x, y, z], [x, y,
-//! z]]`: the least and the greatest corner of a box in world space, in metres. There is no surface outside of the box, so that
-//! rays that are lost there end in the sky.
+//! `captures.toml` has a table for each capture, in the order of the folders: `place`, the centre of the cube in world
+//! space, in metres; `resolution`, the texels along a side of its faces, 1…4096; `near`, the distance of the near plane
+//! in metres. All captures of a folder have one resolution and one near plane. Before the tables there may be `bounds`,
+//! the least and the greatest corner of a box in world space, in metres: `bounds = [[x, y, z], [x, y, z]]`. There is no
+//! surface outside of the box, so that rays that are lost there end in the sky.
 //!
-//! The faces `px nx py ny pz nz` look along +x −x +y −y +z −z. The texels are ordered as in a cube map of Vulkan: in world
-//! axes, which are left-handed with y up, the texel at (u, v) from the top left looks along
-//! [`sky::face_direction`](super::sky::face_direction). Each face is a square OpenEXR image, compressed without loss, with
-//! these channels of 32-bit or 16-bit floats:
+//! The faces `px nx py ny pz nz` look along +x −x +y −y +z −z. The texels are ordered as in a cube map of Vulkan: in
+//! world axes, which are left-handed with y up, the texel at (u, v) from the top left looks along
+//! [`sky::face_direction`](super::sky::face_direction). Each face is a square OpenEXR image, compressed without loss,
+//! with these channels of 32-bit or 16-bit floats:
 //!
 //! - `R`, `G`, `B`: the lit colour, linear;
 //! - `depth`: the depth after projection, reversed, 0…1, for the near plane and a far plane at
-//!   [`FAR_M`](super::capture::FAR_M): near (far − z) / (z (far − near)), 0 where there is no surface. A file may have `Z`
-//!   instead, the view-space z in metres, 0 or infinite where there is no surface;
-//! - `N.X`, `N.Y`, `N.Z`: the normal in the view space of the face (x right, y up, z into the image), 0 where there is no
-//!   surface;
+//!   [`FAR_M`](super::capture::FAR_M): near (far − z) / (z (far − near)), 0 where there is no surface. A file may have
+//!   `Z` instead, the view-space z in metres, 0 or infinite where there is no surface;
+//! - `N.X`, `N.Y`, `N.Z`: the normal in the view space of the face (x right, y up, z into the image), 0 where there is
+//!   no surface;
 //! - `sky`, which may be missing: 1 where a surface shows the sky, else 0.
 //!
-//! The colour is not read where there is no surface, or where a surface shows the sky. The sky's colour comes from the cube
-//! `sky`, whose faces have any one size, and `R`, `G`, `B` alone; without this cube it is black.
+//! The colour is not read where there is no surface, or where a surface shows the sky. The sky's colour comes from the
+//! cube `sky`, whose faces have any one size, and `R`, `G`, `B` alone; without this cube it is black.
 
 use super::capture::face_camera;
 use super::exr_channels::{self, ExrChannels, axis, check};
@@ -43,13 +43,13 @@ use std::path::{Path, PathBuf};
 
 pub use super::sky::SkyCube;
 
-/// The file that lists the captures and their places.
+/// Name of the file that lists the captures and their places.
 pub const LIST: &str = "captures.toml";
 
 /// The names of the faces, in Vulkan's order.
 pub const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
 
-/// The folder of the sky.
+/// Name of the folder of the sky.
 const SKY: &str = "sky";
 
 /// A folder of captures whose list was read.
@@ -64,8 +64,8 @@ impl CaptureFolder {
     /// Reads the list of a folder.
     ///
     /// # Errors
-    /// [`Error::Io`] if the list cannot be read; [`Error::Malformed`], with the line if known, for a list without captures, an
-    /// unknown key, a number out of range, or captures of several resolutions or near planes.
+    /// [`Error::Io`] if the list cannot be read; [`Error::Malformed`], with the line if known, for a list without
+    /// captures, an unknown key, a number out of range, or captures of several resolutions or near planes.
     pub fn open(path: &Path) -> Result<Self> {
         let (captures, bounds) = scene_file::captures::load_list(&path.join(LIST))?;
         Ok(Self { path: path.to_owned(), captures, bounds })
@@ -81,13 +81,13 @@ impl CaptureFolder {
         &self.captures
     }
 
-    /// Reads a face (0…5) of a capture, both counted from 0. Reflectivity and roughness are 0; a texel of sky has depth 0 or
-    /// [`Surface::Sky`], and the colour black.
+    /// Reads a face of a capture. `capture` counts from 0 in the order of the list, and `face` from 0 to 5.
+    /// Reflectivity and roughness are 0. A texel of sky has depth 0 or [`Surface::Sky`], and the colour black.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is missing, is no readable OpenEXR image, is not
-    /// square, or has another size than the list says. [`Error::Malformed`] also if a channel is missing, a value is not
-    /// finite, or a depth lies outside 0 to 1.
+    /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if the file is missing, is no readable OpenEXR
+    /// image, is not square, or has another size than the list says. This error is also returned if a channel is
+    /// missing, a value is not finite, or a depth lies outside 0 to 1.
     pub fn face(&self, capture: usize, face: usize) -> Result<GBufferData> {
         let path = face_path(&self.path, capture, face);
         let whose = format!("capture {}", capture + 1);
@@ -114,32 +114,32 @@ impl CaptureFolder {
         };
         let mut color = finite(&mut file, &path, ["R", "G", "B"])?;
         let normal = finite(&mut file, &path, ["N.X", "N.Y", "N.Z"])?;
-        let shows = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
+        let surface_of = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
         let surface: Vec<Surface> =
-            file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(shows).collect());
+            file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(surface_of).collect());
         for ((color, surface), depth) in color.iter_mut().zip(&surface).zip(&depth) {
             if *surface == Surface::Sky || *depth == 0.0 {
                 *color = Vec3::ZERO;
             }
         }
-        let nothing = vec![0.0; depth.len()];
+        let zeros = vec![0.0; depth.len()];
         Ok(GBufferData {
             width,
             height,
             camera,
             depth,
             normal,
-            reflectivity: nothing.clone(),
-            roughness: nothing,
+            reflectivity: zeros.clone(),
+            roughness: zeros,
             color,
             surface,
         })
     }
 
-    /// Reads the sky; `None` if the folder has none.
+    /// Reads the six faces of the sky; `None` if the folder has no sky.
     ///
     /// # Errors
-    /// The errors of [`Self::face`], and [`Error::Malformed`] for faces of several sizes.
+    /// The errors of [`Self::face`], and [`Error::Malformed`] for faces of different sizes.
     pub fn sky(&self) -> Result<Option<SkyCube>> {
         if !self.path.join(SKY).is_dir() {
             return Ok(None);
@@ -162,25 +162,25 @@ impl CaptureFolder {
     }
 }
 
-/// The file of a face (0…5) of a capture, counted from 0, in a folder of captures.
+/// Returns the path of a face in a folder of captures. `capture` counts from 0, and `face` from 0 to 5.
 pub fn face_path(folder: &Path, capture: usize, face: usize) -> PathBuf {
     folder.join((capture + 1).to_string()).join(FACES[face]).with_extension("exr")
 }
 
-/// The file of a face (0…5) of the sky in a folder of captures.
+/// Returns the path of a face (0…5) of the sky in a folder of captures.
 pub fn sky_path(folder: &Path, face: usize) -> PathBuf {
     folder.join(SKY).join(FACES[face]).with_extension("exr")
 }
 
-/// The text of the file [`LIST`] for these captures and bounds.
+/// Returns the text of the file [`LIST`] for these captures and bounds.
 pub fn encode_list(captures: &[Capture], bounds: Aabb) -> String {
-    let [[a, b, c], [d, e, f]] = [bounds.min, bounds.max].map(|corner| corner.to_array());
-    format!("bounds = [[{a:?}, {b:?}, {c:?}], [{d:?}, {e:?}, {f:?}]]\n\n{}", encode_tables(captures))
+    let [min, max] = [bounds.min, bounds.max].map(|corner| corner.to_array());
+    format!("bounds = [{min:?}, {max:?}]\n\n{}", encode_tables(captures))
 }
 
-/// The `[[capture]]` tables of a scene file.
+/// Returns the `[[capture]]` tables of a scene file for these captures.
 pub fn encode_tables(captures: &[Capture]) -> String {
-    captures.iter().map(|c| c.to_toml()).collect::<Vec<_>>().join("\n")
+    captures.iter().map(|capture| capture.to_toml()).collect::<Vec<_>>().join("\n")
 }
 
 /// Encodes depth, normal, colour and surface of a face as the bytes of a file.
@@ -188,7 +188,7 @@ pub fn encode_tables(captures: &[Capture]) -> String {
 /// # Errors
 /// [`Error::Malformed`] if the format cannot hold the face. `path` is only used to name the file in the error.
 pub fn encode_face(face: &GBufferData, path: &Path) -> Result<Vec<u8>> {
-    let sky: Vec<f32> = face.surface.iter().map(|s| f32::from(u8::from(*s == Surface::Sky))).collect();
+    let sky: Vec<f32> = face.surface.iter().map(|surface| f32::from(u8::from(*surface == Surface::Sky))).collect();
     let mut channels = vec![
         ("R", axis(&face.color, 0)),
         ("G", axis(&face.color, 1)),
@@ -246,7 +246,7 @@ fn finite(file: &mut ExrChannels, path: &Path, names: [&str; 3]) -> Result<Vec<V
 mod tests {
     use super::*;
 
-    /// A capture of 2 × 2 texels a face, with a surface that shows the sky and a texel without a surface.
+    /// Makes a face of 2 × 2 texels of a capture: texel 1 shows the sky, and texel 3 has no surface.
     fn face(capture: &Capture, face: usize) -> GBufferData {
         GBufferData {
             width: 2,
@@ -263,23 +263,24 @@ mod tests {
 
     const BOUNDS: Aabb = Aabb { min: Vec3::new(-8.5, -0.1, -3.0), max: Vec3::new(1.0, 2.7, 1e-3) };
 
-    /// A folder with two captures and a sky.
+    /// Writes a folder with two captures and a sky; returns the folder, which is deleted when dropped, and the
+    /// captures.
     fn written() -> (tempfile::TempDir, Vec<Capture>) {
         let folder = tempfile::tempdir().unwrap();
         let capture_at = |x: f32| Capture { resolution: 2, ..Capture::placed_at(Vec3::new(x, 1.5, -0.1)) };
         let captures = vec![capture_at(0.1), capture_at(-7.25)];
         std::fs::write(folder.path().join(LIST), encode_list(&captures, BOUNDS)).unwrap();
-        for (k, capture) in captures.iter().enumerate() {
-            std::fs::create_dir(folder.path().join((k + 1).to_string())).unwrap();
-            for f in 0..6 {
-                let path = face_path(folder.path(), k, f);
-                std::fs::write(&path, encode_face(&face(capture, f), &path).unwrap()).unwrap();
+        for (index, capture) in captures.iter().enumerate() {
+            std::fs::create_dir(folder.path().join((index + 1).to_string())).unwrap();
+            for side in 0..6 {
+                let path = face_path(folder.path(), index, side);
+                std::fs::write(&path, encode_face(&face(capture, side), &path).unwrap()).unwrap();
             }
         }
         std::fs::create_dir(folder.path().join(SKY)).unwrap();
-        for f in 0..6 {
-            let path = sky_path(folder.path(), f);
-            std::fs::write(&path, encode_sky(1, &[Vec3::splat(f as f32)], &path).unwrap()).unwrap();
+        for side in 0..6 {
+            let path = sky_path(folder.path(), side);
+            std::fs::write(&path, encode_sky(1, &[Vec3::splat(side as f32)], &path).unwrap()).unwrap();
         }
         (folder, captures)
     }
@@ -287,8 +288,8 @@ mod tests {
     /// Reads all faces and the sky of a folder.
     fn all(folder: &Path) -> Result<(Vec<GBufferData>, Option<SkyCube>)> {
         let read = CaptureFolder::open(folder)?;
-        let faces = (0..read.captures().len()).flat_map(|k| (0..6).map(move |f| (k, f)));
-        let faces = faces.map(|(k, f)| read.face(k, f)).collect::<Result<_>>()?;
+        let indices = (0..read.captures().len()).flat_map(|capture| (0..6).map(move |face| (capture, face)));
+        let faces = indices.map(|(capture, face)| read.face(capture, face)).collect::<Result<_>>()?;
         Ok((faces, read.sky()?))
     }
 
@@ -303,7 +304,7 @@ mod tests {
         for (i, read) in faces.iter().enumerate() {
             assert!(*read == face(&captures[i / 6], i % 6), "face {i}");
         }
-        let texels = (0..6).map(|f| Vec3::splat(f as f32)).collect();
+        let texels = (0..6).map(|face| Vec3::splat(face as f32)).collect();
         assert_eq!(sky, Some(SkyCube { side: 1, texels }));
         std::fs::remove_dir_all(folder.path().join(SKY)).unwrap();
         assert_eq!(all(folder.path()).unwrap().1, None);
@@ -327,14 +328,14 @@ mod tests {
         assert_eq!(read.color, [Vec3::ONE, Vec3::ONE, Vec3::ZERO, Vec3::ZERO]);
     }
 
-    /// The error message of reading a folder after a change; DIR stands for the path of the folder.
+    /// Returns the error message of reading a folder after `change`, with DIR for the path of the folder.
     fn said(change: impl FnOnce(&Path, &[Capture])) -> String {
         let (folder, captures) = written();
         change(folder.path(), &captures);
         all(folder.path()).unwrap_err().to_string().replace(&folder.path().display().to_string(), "DIR")
     }
 
-    /// The error message of reading a folder after a change of the last face of its second capture.
+    /// Returns the error message of reading a folder after `change` of the last face of its second capture.
     fn said_of_face(change: impl FnOnce(&mut GBufferData)) -> String {
         said(|folder, captures| {
             let mut changed = face(&captures[1], 5);

@@ -1,17 +1,17 @@
-//! Encodings of texts in the files of other programs: byte-order marks, and text of 16 or 32 bits a character.
+//! Recognises the encodings of texts from other programs: byte-order marks, and units of 16 or 32 bits.
 
 /// The byte-order mark of UTF-8, which some editors write before a text.
 const MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// A text without the byte-order mark of UTF-8.
+/// Returns a text without the byte-order mark of UTF-8, if it begins with one.
 pub(super) fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(MARK).unwrap_or(text)
 }
 
-/// The name of the encoding of a text in UTF-16 or UTF-32; `None` for any other text, such as UTF-8.
+/// Returns the name of the encoding of a text in UTF-16 or UTF-32; `None` for any other text, such as UTF-8.
 ///
-/// A text with wide characters begins with a byte-order mark of its encoding, or has zeros between its first characters, which
-/// are ASCII in every format that is read here.
+/// A text in UTF-16 or UTF-32 begins with a byte-order mark, or its first bytes alternate with zeros, since the first
+/// characters of every format that is read here are ASCII.
 pub(super) fn wide_encoding(text: &[u8]) -> Option<&'static str> {
     match *text {
         [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] => Some("UTF-32"),

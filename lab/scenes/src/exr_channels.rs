@@ -1,4 +1,4 @@
-//! Channels of 32-bit floats in OpenEXR files that round nothing, which are used for G-buffers and for captures.
+//! Reads and writes channels of 32-bit floats in OpenEXR files without rounding, for G-buffers and captures.
 
 use super::exr_window::ImageWindow;
 use exr::compression::Compression;
@@ -17,57 +17,61 @@ use std::path::Path;
 /// The largest side, in pixels, of a G-buffer that can be read.
 pub const MAX_SIDE: usize = 16384;
 
-/// The largest G-buffer that can be read, in bytes of its unpacked channels; also the largest file.
+/// Greatest number of bytes that the unpacked channels of a G-buffer may take, and that a file may have.
 pub const MAX_BYTES: u64 = 1 << 32;
 
-/// The channels of any file may unpack to this many bytes; for more, the file must be long enough.
+/// Number of bytes that the channels of any file may unpack to; for more, the file must be long enough.
 const FREE_BYTES: u64 = 1 << 24;
 
-/// The names of the compressions that keep every value, for messages about refused ones. All other compressions round some
+/// The names of the compressions that keep every value, for messages about refused compressions. All others round some
 /// channels, and a depth rounded to 24 bits is a wrong depth.
 const EXACT: &str = "ZIP, ZIPS, PIZ, RLE or none";
 
-/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. B44 and B44A round 16-bit floats. DWAA and
-/// DWAB round floats of colours, which are the channels with these names after the last point. All other channels are kept to
-/// the bit.
+/// Returns true if a compression rounds the values of a channel, which has a name and a sample type. PXR24 rounds
+/// 32-bit floats to 24 bits. B44 and B44A round 16-bit floats. DWAA and DWAB round floats of channels whose name after
+/// the last point is that of a colour. All other values are kept to the bit.
 pub(super) fn rounds(compression: Compression, channel: &str, kind: SampleType) -> bool {
     const COLOURS: [&str; 11] = ["r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"];
     match compression {
         Compression::PXR24 => kind == SampleType::F32,
         Compression::B44 | Compression::B44A => kind == SampleType::F16,
         Compression::DWAA(_) | Compression::DWAB(_) => {
-            let last = channel.rsplit('.').next().unwrap_or(channel).to_ascii_lowercase();
-            COLOURS.contains(&last.as_str()) && kind != SampleType::U32
+            let last_part = channel.rsplit('.').next().unwrap_or(channel).to_ascii_lowercase();
+            COLOURS.contains(&last_part.as_str()) && kind != SampleType::U32
         }
         _ => false,
     }
 }
 
-/// Checks the claims of the headers of a file of `length` bytes, before any memory for pixels is allocated. Errors call the
-/// file `path` and its content `what`, as in "the G-buffer". Returns whether the images are so small that threads cost more
-/// time than they save.
+/// Checks the sizes that the headers of a file of `length` bytes claim, before memory for pixels is allocated. Errors
+/// name the file by `path` and its content by `what`, as in "the G-buffer". Returns true if the images are so small
+/// that threads would cost more time than they save.
 ///
 /// # Errors
 /// [`Error::Malformed`] if an image is larger than [`MAX_SIDE`] on a side, or if the channels would unpack to more than
 /// [`MAX_BYTES`] or to more than `length` bytes can hold.
 pub fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> Result<bool> {
     let wrong = |message: String| Error::malformed(path, None, message);
-    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
+    // A `layer_size` is width and height.
+    if let Some(size) =
+        meta.headers.iter().map(|header| header.layer_size).find(|size| size.0 > MAX_SIDE || size.1 > MAX_SIDE)
+    {
         return Err(wrong(format!(
             "{what} has {}x{} pixels; at most {MAX_SIDE} on each side are supported",
             size.0, size.1
         )));
     }
-    let header_bytes = |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
-    let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
+    let unpacked_part =
+        |header: &Header| header.layer_size.area() as u64 * header.channels.list.len() as u64 * size_of::<f32>() as u64;
+    let unpacked: u64 = meta.headers.iter().map(unpacked_part).fold(0, u64::saturating_add);
     if unpacked > MAX_BYTES || !bounded::may_unpack(length, unpacked, FREE_BYTES) {
         return Err(wrong(format!("the channels would take {unpacked} bytes, too many for a file of {length} bytes")));
     }
     Ok(unpacked < FREE_BYTES)
 }
 
-/// The error for bytes that the crate exr cannot read as an image. The crate does not know compressions that are newer
-/// than itself, so that this function names them.
+/// Makes the error for bytes that the crate exr cannot read as an image. The crate does not know the compressions of
+/// newer versions of the format; this function recognises and names them.
 pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -> Error {
     let message = match compression_number(bytes) {
         Some(number @ (10 | 11)) => not_supported(if number == 10 { "HTJ2K256" } else { "HTJ2K32" }),
@@ -79,17 +83,18 @@ pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -
     Error::malformed(path, None, message)
 }
 
-/// The message about a compression that cannot be decoded. Blender lets its users choose such a compression.
+/// Makes the message about a compression that cannot be decoded. It advises users of Blender, which offers such
+/// compressions.
 fn not_supported(compression: &str) -> String {
     format!("its compression {compression} is not supported; save it with {EXACT} (in Blender, Output, Codec: ZIP)")
 }
 
-/// The number of a compression that the crate cannot decode, from the first 64 KiB of a file; `None` for any other
-/// file.
+/// Finds the number of the compression in the first 64 KiB of a file, if the crate does not know this compression;
+/// `None` for any other file.
 fn compression_number(bytes: &[u8]) -> Option<u8> {
-    /// The greatest number of a compression that the crate decodes.
+    /// The greatest number of a compression that the crate knows.
     const KNOWN: u8 = 9;
-    // An attribute consists of its name, its type, the length of its value, and the value.
+    // An attribute consists of its name, its type, the length of its value (here 1 byte), and the value.
     const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
     let header = &bytes[..bytes.len().min(1 << 16)];
     let offset = header.windows(ATTRIBUTE.len()).position(|window| window == ATTRIBUTE)?;
@@ -113,7 +118,8 @@ pub(super) fn check_compression(header: &Header) -> std::result::Result<(), Stri
 /// # Errors
 /// A message that names the first rounded channel.
 fn check_exact(header: &Header) -> std::result::Result<(), String> {
-    let is_rounded = |c: &&ChannelDescription| rounds(header.compression, &c.name.to_string(), c.sample_type);
+    let is_rounded =
+        |channel: &&ChannelDescription| rounds(header.compression, &channel.name.to_string(), channel.sample_type);
     match header.channels.list.iter().find(is_rounded) {
         Some(channel) => Err(format!(
             "the compression {} loses precision in channel {}; save it with {EXACT}",
@@ -123,8 +129,8 @@ fn check_exact(header: &Header) -> std::result::Result<(), String> {
     }
 }
 
-/// Checks each value of a channel with `is_right`. In the message of the error, `pixel` is the word for a pixel, and
-/// `allowed` says which values are right.
+/// Checks each value of a channel with `is_right`. The image is `width` pixels wide. In the message of the error,
+/// `pixel` is the word for a pixel, and `allowed` says which values are right.
 ///
 /// # Errors
 /// [`Error::Malformed`] with the first pixel whose value is wrong.
@@ -136,7 +142,7 @@ pub(super) fn check(
     values: &[f32],
     is_right: impl Fn(f32) -> bool,
 ) -> Result<()> {
-    let Some(index) = values.iter().position(|v| !is_right(*v)) else { return Ok(()) };
+    let Some(index) = values.iter().position(|value| !is_right(*value)) else { return Ok(()) };
     let (x, y, value) = (index % width as usize, index / width as usize, values[index]);
     Err(Error::malformed(path, None, format!("channel {channel} is {value} at {pixel} {x}, {y}; it must be {allowed}")))
 }
@@ -154,11 +160,11 @@ pub(super) struct ExrChannels<'a> {
 }
 
 impl<'a> ExrChannels<'a> {
-    /// Decodes the bytes of a file. Errors call the file `path` and its expected content `what`, as in "the G-buffer".
+    /// Decodes the bytes of a file. Errors name the file by `path` and its content by `what`, as in "the G-buffer".
     ///
     /// # Errors
     /// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or
-    /// [`MAX_BYTES`]. [`Error::Malformed`] also if the file claims more pixels than its bytes can hold, has only a
+    /// [`MAX_BYTES`]. This error is also returned if the file claims more pixels than its bytes can hold, has only a
     /// piece of an image, or uses a lossy compression.
     pub fn decode(bytes: &[u8], path: &'a Path, what: &str) -> Result<Self> {
         let wrong = |message: String| Error::malformed(path, None, message);
@@ -173,38 +179,41 @@ impl<'a> ExrChannels<'a> {
         let read = if is_small { read.non_parallel() } else { read };
         let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
         let layer = image.layer_data;
-        let shown = ImageWindow::new(layer.attributes.layer_position, layer.size, image.attributes.display_window);
-        let shown = shown.map_err(wrong)?;
-        let samples =
-            |c: AnyChannel<FlatSamples>| (c.name.to_string(), shown.crop(c.sample_data.values_as_f32().collect()));
+        let window = ImageWindow::new(layer.attributes.layer_position, layer.size, image.attributes.display_window);
+        let window = window.map_err(wrong)?;
+        let named_values = |channel: AnyChannel<FlatSamples>| {
+            (channel.name.to_string(), window.crop(channel.sample_data.values_as_f32().collect()))
+        };
         Ok(Self {
             path,
-            width: shown.size[0] as u32,
-            height: shown.size[1] as u32,
+            width: window.size[0] as u32,
+            height: window.size[1] as u32,
             attributes: layer.attributes,
-            channels: layer.channel_data.list.into_iter().map(samples).collect(),
+            channels: layer.channel_data.list.into_iter().map(named_values).collect(),
         })
     }
 
-    /// Takes a channel, rows from the top; `None` if the file has no channel of this name with the image's size.
+    /// Removes a channel and returns its values, with rows from the top. The result is `None` if no channel has this
+    /// name and the image's size.
     pub fn take(&mut self, name: &str) -> Option<Vec<f32>> {
         let count = self.width as usize * self.height as usize;
-        self.channels.remove(name).filter(|v| v.len() == count)
+        self.channels.remove(name).filter(|values| values.len() == count)
     }
 
-    /// Takes a channel that must be present.
+    /// Removes a channel and returns its values, or an error if it is missing.
     pub fn required(&mut self, name: &str) -> Result<Vec<f32>> {
         self.take(name).ok_or_else(|| Error::malformed(self.path, None, format!("channel {name} is missing")))
     }
 
-    /// Takes three channels that must be present.
+    /// Removes three channels and returns them as one vector for each pixel, or an error if one is missing.
     pub fn vectors(&mut self, names: [&str; 3]) -> Result<Vec<Vec3>> {
-        let [x, y, z] = names.map(|n| self.required(n));
+        let [x, y, z] = names.map(|name| self.required(name));
         Ok(x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| Vec3::new(x, y, z)).collect())
     }
 }
 
-/// Encodes channels of one size as the bytes of a file. Equal channels give equal files.
+/// Encodes channels, pairs of a name and `width` × `height` values, as the bytes of a file. Equal channels give equal
+/// files.
 ///
 /// # Errors
 /// [`Error::Malformed`] if the format cannot hold the channels. `path` is only used to name the file in the error.
@@ -227,7 +236,7 @@ pub(super) fn encode(
     Ok(bytes.into_inner())
 }
 
-/// One component of vectors, as a channel.
+/// Returns one component (0 to 2) of each vector, as a channel.
 pub(super) fn axis(vectors: &[Vec3], component: usize) -> Vec<f32> {
     vectors.iter().map(|v| v[component]).collect()
 }

@@ -1,5 +1,6 @@
-//! Whole OpenEXR files of other renderers: every part, with its channels and its attributes. Parts have scan lines or tiles of
-//! 16-bit or 32-bit floats or of unsigned integers; of a part with several resolutions the largest is read.
+//! Reads whole OpenEXR files of other renderers: every part, with its channels and attributes. Parts may have scan
+//! lines or tiles of 16-bit or 32-bit floats or of unsigned integers. Of a part with several resolutions the largest is
+//! read.
 
 use super::exr_channels::{check_claims, check_compression, rounds, unreadable};
 use super::exr_window::ImageWindow;
@@ -18,7 +19,7 @@ use std::path::Path;
 pub(super) struct ExrPart {
     /// Name of the part; a file of one part may have none.
     pub name: Option<String>,
-    /// View that the part shows, such as the left eye's; files without views have none.
+    /// Name of the view that the part shows, such as "left" for the left eye; files without views have none.
     pub view: Option<String>,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -30,17 +31,18 @@ pub(super) struct ExrPart {
 
 /// A channel of a part.
 pub(super) struct ExrChannel {
-    /// Rows from the top of the file.
+    /// Values row by row, from the top of the file.
     pub values: Vec<f32>,
     /// The compression of the part, if it rounded the values.
     pub rounded_by: Option<Compression>,
 }
 
-/// Decodes the bytes of a file. Errors call the file `path`.
+/// Decodes the bytes of a file to its parts. Errors name the file by `path`.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image claims more than [`check_claims`] allows.
-/// [`Error::Malformed`] also if a part has a compression that is not supported, deep data, or only a piece of the image.
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image claims more than [`check_claims`]
+/// allows. This error is also returned if a part has a compression that is not supported, deep data, or only a piece of
+/// the image.
 pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
@@ -74,7 +76,7 @@ fn part(
     image: &ImageAttributes,
 ) -> std::result::Result<ExrPart, String> {
     let compression = layer.encoding.compression;
-    let shown = ImageWindow::new(layer.attributes.layer_position, layer.size, image.display_window)?;
+    let window = ImageWindow::new(layer.attributes.layer_position, layer.size, image.display_window)?;
     let channel = |channel: exr::image::AnyChannel<FlatSamples>| {
         let name = channel.name.to_string();
         let kind = match channel.sample_data {
@@ -87,19 +89,19 @@ fn part(
             FlatSamples::F32(values) => values,
             other => other.values_as_f32().collect(),
         };
-        (name, ExrChannel { values: shown.crop(values), rounded_by: rounded.then_some(compression) })
+        (name, ExrChannel { values: window.crop(values), rounded_by: rounded.then_some(compression) })
     };
     Ok(ExrPart {
         view: layer.attributes.view_name.as_ref().map(ToString::to_string),
         name: layer.attributes.layer_name.as_ref().map(ToString::to_string),
-        size: shown.size.map(|side| side as u32),
+        size: window.size.map(|side| side as u32),
         channels: layer.channel_data.list.into_iter().map(channel).collect(),
         attributes: attributes(layer.attributes, image),
     })
 }
 
-/// The attributes by their names. Attributes that the file format defines are fields of the crate's types; of these, only those
-/// about a camera are included.
+/// Returns the attributes of a layer and of its image by their names. The crate has fields for the attributes that the
+/// format defines. Among these, only the attributes of a camera are included.
 fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<String, AttributeValue> {
     use AttributeValue::{F32, Matrix4x4};
     let known = [

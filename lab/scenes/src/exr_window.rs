@@ -1,4 +1,5 @@
-//! The part of an OpenEXR image that its display window shows: the data window may be larger, as with overscan.
+//! The part of an OpenEXR image that its display window shows. The data window, whose pixels are stored, may be larger,
+//! for example if it has overscan.
 
 use exr::math::Vec2;
 use exr::meta::attribute::IntegerBounds;
@@ -9,31 +10,32 @@ use exr::meta::header::Header;
 pub(super) struct ImageWindow {
     /// Width of the part in pixels.
     stored_width: usize,
-    /// The first column and row that are shown.
+    /// The first stored column and row that are shown.
     first: [usize; 2],
     /// Width and height of the image.
     pub(super) size: [usize; 2],
 }
 
 impl ImageWindow {
-    /// The image's window within a part. `position` and `stored` are the corner and the size of the part's pixels, and
-    /// `window` is the display window, all in pixels of the file's plane.
+    /// Finds the image within a part. `position` and `stored` are the first corner and the size of the stored pixels,
+    /// and `window` is the display window, all in pixels of the file's plane.
     ///
     /// # Errors
-    /// A message about a part that does not cover its image.
+    /// A message about a part whose pixels do not cover the display window.
     pub(super) fn new(
         position: Vec2<i32>,
         stored: Vec2<usize>,
         window: IntegerBounds,
     ) -> std::result::Result<Self, String> {
-        // The first shown pixel along one axis; `None` if the part does not cover the window.
-        let axis = |position: i32, stored: usize, from: i32, size: usize| {
-            let first = usize::try_from(i64::from(from) - i64::from(position)).ok()?;
+        // The first shown pixel along one axis, counted from the first stored one; `None` if the part does not cover
+        // the window.
+        let first_shown = |position: i32, stored: usize, window: i32, size: usize| {
+            let first = usize::try_from(i64::from(window) - i64::from(position)).ok()?;
             (first.checked_add(size)? <= stored && size > 0).then_some(first)
         };
-        let of_x = axis(position.x(), stored.x(), window.position.x(), window.size.x());
-        let of_y = axis(position.y(), stored.y(), window.position.y(), window.size.y());
-        match of_x.zip(of_y) {
+        let first_column = first_shown(position.x(), stored.x(), window.position.x(), window.size.x());
+        let first_row = first_shown(position.y(), stored.y(), window.position.y(), window.size.y());
+        match first_column.zip(first_row) {
             Some((x, y)) => {
                 Ok(Self { stored_width: stored.x(), first: [x, y], size: [window.size.x(), window.size.y()] })
             }
@@ -51,7 +53,7 @@ impl ImageWindow {
         }
     }
 
-    /// The image's window within the part of a header.
+    /// Finds the image within the part that a header describes.
     ///
     /// # Errors
     /// The errors of [`Self::new`].
@@ -60,8 +62,8 @@ impl ImageWindow {
         Self::new(position, header.layer_size, header.shared_attributes.display_window)
     }
 
-    /// Crops a channel's values, stored in rows, to the image. A channel that has too few values for the part's pixels
-    /// is returned whole.
+    /// Crops the values of a channel, stored row by row, to the image. Values that are too few for the part's pixels
+    /// are returned unchanged.
     pub(super) fn crop(&self, values: Vec<f32>) -> Vec<f32> {
         let Self { stored_width, first: [x, y], size: [width, height] } = *self;
         let is_all = [x, y] == [0, 0] && stored_width * height == values.len() && width == stored_width;

@@ -2,20 +2,21 @@
 
 use glam::DVec3;
 
-/// Greatest ratio of the distance from the origin to the scene's size at which floats still keep the details: their steps are
-/// then finer than 1 / 16,000 of the size.
+/// Greatest ratio of a scene's distance from the origin to its size at which 32-bit floats keep the details: their
+/// steps are then finer than 1 / 16,000 of the size.
 const MOST_SIZES: f64 = 1024.0;
 
 /// A scene that must be moved to its own centre.
 pub(super) struct FarScene {
-    /// Offset that is subtracted from every place, in metres. Whole metres, unless the scene measures less than one, so
-    /// that places can still be named.
+    /// Offset that is subtracted from every position, in metres. It is whole metres, so that positions are easy to
+    /// convert, unless the scene measures less than one metre.
     pub(super) centre: DVec3,
     /// Diagonal of the scene's bounds, in metres.
     size: f64,
 }
 
-/// The scene with these bounds, if it lies too far from the origin for its size.
+/// Returns the scene with these bounds (least and greatest corner, in metres) if it lies too far from the origin for
+/// its size, else `None`.
 pub(super) fn far_origin([min, max]: [DVec3; 2]) -> Option<FarScene> {
     let (centre, size) = (0.5 * (min + max), (max - min).length());
     let is_far = centre.is_finite() && centre.length() > MOST_SIZES * size && size > 0.0;
@@ -23,7 +24,7 @@ pub(super) fn far_origin([min, max]: [DVec3; 2]) -> Option<FarScene> {
 }
 
 impl FarScene {
-    /// The warning for a scene that is not moved, since other things are placed beside it.
+    /// Makes the warning for a scene that is far away but not moved, since other things are placed relative to it.
     pub(super) fn warning(&self) -> String {
         format!(
             "it lies {:.4e} m from the origin, too far for its size of {:.4e} m: floats lose its details; move it to the \
@@ -33,10 +34,10 @@ impl FarScene {
         )
     }
 
-    /// The note for a scene that is moved.
+    /// Makes the message for a scene that is moved.
     pub(super) fn sentence(&self) -> String {
-        // The difference to 0 is never −0, which would be printed with its sign.
-        let [x, y, z] = self.centre.to_array().map(|v| 0.0 - v);
+        // Subtracting from 0 never gives −0, which would be printed with its sign.
+        let [x, y, z] = self.centre.to_array().map(|coordinate| 0.0 - coordinate);
         format!(
             "it lies {:.4e} m from the origin, too far for its size of {:.4e} m; it was moved by ({x}, {y}, {z}) m, \
              and places are those after the move",

@@ -1,13 +1,18 @@
 //! G-buffers as multi-channel OpenEXR files, so that any renderer can provide one.
 //!
-//! Channels, as 32-bit floats: `R`, `G`, `B` for the linear lit colour; `depth` for the reversed depth after projection; `Z`
-//! for the view-space z in metres (0 for sky); `N.X`, `N.Y`, `N.Z` for the view-space normal; `roughness`; `reflectivity`; and
-//! `sky`: 1 where a surface shows the environment of [`sky`](super::sky), and 0 elsewhere. A file without the channel
-//! `sky` has no surface that shows the environment; other renderers need not write this channel. Attributes:
-//! `viewToClip`, the projection with reversed depth, and OpenEXR's own `worldToCamera`, both as 4×4 matrices in Imath's
-//! row-vector order, left-handed, y up, z forward. `fovYRadians` or, for an orthographic projection,
-//! `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; if
-//! a file lacks them, the projection is taken from its matrix.
+//! Channels, as 32-bit floats:
+//!
+//! - `R`, `G`, `B`: the linear lit colour;
+//! - `depth`: the reversed depth after projection;
+//! - `Z`: the view-space z in metres, 0 for sky;
+//! - `N.X`, `N.Y`, `N.Z`: the view-space normal;
+//! - `roughness` and `reflectivity`;
+//! - `sky`, which may be missing: 1 where a surface shows the environment of [`sky`](super::sky), and 0 elsewhere.
+//!
+//! Attributes: `viewToClip`, the projection with reversed depth, and OpenEXR's own `worldToCamera` are 4×4 matrices in
+//! Imath's row-vector order, left-handed, with y up and z forward. The numbers `fovYRadians` or, for an orthographic
+//! projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection
+//! exactly. If a file lacks them, the projection is taken from its matrix.
 
 use super::exr_channels::{self, ExrChannels, axis, check};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
@@ -31,14 +36,14 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
         ("G", axis(&gbuffer.color, 1)),
         ("B", axis(&gbuffer.color, 2)),
         ("depth", gbuffer.depth.clone()),
-        ("Z", gbuffer.depth.iter().map(|d| view_z(*d, &gbuffer.camera.lens)).collect()),
+        ("Z", gbuffer.depth.iter().map(|depth| view_z(*depth, &gbuffer.camera.lens)).collect()),
         ("N.X", axis(&gbuffer.normal, 0)),
         ("N.Y", axis(&gbuffer.normal, 1)),
         ("N.Z", axis(&gbuffer.normal, 2)),
         ("roughness", gbuffer.roughness.clone()),
         ("reflectivity", gbuffer.reflectivity.clone()),
     ];
-    let sky: Vec<f32> = gbuffer.surface.iter().map(|s| f32::from(u8::from(*s == Surface::Sky))).collect();
+    let sky: Vec<f32> = gbuffer.surface.iter().map(|surface| f32::from(u8::from(*surface == Surface::Sky))).collect();
     if sky.contains(&1.0) {
         channels.push(("sky", sky));
     }
@@ -56,9 +61,9 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
         ("nearPlane", AttributeValue::F32(camera.lens.near_m)),
         ("farPlane", AttributeValue::F32(camera.lens.far_m)),
     ];
-    // A projection that is known by its matrix alone is written as the matrix, so that it is read back unchanged.
-    let kept = if camera.projection.is_some() { 1 } else { numbers.len() };
-    attributes.other.extend(numbers.into_iter().take(kept).map(|(name, value)| (name.into(), value)));
+    // A projection that is known by its matrix alone is written as the matrix alone, so that it is read back unchanged.
+    let count = if camera.projection.is_some() { 1 } else { numbers.len() };
+    attributes.other.extend(numbers.into_iter().take(count).map(|(name, value)| (name.into(), value)));
     exr_channels::encode([gbuffer.width, gbuffer.height], attributes, channels, path)
 }
 
@@ -71,13 +76,13 @@ pub fn load(path: &Path) -> Result<GBufferData> {
     decode(&bounded::read(path, "a G-buffer", MAX_BYTES)?, path)
 }
 
-/// Decodes the bytes of a G-buffer file. Errors call the file `path`.
+/// Decodes the bytes of a G-buffer file. Errors name the file by `path`.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or [`MAX_BYTES`].
-/// [`Error::Malformed`] also if the file claims more pixels than its bytes can hold, has only a piece of an image, uses
-/// a lossy compression, or lacks a channel or the projection. For a value that is not finite or out of range, the error
-/// names the first such pixel of a channel.
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or
+/// [`MAX_BYTES`]. This error is also returned if the file claims more pixels than its bytes can hold, has only a piece
+/// of an image, uses a lossy compression, or lacks a channel or the projection. For a value that is not finite or out
+/// of range, the error names the first pixel of the channel that has one.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
     let wrong = |message: String| Error::malformed(path, None, message);
@@ -103,27 +108,28 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
         }
         (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
     };
-    let shows = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
-    let surface = file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(shows).collect());
+    let surface_of = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
+    let surface = file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(surface_of).collect());
     let color = file.vectors(["R", "G", "B"])?;
     let normal = file.vectors(["N.X", "N.Y", "N.Z"])?;
     let roughness = file.required("roughness")?;
     let reflectivity = file.required("reflectivity")?;
-    for (k, [colour, direction]) in [["R", "N.X"], ["G", "N.Y"], ["B", "N.Z"]].into_iter().enumerate() {
-        check(colour, "a finite number from 0 on", &axis(&color, k), |v| v.is_finite() && v >= 0.0)?;
-        check(direction, "a finite number", &axis(&normal, k), f32::is_finite)?;
+    for (component, [colour, direction]) in [["R", "N.X"], ["G", "N.Y"], ["B", "N.Z"]].into_iter().enumerate() {
+        let is_color = |value: f32| value.is_finite() && value >= 0.0;
+        check(colour, "a finite number from 0 on", &axis(&color, component), is_color)?;
+        check(direction, "a finite number", &axis(&normal, component), f32::is_finite)?;
     }
     check("roughness", "a number from 0 to 1", &roughness, is_unit)?;
     check("reflectivity", "a number from 0 to 1", &reflectivity, is_unit)?;
     Ok(GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface })
 }
 
-/// Whether a value is a number from 0 to 1.
+/// Returns true if a value is a number from 0 to 1.
 fn is_unit(value: f32) -> bool {
     (0.0..=1.0).contains(&value)
 }
 
-/// The view-space z, in metres, of a reversed depth; 0 for sky.
+/// Returns the view-space z, in metres, of a reversed depth; 0 for sky.
 fn view_z(depth: f32, lens: &Lens) -> f32 {
     let Lens { near_m: near, far_m: far, .. } = *lens;
     match lens.kind() {
@@ -133,7 +139,8 @@ fn view_z(depth: f32, lens: &Lens) -> f32 {
     }
 }
 
-/// The reversed depth of a view-space z in metres; 0, as for sky, if z is not between the near and the far plane.
+/// Returns the reversed depth of a view-space z in metres. It is 0, the depth of sky, unless z is between the near and
+/// the far plane.
 pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
     let Lens { near_m: near, far_m: far, .. } = *lens;
     match lens.kind() {
@@ -143,18 +150,18 @@ pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
     }
 }
 
-/// Reads the camera from a layer's attributes. `aspect`, width over height of the image, counts if the attributes give
-/// none.
+/// Reads the camera from a layer's attributes. `aspect` is the image's width over its height, and is used if the
+/// attributes give no aspect ratio. The error is the message.
 fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Camera, String> {
     let number = |name: &str| match attributes.other.get(&Text::from(name)) {
-        Some(AttributeValue::F32(v)) => Some(*v),
+        Some(AttributeValue::F32(value)) => Some(*value),
         _ => None,
     };
     let world_to_view = attributes.world_to_camera.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
     let height = number("orthographicHeight").map(FieldOfView::Height);
     let opening = number("fovYRadians").map(FieldOfView::Angle).or(height);
-    let exact = (opening, number("nearPlane"), number("farPlane"));
-    let (lens, aspect, projection) = match (exact, attributes.other.get(&Text::from("viewToClip"))) {
+    let numbers = (opening, number("nearPlane"), number("farPlane"));
+    let (lens, aspect, projection) = match (numbers, attributes.other.get(&Text::from("viewToClip"))) {
         ((Some(opening), Some(near_m), Some(far_m)), _) => {
             (Lens { opening, near_m, far_m }, number("aspectRatio").unwrap_or(aspect), None)
         }
@@ -167,20 +174,20 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
             );
         }
     };
-    let made = Camera { world_to_view, lens, aspect, near_plane: None, projection };
-    if !made.is_sound() {
+    let camera = Camera { world_to_view, lens, aspect, near_plane: None, projection };
+    if !camera.is_sound() {
         let Lens { opening, near_m: near, far_m: far } = lens;
-        let seen = match opening {
+        let extent = match opening {
             FieldOfView::Angle(fov) => format!("fov {fov}"),
             FieldOfView::Height(height) => format!("a height of {height} m"),
         };
-        return Err(format!("a projection with {seen}, near {near}, far {far} and aspect {aspect} cannot be used"));
+        return Err(format!("a projection with {extent}, near {near}, far {far} and aspect {aspect} cannot be used"));
     }
-    Ok(made)
+    Ok(camera)
 }
 
-/// Reads a projection matrix with reversed depth; returns its lens, its aspect ratio and its numbers as a
-/// [`Projection`].
+/// Reads a projection matrix with reversed depth. Returns its lens, its aspect ratio and its numbers as a
+/// [`Projection`], or a message if the matrix cannot be used.
 fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
     let read = ReadProjection::new(m, true).map_err(|why| format!("viewToClip {why}"))?;
     if read.axis_signs != Vec3::ONE || !read.is_reversed {
@@ -193,7 +200,7 @@ fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>),
     Ok((lens, y / x, Some(read.projection)))
 }
 
-/// Far plane that replaces infinity in formulas, divided by the near plane. The door for other renderers
+/// Ratio of the far plane, which replaces an infinite one in formulas, to the near plane. The door for other renderers
 /// (`CameraInput`) uses the same number.
 const INFINITE_FAR: f32 = 1e7;
 
@@ -202,26 +209,26 @@ mod tests {
     use super::*;
     use exr::meta::MetaData;
 
-    /// A G-buffer of 3 × 2 pixels, each with other values.
+    /// Makes a G-buffer of 3 × 2 pixels whose depths, normals and colours differ.
     fn sample() -> GBufferData {
         let lens = Lens::perspective(1.2, 0.25, 50.0);
         let camera = Camera::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 9.0), lens, 1.5);
-        let n = 6;
+        let count = 6;
         GBufferData {
             width: 3,
             height: 2,
             camera,
-            depth: (0..n).map(|i| i as f32 * 0.15).collect(),
-            normal: (0..n).map(|i| Vec3::new(0.0, 0.6, -0.8) * i as f32).collect(),
-            reflectivity: vec![0.25; n],
-            roughness: vec![0.1; n],
-            color: (0..n).map(|i| Vec3::splat(i as f32 / 7.0)).collect(),
-            surface: vec![Surface::Lit; n],
+            depth: (0..count).map(|i| i as f32 * 0.15).collect(),
+            normal: (0..count).map(|i| Vec3::new(0.0, 0.6, -0.8) * i as f32).collect(),
+            reflectivity: vec![0.25; count],
+            roughness: vec![0.1; count],
+            color: (0..count).map(|i| Vec3::splat(i as f32 / 7.0)).collect(),
+            surface: vec![Surface::Lit; count],
         }
     }
 
-    /// Writes a G-buffer into a new folder, which is deleted when it is dropped; returns the folder and the path of the
-    /// file.
+    /// Writes a G-buffer into a new folder. Returns the folder, which is deleted when it is dropped, and the path of
+    /// the file.
     fn written(gbuffer: &GBufferData) -> (tempfile::TempDir, std::path::PathBuf) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("g.exr");
@@ -257,7 +264,7 @@ mod tests {
             let (_folder, path) = written(gbuffer);
             assert!(load(&path).expect("loads") == *gbuffer);
             let meta = MetaData::read_from_file(&path, false).expect("a header");
-            meta.headers[0].channels.list.iter().any(|c| c.name == *"sky")
+            meta.headers[0].channels.list.iter().any(|channel| channel.name == *"sky")
         };
         assert!(!has_channel(&lit) && has_channel(&window));
     }

@@ -1,10 +1,12 @@
-//! Maps of G-buffers: a TOML file assigns the channels of files to the parts of a G-buffer, with their conventions. The
-//! G-buffer of any renderer can therefore be read unchanged. docs/gbuffer-maps.md has the format, with all keys.
+//! Maps of G-buffers: a TOML file says which channels of which files hold depth, normals and so on, and in which
+//! conventions. The files of any renderer can therefore be read unchanged. docs/gbuffer-maps.md describes the format
+//! with all keys.
 //!
-//! [`GBufferMap::parse`] checks a map without reading any frame; an error has the line of the mistake. [`GBufferMap::read`]
-//! then reads frames. The submodules find files and channels (`files`, `source`), make the camera (`camera`, `axes`,
-//! `numbers`), and convert the channels to this program's conventions (`depth`, `normals`, `surface`); `keys` takes the keys of
-//! a section. [`GBufferMap::check`] checks a G-buffer that was read for consistency (`check`, `agreement`, `readings`).
+//! [`GBufferMap::parse`] checks a map without reading any frame; an error has the line of the mistake.
+//! [`GBufferMap::read`] then reads frames. The submodules find files and channels (`files`, `source`), make the camera
+//! (`camera`, `axes`, `numbers`), and convert the channels to this program's conventions (`depth`, `normals`,
+//! `surface`); `keys` takes the keys of a section. [`GBufferMap::check`] tests whether the parts of a G-buffer that was
+//! read agree (`check`, `agreement`, `readings`).
 
 mod agreement;
 mod axes;
@@ -42,7 +44,7 @@ const MAX_BYTES: u64 = 1 << 20;
 #[derive(Debug, Clone)]
 pub struct GBufferMap {
     path: PathBuf,
-    /// Whether the first row of the files is the lowest.
+    /// Whether the first row of the files is the lowest row of the image.
     bottom_up: bool,
     /// The view to read from files with several views, such as one of two eyes.
     view: Option<String>,
@@ -92,17 +94,17 @@ impl GBufferMap {
     /// Reads and checks a map.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is larger than 1 MiB or not UTF-8 text, and the
-    /// errors of [`Self::parse`].
+    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is larger than 1 MiB or not UTF-8 text, and
+    /// the errors of [`Self::parse`].
     pub fn load(path: &Path) -> Result<Self> {
         Self::parse(&source_text::read(path, "a map of a G-buffer", MAX_BYTES)?, path)
     }
 
-    /// Checks the text of a map. Errors call the file `path`.
+    /// Reads the text of a map, and checks it. Errors name the file by `path`.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the mistake: wrong syntax, an unknown or missing section or key, or a value that
-    /// its key cannot have.
+    /// [`Error::Malformed`] with the line of the mistake: wrong syntax, an unknown or missing section or key, or a
+    /// value that its key cannot have.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let text = SourceText { path, text };
         let mut sections: Sections = toml::from_str(text.text).map_err(|e| match text.syntax_error(&e) {
@@ -116,7 +118,8 @@ impl GBufferMap {
             return Err(Error::malformed(path, None, "there is no [[color]]"));
         }
         let reflectivity = reflectivity(&text, &mut sections)?;
-        let color = sections.color.into_iter().map(|term| MapColour::take(MapKeys::new(&text, "[[color]]", term)));
+        let color =
+            sections.color.into_iter().map(|section| MapColour::take(MapKeys::new(&text, "[[color]]", section)));
         let map = Self {
             path: path.to_owned(),
             bottom_up: sections.origin == MapOrigin::BottomLeft,
@@ -146,7 +149,7 @@ impl GBufferMap {
         Ok(map)
     }
 
-    /// The order of rows and the view that the map states for all of its files.
+    /// Returns the order of rows and the view that the map states for all of its files.
     fn arrangement(&self) -> Arrangement<'_> {
         Arrangement { bottom_up: self.bottom_up, view: self.view.as_deref() }
     }
@@ -155,8 +158,8 @@ impl GBufferMap {
     ///
     /// # Errors
     /// [`Error::Io`] if a file cannot be read, and [`Error::Malformed`] if it is no image that can be read.
-    /// [`Error::Malformed`] with the line of the map for a missing file, part, channel or attribute, for files of several
-    /// sizes, for an unusable camera, and for the first pixel whose value is out of range.
+    /// [`Error::Malformed`] with the line of the map for a missing file, part, channel or attribute, for files of
+    /// several sizes, for an unusable camera, and for the first pixel whose value is out of range.
     pub fn read(&self, main: &Path) -> Result<GBufferData> {
         let mut files = MapFiles::new(&self.path, main, self.arrangement());
         let planes = self.depth.read(&mut files)?;
@@ -166,7 +169,7 @@ impl GBufferMap {
         let normal = self.normals.read(&mut files, &self.conventions, &camera, &depth)?;
         let roughness = self.roughness.read(&mut files, &depth)?;
         let mut reflectivity = self.reflectivity.read(&mut files, &depth)?;
-        // Surfaces that their renderer does not light have no normal, and do not reflect.
+        // Surfaces that their renderer does not light have no normal. They are taken not to reflect.
         for (reflectivity, normal) in reflectivity.iter_mut().zip(&normal) {
             if !normals::has_direction(*normal) {
                 *reflectivity = 0.0;
@@ -182,13 +185,14 @@ impl GBufferMap {
     }
 }
 
-/// The centre of a pixel in normalised device coordinates, with y up. Pixels are counted along rows, from the top.
+/// Returns the centre of a pixel in normalised device coordinates, with y up. `pixel` counts along rows, from the top
+/// left.
 fn pixel_ndc([width, height]: [u32; 2], pixel: usize) -> DVec2 {
     let (x, y) = (pixel % width as usize, pixel / width as usize);
     DVec2::new((x as f64 + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / f64::from(height) * 2.0)
 }
 
-/// The keys of a required section.
+/// Returns the keys of a required section, or an error if the map lacks it. `name` names the section, as in "[depth]".
 fn needed<'a>(text: &'a SourceText, name: &str, section: Option<MapSection>) -> Result<MapKeys<'a>> {
     let missing = || Error::malformed(text.path, None, format!("there is no {name}"));
     Ok(MapKeys::new(text, name, section.ok_or_else(missing)?))
@@ -199,8 +203,8 @@ fn reflectivity(text: &SourceText, sections: &mut Sections) -> Result<MapReflect
     let [base, f0] = [sections.base_color.take(), sections.f0.take()];
     match (sections.reflectivity.take(), sections.metallic.take()) {
         (Some(given), None) => {
-            for (name, beside) in [("[base-color]", base), ("[f0]", f0)] {
-                if let Some(section) = beside {
+            for (name, section) in [("[base-color]", base), ("[f0]", f0)] {
+                if let Some(section) = section {
                     return Err(
                         text.error(section.span(), format!("{name} is read beside [metallic], and there is none"))
                     );

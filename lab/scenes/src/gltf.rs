@@ -1,8 +1,9 @@
 //! Loads scenes from glTF 2.0, as `.gltf` with its files or as `.glb`.
 //!
-//! [`load`] reads a file into a [`Scene`]. The submodules do the work: `data` finds buffers and images and reads accessors,
-//! `geometry` makes triangles, `nodes` walks the tree of nodes for meshes, cameras, lights and motions. `materials` turns
-//! metallic-roughness into reflectivity and ϱ ([`material_terms`](super::material_terms)) and bakes the images of a material.
+//! [`load`] reads a file into a [`Scene`]. The submodule `data` finds buffers and images and reads accessors,
+//! `geometry` makes triangles, and `nodes` walks through the tree of nodes for meshes, cameras, lights and motions.
+//! `materials` converts metallic-roughness to reflectivity and ϱ ([`material_terms`](super::material_terms)) and
+//! computes the images of a material.
 //!
 //! The crate `gltf` parses and checks the JSON; this module reads and checks the data that its accessors point to.
 
@@ -23,10 +24,10 @@ use ssct_ground::Result;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Greatest size of a file that is read, in bytes, which is the greatest that the header of a `.glb` can state.
+/// Greatest size of a file that is read, in bytes; the header of a `.glb` cannot state a greater one.
 pub const MAX_FILE_BYTES: u64 = u32::MAX as u64;
 
-/// Greatest number of triangles that a file may place in the world, counting each mesh as often as nodes place it. While
+/// Greatest number of triangles that a file may place in the world; each mesh counts as often as nodes place it. While
 /// triangles are sorted into meshes, each takes 144 bytes.
 pub const MAX_TRIANGLES: usize = 20_000_000;
 
@@ -46,43 +47,47 @@ const READ: [&str; 12] = [
     "KHR_texture_transform",
 ];
 
-/// Whether a path has the extension of a glTF file.
+/// Returns true if a path ends in `.gltf` or `.glb`, in any case.
 pub fn is_named(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"))
+    let is_gltf =
+        |extension: &std::ffi::OsStr| extension.eq_ignore_ascii_case("gltf") || extension.eq_ignore_ascii_case("glb");
+    path.extension().is_some_and(is_gltf)
 }
 
 /// Loads a glTF file as a scene, named after the file.
 ///
-/// - The file's default scene is loaded, else its first. Nodes are placed by their transforms; glTF is right-handed, so z is
-///   negated. A mesh that several nodes place is in the scene several times, and so are the copies of
+/// - The file's default scene is loaded, or its first if it states none. Nodes are placed by their transforms; glTF is
+///   right-handed, so z is negated. A mesh is in the scene once for each node that places it, and for each copy of
 ///   `EXT_mesh_gpu_instancing`. Nodes that `KHR_node_visibility` hides are left out.
-/// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior`, `KHR_materials_specular`
-///   and the metallic factor; albedo is the base colour times 1 − metalness. Roughness becomes ϱ by the width of the lobe
-///   ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images of base colour, metallic-roughness,
-///   normals and emission are used; images of occlusion are not.
-/// - Emission, and `KHR_materials_unlit`, are lit colour that no light changes; brighter than 1 counts as 1.
-/// - `MASK` cuts holes at its cutoff; `BLEND` is cut at one half. Materials that are not double-sided are not seen
-///   from behind.
-/// - Cameras become views, lights become lights of one exposure: the brightest gives 1 at the scene's centre. Without a
-///   camera the scene gets the default view, without a light the default light, and always one probe.
-/// - Animations of nodes become motions ([`Scene::motions`]); at rest, the scene is placed by the transforms of its nodes.
-///   Animations of skins and of morph targets are not played.
-/// - Tangents come from the file or else from MikkTSpace. `KHR_texture_transform` is applied to the coordinates.
+/// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior`,
+///   `KHR_materials_specular` and the metallic factor; albedo is the base colour times 1 − metalness. Roughness becomes
+///   ϱ by the width of the lobe ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images
+///   of base colour, metallic-roughness, normals and emission are used; images of occlusion are not.
+/// - Emission, and the colour of `KHR_materials_unlit`, are lit colour that no light changes; values above 1 count as
+///   1.
+/// - `MASK` makes holes where alpha is below its cutoff; `BLEND` makes holes below one half. Materials that are not
+///   double-sided are not seen from behind.
+/// - Cameras become views. Lights are scaled by one exposure, with which the brightest gives 1 at the scene's centre.
+///   Without a camera the scene gets the default view, and without a light the default light. It always gets one probe.
+/// - Animations of nodes become motions ([`Scene::motions`]); at rest, the scene is placed by the transforms of its
+///   nodes. Animations of skins and of morph targets are not played.
+/// - Tangents come from the file or, if it has none, from MikkTSpace. `KHR_texture_transform` is applied to the
+///   coordinates.
 ///
-/// Lights and cameras that were chosen for a file without them, and the exposure of its lights, are noted in [`Scene::notes`].
+/// [`Scene::notes`] says which lights and views were chosen for a file without them, and the exposure of its lights.
 ///
 /// Each unsupported feature adds one sentence to [`Scene::warnings`], however often it occurs.
 ///
 /// # Errors
-/// [`Error::Io`](ssct_ground::Error::Io) if the file cannot be read. [`Error::Malformed`](ssct_ground::Error::Malformed) for
-/// buffers that cannot be read, for files that are not glTF 2.0, and for extensions that the file requires and this loader
-/// lacks. [`Error::Malformed`](ssct_ground::Error::Malformed) also for accessors that leave their buffers, positions that are
-/// not finite, files without a triangle, more than [`MAX_TRIANGLES`] and files larger than [`MAX_FILE_BYTES`].
-/// [`Error::Usage`](ssct_ground::Error::Usage) for options out of range.
+/// [`Error::Io`](ssct_ground::Error::Io) if the file cannot be read.
+/// [`Error::Malformed`](ssct_ground::Error::Malformed) for buffers that cannot be read, for files that are not glTF
+/// 2.0, and for extensions that the file requires and this loader lacks. This error is also returned for accessors that
+/// leave their buffers, positions that are not finite, files without a triangle, more than [`MAX_TRIANGLES`] and files
+/// larger than [`MAX_FILE_BYTES`]. [`Error::Usage`](ssct_ground::Error::Usage) for options out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = load_plain(path, options, None)?;
-    if let Some(chosen) = chosen(&scene) {
-        scene.notes.push(format!("{}: {chosen}", path.display()));
+    if let Some(sentence) = chosen(&scene) {
+        scene.notes.push(format!("{}: {sentence}", path.display()));
     }
     if scene.views.is_empty() {
         scene.views = vec![viewpoint::default_view(&scene)];
@@ -94,7 +99,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Says which lights and views a file without lights or cameras will get; `None` for a file with both.
+/// Says in words which light or view is chosen for a file without lights or cameras; `None` for a file with both.
 fn chosen(scene: &Scene) -> Option<String> {
     let light = "one directional light shines from above";
     let view = "the view shows all of the scene";
@@ -106,8 +111,9 @@ fn chosen(scene: &Scene) -> Option<String> {
     }
 }
 
-/// Loads a scene as [`load`] does, with the views and lights of the file alone, and without a probe. `origin` is subtracted
-/// from every place, in metres; without it, a scene that is too far from the origin for its size is moved to its centre.
+/// Loads a scene like [`load`], but with only the views and lights of the file, and without a probe. `origin`, in
+/// metres, is subtracted from every position. With `None`, a scene that is too far from the origin for its size is
+/// moved to its centre.
 pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec3>) -> Result<Scene> {
     options.check()?;
     let bytes = bounded::read(path, "a glTF file", MAX_FILE_BYTES)?;
@@ -115,7 +121,7 @@ pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec
     let (document, animations, blob) = document::read(path, &bytes, &mut notes)?;
     drop(bytes);
     let data = Data::new(path, &document, blob)?;
-    let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let mut scene = Scene { name, ..Scene::default() };
     let used = nodes::place((&data, &animations), (options.scale, origin), &mut scene, &mut notes)?;
     materials::attach(&data, &used, options.texture_side, &mut scene, &mut notes);
@@ -124,10 +130,10 @@ pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec
     Ok(scene)
 }
 
-/// The sentences about unsupported features, each once.
+/// The sentences about unsupported features; one for each kind.
 #[derive(Clone)]
 struct Notes {
-    /// The path of the file, as every sentence begins.
+    /// The path of the file, with which every sentence begins.
     file: String,
     /// The kinds of sentences that were added.
     kinds: HashSet<String>,
@@ -135,17 +141,17 @@ struct Notes {
 }
 
 impl Notes {
-    /// No sentences yet about the file at `path`.
+    /// Makes an empty list of sentences about the file at `path`.
     fn new(path: &Path) -> Self {
         Self { file: path.display().to_string(), kinds: HashSet::new(), sentences: Vec::new() }
     }
 
-    /// A sentence about the file, with the path of the file before it.
+    /// Returns a sentence with the path of the file in front.
     fn about(&self, sentence: &str) -> String {
         format!("{}: {sentence}", self.file)
     }
 
-    /// Adds a sentence, unless one of its kind was added before.
+    /// Adds a sentence, unless one of the same kind was added before.
     fn add(&mut self, kind: &str, sentence: String) {
         if self.kinds.insert(kind.to_owned()) {
             self.sentences.push(self.about(&sentence));

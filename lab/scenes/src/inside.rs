@@ -1,7 +1,7 @@
-//! Reads and writes files inside a folder that the user named. The names inside the folder may come from strangers, for example
-//! with a shard that somebody else measured. A name that leads out of the folder is refused, whether by `..`, by a root or by a
-//! link. Only regular files are read, of bounded size, and nothing is written through a link. All files that the laboratory
-//! writes are written here.
+//! Reads and writes files inside a folder that the user named. The names inside the folder may come from strangers, for
+//! example with a shard that somebody else measured. A name that leads out of the folder is refused, whether by `..`,
+//! by a root or by a link. Only regular files of bounded size are read, and nothing is written through a link. All
+//! files that the laboratory writes are written by this module.
 
 use cap_fs_ext::{FollowSymlinks, OpenOptionsFollowExt, OpenOptionsSyncExt};
 use cap_std::ambient_authority;
@@ -36,12 +36,12 @@ pub struct FolderEntry {
 }
 
 impl PathInFolder {
-    /// A folder that the user named.
+    /// Makes the path of a folder that the user named.
     pub fn folder(root: impl AsRef<Path>) -> Self {
         Self { root: root.as_ref().to_owned(), name: PathBuf::new() }
     }
 
-    /// A file that the user named, relative to its folder.
+    /// Makes the path of a file that the user named; its root is the folder of the file.
     pub fn file(path: impl AsRef<Path>) -> Self {
         let path = path.as_ref();
         match (path.parent(), path.file_name()) {
@@ -50,14 +50,14 @@ impl PathInFolder {
         }
     }
 
-    /// A file or a folder below this one.
+    /// Makes the path of a file or folder below this one.
     #[must_use]
     pub fn join(&self, name: impl AsRef<Path>) -> Self {
-        // The root is kept apart, so that an absolute name cannot replace it.
+        // Root and name are kept apart, so that an absolute name cannot replace the root.
         Self { root: self.root.clone(), name: self.name.join(name) }
     }
 
-    /// The path of the file or folder, for messages.
+    /// Returns the path of the file or folder, for messages.
     pub fn path(&self) -> PathBuf {
         if self.name.as_os_str().is_empty() { self.root.clone() } else { self.root.join(&self.name) }
     }
@@ -65,8 +65,8 @@ impl PathInFolder {
     /// Reads a regular file of at most [`MOST_BYTES`]; `None` if it does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read, [`Error::Malformed`] if it is no regular file, is too large, or leads out of
-    /// the folder.
+    /// [`Error::Io`] if the file cannot be read, [`Error::Malformed`] if it is no regular file, is too large, or leads
+    /// out of the folder.
     pub fn read(&self) -> Result<Option<Vec<u8>>> {
         let Some(file) = self.open()? else { return Ok(None) };
         let mut bytes = Vec::new();
@@ -91,54 +91,54 @@ impl PathInFolder {
     /// The errors of [`PathInFolder::read`], except the one for its size.
     pub fn open(&self) -> Result<Option<File>> {
         let opened = self.within(false, |folder, name| {
-            // Opening a device may have an effect, so that the kind of the file is checked first. A pipe that replaces the file
-            // meanwhile is opened without waiting for a writer.
+            // The kind of the file is checked first, since opening a device may have an effect. If a pipe replaces the
+            // file after this check, it is opened without waiting for a writer.
             if !folder.metadata(name)?.is_file() {
                 return Ok(None);
             }
             folder.open_with(name, OpenOptions::new().read(true).nonblock(true)).map(Some)
         });
         match opened {
-            Ok(Some(file)) if file.metadata().is_ok_and(|m| m.is_file()) => Ok(Some(file.into_std())),
+            Ok(Some(file)) if file.metadata().is_ok_and(|metadata| metadata.is_file()) => Ok(Some(file.into_std())),
             Ok(_) => Err(self.wrong("is no file; only regular files are read")),
             Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => Ok(None),
             Err(e) => Err(e),
         }
     }
 
-    /// Whether a regular file exists and can be opened.
+    /// Returns true if this is a regular file that exists and can be opened.
     pub fn is_there(&self) -> bool {
         self.open().is_ok_and(|file| file.is_some())
     }
 
-    /// The files and folders in this folder, by name; empty if the folder does not exist.
+    /// Lists the files and folders in this folder, sorted by name; the list is empty if the folder does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be read, [`Error::Malformed`] if it leads out of its folder or has a name that is no
-    /// text.
+    /// [`Error::Io`] if the folder cannot be read, [`Error::Malformed`] if it leads out of its folder. A name
+    /// inside it that is no text gives [`Error::Io`].
     pub fn list(&self) -> Result<Vec<FolderEntry>> {
         let read = |folder: &Dir, name: &Path| -> IoResult<Vec<FolderEntry>> {
-            let listed = |entry: IoResult<cap_std::fs::DirEntry>| {
+            let to_entry = |entry: IoResult<cap_std::fs::DirEntry>| {
                 let entry = entry?;
                 let kind = entry.file_type()?;
                 let name = entry.file_name().into_string();
                 let name = name.map_err(|name| std::io::Error::other(format!("the name {name:?} is no text")))?;
                 Ok(FolderEntry { name, is_file: kind.is_file(), is_folder: kind.is_dir() })
             };
-            folder.read_dir(if name.as_os_str().is_empty() { Path::new(".") } else { name })?.map(listed).collect()
+            folder.read_dir(if name.as_os_str().is_empty() { Path::new(".") } else { name })?.map(to_entry).collect()
         };
         match self.within(false, read) {
-            Ok(mut all) => {
-                all.sort_by(|a, b| a.name.cmp(&b.name));
-                Ok(all)
+            Ok(mut entries) => {
+                entries.sort_by(|a, b| a.name.cmp(&b.name));
+                Ok(entries)
             }
             Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => Ok(Vec::new()),
             Err(e) => Err(e),
         }
     }
 
-    /// Writes a file completely or not at all: a temporary file in the same folder is written first, and then renamed. A
-    /// missing folder is made. A link with the file's name is replaced, and not followed.
+    /// Writes `bytes` to the file completely or not at all: a temporary file in the same folder is written first, and
+    /// then renamed. A missing folder is made. A link with the file's name is replaced, and not followed.
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be written, [`Error::Malformed`] if it leads out of the folder.
@@ -146,12 +146,12 @@ impl PathInFolder {
         let temporary = self.name.with_file_name(temporary_name());
         self.within(true, |folder, name| {
             make_all(folder, name.parent())?;
-            let fill = || {
+            let write_and_rename = || {
                 let mut file = folder.open_with(&temporary, OpenOptions::new().write(true).create_new(true))?;
                 file.write_all(bytes)?;
                 folder.rename(&temporary, folder, name)
             };
-            fill().inspect_err(|_| drop(folder.remove_file(&temporary)))
+            write_and_rename().inspect_err(|_| drop(folder.remove_file(&temporary)))
         })
     }
 
@@ -160,7 +160,8 @@ impl PathInFolder {
     /// # Errors
     /// [`Error::Io`] if the file cannot be written, [`Error::Malformed`] if it is a link or no regular file.
     pub fn append(&self) -> Result<File> {
-        let is_link = |folder: &Dir, name: &Path| Ok(folder.symlink_metadata(name).is_ok_and(|m| m.is_symlink()));
+        let is_link =
+            |folder: &Dir, name: &Path| Ok(folder.symlink_metadata(name).is_ok_and(|metadata| metadata.is_symlink()));
         if self.within(true, is_link)? {
             return Err(self.wrong("is a link, which is not followed"));
         }
@@ -169,7 +170,7 @@ impl PathInFolder {
             options.create(true).append(true).nonblock(true).follow(FollowSymlinks::No);
             folder.open_with(name, &options)
         })?;
-        if !file.metadata().is_ok_and(|m| m.is_file()) {
+        if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
             return Err(self.wrong("is no file; only regular files are written"));
         }
         Ok(file.into_std())
@@ -183,22 +184,23 @@ impl PathInFolder {
         self.within(true, |folder, name| make_all(folder, Some(name)))
     }
 
-    /// Checks that files can be written into the folder.
+    /// Checks that files can be written into the folder, by making a temporary file there and removing it.
     ///
     /// # Errors
     /// [`Error::Io`] if no file can be written.
     pub fn check_writable(&self) -> Result<()> {
-        let tried = self.join(temporary_name()).within(true, |folder, name| {
+        let outcome = self.join(temporary_name()).within(true, |folder, name| {
             folder.open_with(name, OpenOptions::new().write(true).create_new(true))?;
             folder.remove_file(name)
         });
-        tried.map_err(|e| match e {
+        outcome.map_err(|e| match e {
             Error::Io { source, .. } => Error::io("write into", self.path(), source),
             other => other,
         })
     }
 
-    /// Calls `act` with the opened root and the name below it; a missing root is made first if `make` is true.
+    /// Calls `act` with the opened root and the name below it. If `make` is true, a missing root is made first, and
+    /// errors speak of writing, not of reading.
     fn within<T>(&self, make: bool, act: impl FnOnce(&Dir, &Path) -> IoResult<T>) -> Result<T> {
         let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
         if !self.name.components().all(is_plain) {
@@ -213,14 +215,15 @@ impl PathInFolder {
         act(&folder, &self.name).map_err(|e| self.failed(action, e))
     }
 
-    /// An error about this file or folder, with a message.
+    /// Makes an error about this file or folder from a message.
     fn wrong(&self, message: &str) -> Error {
         Error::malformed(self.path(), None, message)
     }
 
-    /// An error about this file or folder, for an error of the system during `action`, such as "read".
+    /// Makes an error about this file or folder from an error `e` during `action`, such as "read".
     fn failed(&self, action: &'static str, e: std::io::Error) -> Error {
-        // The library itself refuses a path that leads out of the folder, so that the error has no number of the system.
+        // A path that leads out of the folder is refused by the library itself, so that the error has no number of the
+        // system.
         if e.kind() == ErrorKind::PermissionDenied && e.raw_os_error().is_none() {
             return self.wrong("is a link that leads out of its folder, which is not followed");
         }
@@ -228,18 +231,19 @@ impl PathInFolder {
     }
 }
 
-/// Makes the folder `name` below `folder`, and all folders between; the empty name is `folder` itself.
+/// Makes the folder `name` below `folder`, and all folders between them. No name, or an empty one, means `folder`
+/// itself, which exists.
 fn make_all(folder: &Dir, name: Option<&Path>) -> IoResult<()> {
     let Some(name) = name.filter(|name| !name.as_os_str().is_empty()) else { return Ok(()) };
     folder.create_dir_all(name).or_else(|e| match e.kind() {
-        // Something else has the name. The error of opening this thing as a folder says more, since a link may lead out
-        // of the folder.
+        // Something that is no folder may have the name, or a link to a folder. Opening it as a folder gives the right
+        // error, or none.
         ErrorKind::AlreadyExists => folder.open_dir(name).map(drop),
         _ => Err(e),
     })
 }
 
-/// A random name, which no file has.
+/// Makes a random name for a temporary file, which no other file is expected to have.
 fn temporary_name() -> String {
     format!(".ssct-{:016x}", RandomState::new().build_hasher().finish())
 }
@@ -266,14 +270,14 @@ impl From<&PathInFolder> for PathInFolder {
 mod tests {
     use super::*;
 
-    /// The message of an error; empty without an error.
+    /// Returns the message of an error; empty if there is no error.
     fn said<T>(outcome: Result<T>) -> String {
         outcome.err().map(|e| e.to_string()).unwrap_or_default()
     }
 
-    /// The names of a folder's entries.
+    /// Returns the names of a folder's entries.
     fn names(folder: &PathInFolder) -> Vec<String> {
-        folder.list().expect("a folder").into_iter().map(|listed| listed.name).collect()
+        folder.list().expect("a folder").into_iter().map(|entry| entry.name).collect()
     }
 
     #[test]
@@ -351,6 +355,9 @@ mod tests {
         );
         assert!(!root.join("link").is_symlink() && !folder.path().join("new").exists());
         let listed = inside.list().expect("a folder");
-        assert!(listed.iter().filter(|l| l.is_file).map(|l| l.name.as_str()).eq(["link", "own"]), "{listed:?}");
+        assert!(
+            listed.iter().filter(|entry| entry.is_file).map(|entry| entry.name.as_str()).eq(["link", "own"]),
+            "{listed:?}"
+        );
     }
 }

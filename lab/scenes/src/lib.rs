@@ -1,6 +1,8 @@
 //! Sources of scenes: scene files ([`scene_file`]), OBJ files ([`obj`]), glTF files ([`gltf`]) and the built-in library
-//! ([`library`]) all give the same [`Scene`]. [`path`](mod@path) reads and writes the paths of a camera. [`gbuffer_file`] and
-//! [`capture_file`] are files for other renderers, and [`gbuffer_map`] reads G-buffers in the conventions of other renderers.
+//! ([`library`]) all give the same [`Scene`]. [`path`](mod@path) reads and writes the paths of a camera.
+//! [`gbuffer_file`] and [`capture_file`] read and write files for other renderers, and [`gbuffer_map`] reads G-buffers
+//! in the conventions of other renderers. [`inside`] is the door to files: it writes every file, and reads the folders
+//! of runs.
 //!
 //! The types are those of [`ssct_ground::scene`], re-exported here under the same names.
 
@@ -31,7 +33,7 @@ use ssct_ground::{Error, Result};
 pub struct LoadOptions {
     /// Factor on all coordinates; finite and > 0.
     pub scale: f32,
-    /// The greatest side of a material's image in texels, ≥ 1; larger images are made smaller as they are decoded.
+    /// The greatest side of a material's image in texels, ≥ 1; larger images are shrunk when they are decoded.
     pub texture_side: u32,
 }
 

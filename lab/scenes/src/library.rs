@@ -1,5 +1,5 @@
-//! The built-in scenes. The scenes are generated without files, and have the views, lights and proportions of the scenes in the
-//! theses, so that the program can be used without downloads.
+//! The built-in scenes. They are generated without files, so that the program can be used without downloads, and have
+//! the views, lights and proportions of the scenes in the theses.
 
 mod atrium;
 pub mod builder;
@@ -22,17 +22,18 @@ use ssct_geometry::pattern::{self, Pattern, Picture};
 use ssct_ground::Result;
 use std::path::Path;
 
-/// The names of the scenes that studies use.
+/// Returns the names of the scenes that studies use.
 pub fn names() -> &'static [&'static str] {
     &["rooms", "atrium", "street", "museum", "cathedral", "corridor"]
 }
 
-/// All names that [`scene`] knows: the scenes of studies, and a box without reflections that is made for a figure alone.
+/// Returns all names that [`scene`] knows: the scenes of studies, and a box without reflections, which only shows a
+/// figure.
 pub fn every_name() -> impl Iterator<Item = &'static str> {
     names().iter().copied().chain(["cornell-box"])
 }
 
-/// A built-in scene, or the scene of a scene file with this path.
+/// Makes the built-in scene of this name; for any other name, loads the scene file with this path.
 ///
 /// # Errors
 /// The errors of [`scene_file::load`].
@@ -40,12 +41,12 @@ pub fn scene_or_file(name: &str) -> Result<Scene> {
     scene(name).map_or_else(|| scene_file::load(Path::new(name), &LoadOptions::default()), Ok)
 }
 
-/// A built-in scene; `None` if the name is not in [`every_name`].
+/// Makes a built-in scene; `None` if the name is not in [`every_name`].
 ///
-/// `rooms` replaces the thesis's two rooms (figures 5.1–5.5 and 5.9), and `atrium` replaces Crytek Sponza (figures 5.6–5.8).
-/// `street`, `museum` and `cathedral` replace the three scenes of Schmidt's thesis (2013, section 5.1). `corridor` is a narrow
-/// room, as section 5.2 of Schmidt's thesis recommends for parallax-corrected cube maps. `cornell-box` is the scene of the
-/// thesis's figure 2.4.
+/// `rooms` replaces the thesis's two rooms (figures 5.1–5.5 and 5.9), and `atrium` replaces Crytek Sponza (figures
+/// 5.6–5.8). `street`, `museum` and `cathedral` replace the three scenes of Schmidt's thesis (2013, section 5.1).
+/// `corridor` is a narrow room, as section 5.2 of Schmidt's thesis recommends for parallax-corrected cube maps.
+/// `cornell-box` is the scene of the thesis's figure 2.4.
 pub fn scene(name: &str) -> Option<Scene> {
     match name {
         "rooms" => Some(rooms::scene()),
@@ -64,7 +65,7 @@ pub fn scene(name: &str) -> Option<Scene> {
 struct Finish {
     name: &'static str,
     look: SurfaceLook,
-    /// Linear factor on the images.
+    /// Linear factor on the images, or the linear albedo without images.
     tint: Vec3,
     reflectivity: f32,
     roughness: f32,
@@ -86,27 +87,27 @@ enum SurfaceLook {
 }
 
 impl Finish {
-    /// A finish with this look, roughness 0 and its full relief.
+    /// Makes a finish with this look, roughness 0 and its full relief.
     const fn with_look(name: &'static str, look: SurfaceLook, reflectivity: f32) -> Self {
         Self { name, look, tint: Vec3::ONE, reflectivity, roughness: 0.0, normal_deviation: 1.0 }
     }
 
-    /// A finish with a repeating image.
+    /// Makes a finish with a repeating image.
     const fn new(name: &'static str, pattern: Pattern, reflectivity: f32) -> Self {
         Self::with_look(name, SurfaceLook::Pattern(pattern), reflectivity)
     }
 
-    /// A finish with one image from edge to edge, which does not reflect.
+    /// Makes a finish with one image from edge to edge, which does not reflect.
     const fn picture(name: &'static str, picture: Picture) -> Self {
         Self::with_look(name, SurfaceLook::Picture(picture), 0.0)
     }
 
-    /// A uniform colour, as linear albedo.
+    /// Makes a finish of one uniform colour, given as linear albedo, which does not reflect.
     const fn paint(name: &'static str, red: f32, green: f32, blue: f32) -> Self {
         Self::with_look(name, SurfaceLook::Paint, 0.0).tinted(red, green, blue)
     }
 
-    /// A finish that shows the sky.
+    /// Makes a finish that shows the sky.
     const fn window(name: &'static str) -> Self {
         Self::with_look(name, SurfaceLook::Window, 0.0)
     }
@@ -126,14 +127,15 @@ impl Finish {
         Self { normal_deviation, ..self }
     }
 
-    /// An empty mesh with this finish's texture scale; `material` is the index of the finish in the scene's table.
+    /// Makes an empty mesh with this finish's texture scale; `material` is the index of the finish in the scene's
+    /// table.
     fn mesh(&self, name: impl Into<String>, material: usize) -> MeshBuilder {
         let image_m = if let SurfaceLook::Pattern(pattern) = self.look { pattern.size_m() } else { 1.0 };
         MeshBuilder::new(name, material, image_m)
     }
 }
 
-/// The images of a look, or their indices.
+/// The images of a look, or their indices in the scene.
 struct Maps<T> {
     albedo: T,
     normal: Option<T>,
@@ -159,7 +161,7 @@ impl SurfaceLook {
     }
 }
 
-/// The materials in the order of the table, with their images; equal looks share images.
+/// Makes the materials of a table, in its order, and the images that they use. Finishes with equal looks share images.
 fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
     let mut looks: Vec<SurfaceLook> = Vec::new();
     for finish in finishes {
@@ -167,33 +169,33 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
             looks.push(finish.look);
         }
     }
-    let made: Vec<Option<Maps<Texture>>> = looks.par_iter().map(|look| look.images()).collect();
+    let images: Vec<Option<Maps<Texture>>> = looks.par_iter().map(|look| look.images()).collect();
     let mut textures = Vec::new();
-    let mut keep = |texture| {
+    let mut index_of = |texture| {
         textures.push(texture);
         textures.len() - 1
     };
-    let maps: Vec<Option<Maps<usize>>> = made
+    let maps: Vec<Option<Maps<usize>>> = images
         .into_iter()
         .map(|maps| {
-            maps.map(|m| Maps {
-                albedo: keep(m.albedo),
-                normal: m.normal.map(&mut keep),
-                mask: m.mask.map(&mut keep),
-                reflectivity: m.reflectivity.map(&mut keep),
+            maps.map(|maps| Maps {
+                albedo: index_of(maps.albedo),
+                normal: maps.normal.map(&mut index_of),
+                mask: maps.mask.map(&mut index_of),
+                reflectivity: maps.reflectivity.map(&mut index_of),
             })
         })
         .collect();
     let material = |finish: &Finish| {
-        let maps = looks.iter().position(|&look| look == finish.look).and_then(|k| maps[k].as_ref());
+        let maps = looks.iter().position(|&look| look == finish.look).and_then(|index| maps[index].as_ref());
         Material {
             name: finish.name.to_owned(),
             albedo: finish.tint,
-            albedo_map: maps.map(|m| m.albedo),
-            normal_map: maps.and_then(|m| m.normal),
-            alpha_mask: maps.and_then(|m| m.mask),
+            albedo_map: maps.map(|maps| maps.albedo),
+            normal_map: maps.and_then(|maps| maps.normal),
+            alpha_mask: maps.and_then(|maps| maps.mask),
             reflectivity: finish.reflectivity,
-            reflectivity_map: maps.and_then(|m| m.reflectivity),
+            reflectivity_map: maps.and_then(|maps| maps.reflectivity),
             roughness: finish.roughness,
             normal_deviation: finish.normal_deviation,
             surface: if finish.look == SurfaceLook::Window { Surface::Sky } else { Surface::Lit },
@@ -203,18 +205,18 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
     (finishes.iter().map(material).collect(), textures)
 }
 
-/// A probe with its box.
+/// Makes a probe from its position and the least and the greatest corner of its box, in metres.
 fn probe(name: &str, position: [f32; 3], min: [f32; 3], max: [f32; 3]) -> Probe {
     let bounds = Aabb { min: Vec3::from(min), max: Vec3::from(max) };
     Probe { name: name.to_owned(), position: Vec3::from(position), bounds }
 }
 
-/// A view with the scene's lens and materials.
+/// Makes a view with the scene's lens and materials; `eye` and `look_at` are points in metres.
 fn view(name: &str, eye: [f32; 3], look_at: [f32; 3]) -> View {
     View { name: name.to_owned(), eye: Vec3::from(eye), look_at: Vec3::from(look_at), ..View::default() }
 }
 
-/// The lens of the thesis's program: 74° vertical, near 0.1 m, far 1000 m.
+/// Returns the lens of the thesis's program: 74° vertical, near 0.1 m, far 1000 m.
 fn thesis_lens() -> Lens {
     Lens::default()
 }

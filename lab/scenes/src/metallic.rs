@@ -1,8 +1,8 @@
-//! Materials of base colour, metalness and roughness, as in glTF and in the PBR keys of MTL files, converted to this program's
-//! materials, by their factors and texel by texel.
+//! Converts materials of base colour, metalness and roughness, as in glTF and in the PBR keys of MTL files, to this
+//! program's materials: their factors, and their images texel by texel.
 //!
-//! The albedo is the base colour times 1 − metalness, plus the emission. The reflectivity is the luminance of mix(F0, base
-//! colour, metalness) (docs/definitions.md, "glTF").
+//! The albedo is the base colour times 1 − metalness, plus the emission. The reflectivity is the luminance of mix(F0,
+//! base colour, metalness) (docs/definitions.md, "glTF").
 
 use super::material_terms;
 use glam::{DVec2, DVec4, Vec3};
@@ -18,7 +18,8 @@ pub(super) struct Factors {
     pub(super) metallic: f32,
     /// Linear emission, at least 0.
     pub(super) emission: Vec3,
-    /// Reflection at normal incidence of the part that is no metal, before `specular`; values above 1 count as 1.
+    /// Reflection at normal incidence of the part that is not metal, before the factor `specular`; values above 1 count
+    /// as 1.
     pub(super) f0: Vec3,
     /// Factor on `f0`, 0…1.
     pub(super) specular: f32,
@@ -26,7 +27,7 @@ pub(super) struct Factors {
     pub(super) unlit: bool,
 }
 
-/// The values of a material's images in a texel; 1 where there is no image.
+/// The decoded values of a material's images at one texel; 1 for an image that the material lacks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TexelInputs {
     base: Vec3,
@@ -43,19 +44,19 @@ impl Default for TexelInputs {
 }
 
 impl TexelInputs {
-    /// The values of a texel without an image of specular reflection.
+    /// Makes the values of a texel for a material without images of the specular reflection.
     pub(super) fn new(base: DVec4, metallic: f64, emission: DVec4) -> Self {
         Self { base: rgb(base), metallic: metallic as f32, emission: rgb(emission), ..Self::default() }
     }
 
-    /// Sets factors on the reflection of the part that is no metal.
+    /// Sets the factors on the reflection of the part that is not metal: its strength and its colour.
     pub(super) fn with_specular(self, specular: f64, tint: DVec4) -> Self {
         Self { specular: specular as f32, tint: rgb(tint), ..self }
     }
 }
 
 impl Factors {
-    /// Albedo and emission together, at most 1, and the share of the luminance that is emission.
+    /// Returns the sum of albedo and emission, at most 1, and the share of its luminance that is emission.
     pub(super) fn colour(&self, texel: &TexelInputs) -> (Vec3, f32) {
         let base = texel.base * self.base;
         if self.unlit {
@@ -67,13 +68,14 @@ impl Factors {
         ((lit + emitted).min(Vec3::ONE), if share.is_finite() { share } else { 0.0 })
     }
 
-    /// The reflectivity, 0…1.
+    /// Returns the reflectivity at a texel, 0…1.
     pub(super) fn reflectivity(&self, texel: &TexelInputs) -> f32 {
         let f0 = (self.f0 * texel.tint).min(Vec3::ONE) * self.specular * texel.specular;
         material_terms::reflectivity(texel.base * self.base, texel.metallic * self.metallic, f0)
     }
 
-    /// A texel of an sRGB image of the colour, with the share of emission in alpha.
+    /// Returns the bytes of a texel for an image of [`Self::colour`]: the colour as sRGB, and the share of emission in
+    /// alpha.
     pub(super) fn albedo_texel(&self, texel: &TexelInputs) -> [u8; 4] {
         let (colour, share) = self.colour(texel);
         let [r, g, b] = colour.to_array().map(math::display_byte);
@@ -81,8 +83,8 @@ impl Factors {
     }
 }
 
-/// An image of the size of the largest input. Each texel is computed from the texels of all inputs at its place; a missing
-/// input is white.
+/// Makes an image as large as the largest input. The function `texel` computes its bytes from the values of all inputs
+/// at the texel's place; a missing input is white.
 pub(super) fn texels<const N: usize>(
     inputs: &[Option<Texture>; N],
     encoding: Encoding,
@@ -91,41 +93,43 @@ pub(super) fn texels<const N: usize>(
     texels_of(&inputs.each_ref().map(Option::as_ref), encoding, texel)
 }
 
-/// Makes an image as [`texels`] does, from borrowed images.
+/// Makes an image like [`texels`], from borrowed images.
 pub(super) fn texels_of<const N: usize>(
     inputs: &[Option<&Texture>; N],
     encoding: Encoding,
     texel: impl Fn([DVec4; N]) -> [u8; 4],
 ) -> Texture {
-    let there = || inputs.iter().flatten();
-    let [width, height] = [there().map(|t| t.width).max(), there().map(|t| t.height).max()].map(|v| v.unwrap_or(1));
-    let name = there().next().map_or_else(String::new, |t| t.name.clone());
+    let images = || inputs.iter().flatten();
+    let width = images().map(|image| image.width).max().unwrap_or(1);
+    let height = images().map(|image| image.height).max().unwrap_or(1);
+    let name = images().next().map_or_else(String::new, |image| image.name.clone());
     let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
     for y in 0..height {
         for x in 0..width {
             let uv = DVec2::new((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
-            rgba.extend(texel(inputs.map(|t| t.map_or(DVec4::ONE, |t| texture::bilinear(t, uv)))));
+            let value = |image: Option<&Texture>| image.map_or(DVec4::ONE, |image| texture::bilinear(image, uv));
+            rgba.extend(texel(inputs.map(value)));
         }
     }
     Texture { name, width, height, rgba, encoding }
 }
 
-/// A white image of one texel.
+/// Makes a white image of one texel.
 pub(super) fn white() -> Texture {
     Texture { name: "white".into(), width: 1, height: 1, rgba: vec![255; 4], encoding: Encoding::Srgb }
 }
 
-/// The colour of a texel, without its alpha.
+/// Returns the colour of a texel, without its alpha.
 fn rgb(texel: DVec4) -> Vec3 {
     texel.truncate().as_vec3()
 }
 
-/// A number from 0 to 1 as a byte from 0 to 255.
+/// Converts a number from 0 to 1 to the nearest byte from 0 to 255.
 fn byte(unit: f32) -> u8 {
     (unit.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// An opaque grey texel, from a number from 0 to 1.
+/// Makes the bytes of an opaque grey texel from a number from 0 to 1.
 pub(super) fn grey(unit: f32) -> [u8; 4] {
     let value = byte(unit);
     [value, value, value, 255]

@@ -1,9 +1,9 @@
 //! Loads scenes from Wavefront OBJ files, including the irregular ones that exporters write.
 //!
-//! [`load`] reads one or more OBJ files, with their MTL files and images, into a [`Scene`]. The submodules do the work in
-//! stages: `text` checks and normalises the statements (with line numbers), tobj sorts them into groups, `polygons` makes
-//! triangles with normals, `mtl` reads materials, and `images` reads their textures. Tangents, meshes and the default view are
-//! made by the same code as for other formats.
+//! [`load`] reads one or more OBJ files, with their MTL files and images, into a [`Scene`]. The submodules do the work
+//! in stages: `text` checks and normalises the statements, the crate tobj sorts them into groups, and `polygons` makes
+//! triangles with normals. `mtl` reads materials, and `images` and `baked` make their textures. Tangents, meshes and
+//! the default view are made by the same code as for other formats.
 
 mod baked;
 mod images;
@@ -18,12 +18,13 @@ use ssct_geometry::{assemble, bounded, viewpoint};
 use ssct_ground::{Error, Result};
 use std::path::{Path, PathBuf};
 
+use baked::MaterialReading;
 pub(super) use images::resolve;
 
-/// The largest OBJ file that is read, in bytes.
+/// Greatest size, in bytes, of an OBJ or MTL file that is read.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// The handedness of the files, which decides the direction of their z axis.
+/// The handedness of the coordinates in files, which decides the direction of their z axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Handedness {
@@ -48,7 +49,7 @@ pub struct ObjOptions {
 pub struct ObjFile {
     /// Path of the file; MTL files and images are looked up relative to it.
     pub path: PathBuf,
-    /// Kind of all surfaces of the file in reflections: lit, or showing the sky.
+    /// Kind of all surfaces of the file: lit, or showing the sky.
     pub surface: Surface,
 }
 
@@ -62,22 +63,22 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 ///
 /// - Polygons, concave ones included, are triangulated. Triangles without area, points and lines are left out.
 ///   [`Scene::warnings`] lists what was left out or replaced.
-/// - Missing normals: inside a smoothing group (`s 1`), a vertex gets the mean normal of that group's faces at its position,
-///   weighted by their angles there. Outside a smoothing group (`s off`, or no `s` at all, which the format defines as off), a
-///   vertex gets the normal of its face, so that boxes keep their edges.
+/// - Missing normals: inside a smoothing group (`s 1`), a vertex gets the mean normal of that group's faces at its
+///   position, weighted by their angles there. Outside a smoothing group (`s off`, or no `s` at all, which the format
+///   defines as off), a vertex gets the normal of its face, so that boxes keep their edges.
 /// - Texture coordinates get their origin at the top left (v' = 1 − v). Tangents are those of MikkTSpace;
 ///   without texture coordinates, a tangent is any unit vector orthogonal to the normal.
 /// - A mesh holds the triangles of one group with one material; large meshes are split in space.
-/// - Materials come from MTL, by the law of the program that wrote it, as listed at the top of `obj/mtl.rs`. Materials of equal
-///   name in two files stay separate; unused materials are dropped.
-/// - The scene gets one view, `default`, that frames the bounds, one directional light, and one probe at the
+/// - Materials come from MTL, by the law of the program that wrote it, as listed at the top of `obj/mtl.rs`. Materials
+///   of equal name in two files stay separate; unused materials are dropped.
+/// - The scene gets one view, `default`, which shows all of the scene, one directional light, and one probe at the
 ///   centre.
 ///
 /// # Errors
-/// [`Error::Io`] if a file cannot be read. [`Error::Malformed`], with file and line, for wrong statements, for vertices that
-/// are not finite, and for indices of vertices that are out of range. [`Error::Malformed`] also for files without any
-/// triangle, files in UTF-16 or UTF-32, and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are
-/// given, or for options out of range.
+/// [`Error::Io`] if a file cannot be read. [`Error::Malformed`], with file and line, for wrong statements, for vertices
+/// that are not finite, and for indices of vertices that are out of range. This error is also returned for files
+/// without any triangle, files in UTF-16 or UTF-32, and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] if no
+/// files are given, or for options out of range.
 pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     let mut scene = load_plain(files, options, None)?;
     scene.views = vec![viewpoint::default_view(&scene)];
@@ -86,8 +87,9 @@ pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Loads a scene as [`load`] does, but without view, light and probe. `origin` is subtracted from every vertex, in units of the
-/// files; without it, a scene that is too far from the origin for its size is moved by the centre of the first file.
+/// Loads a scene like [`load`], but without view, light and probe. `origin`, in units of the files, is subtracted from
+/// every vertex. With `None`, the first file decides: if it is too far from the origin for its size, its centre is
+/// subtracted.
 pub(super) fn load_plain(files: &[ObjFile], options: &ObjOptions, mut origin: Option<DVec3>) -> Result<Scene> {
     let Some(first) = files.first() else {
         return Err(Error::Usage("a scene needs at least one OBJ file".into()));
@@ -103,7 +105,8 @@ pub(super) fn load_plain(files: &[ObjFile], options: &ObjOptions, mut origin: Op
     Ok(scene)
 }
 
-/// Reads one file and appends its meshes, the materials that they use, and the images of these materials.
+/// Reads one file. Its meshes and the materials that they use are added to `scene`, and the images of these materials
+/// to `sources`. `origin` is that of [`load_plain`].
 fn load_file(
     file: &ObjFile,
     options: &ObjOptions,
@@ -117,7 +120,7 @@ fn load_file(
     drop(text);
     drop(bytes);
     let names = statements.material_names.clone();
-    let statements_lack_library = statements.libraries.is_empty() && names.iter().any(|n| n != text::NO_MATERIAL);
+    let statements_lack_library = statements.libraries.is_empty() && names.iter().any(|name| name != text::NO_MATERIAL);
     let definitions = mtl::read_libraries(&file.path, &statements.libraries, &mut scene.warnings)?;
     let parts = polygons::build(&file.path, statements, options, &mut scene.warnings)?;
 
@@ -125,7 +128,8 @@ fn load_file(
         let message = "uses materials but names no MTL file; the materials are white";
         scene.warnings.push(format!("{}: {message}", file.path.display()));
     }
-    let mut is_too_rough = false;
+    let mut warned_of_roughness = false;
+    // The index in the scene for each material of the file, once a part uses it.
     let mut scene_index: Vec<Option<usize>> = vec![None; names.len()];
     for part in &parts {
         if scene_index[part.material].is_none() {
@@ -143,8 +147,9 @@ fn load_file(
             }
             scene_index[part.material] = Some(scene.materials.len());
             let reading = definition.map(mtl::Definition::reading);
-            if reading.as_ref().is_some_and(|r| r.is_metallic && r.material.roughness >= 1.0) && !is_too_rough {
-                is_too_rough = true;
+            let is_rough = |reading: &MaterialReading| reading.is_metallic && reading.material.roughness >= 1.0;
+            if reading.as_ref().is_some_and(is_rough) && !warned_of_roughness {
+                warned_of_roughness = true;
                 scene.warnings.push(format!("{}: {}", file.path.display(), material_terms::TOO_ROUGH));
             }
             scene.materials.push(Material {
@@ -166,7 +171,7 @@ fn read_limited(path: &Path) -> Result<Vec<u8>> {
     bounded::read(path, "a file", MAX_FILE_BYTES)
 }
 
-/// The name of a file without its folder and its ending.
+/// Returns the name of a file without its folder and its ending.
 fn stem(path: &Path) -> String {
-    path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default()
+    path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }

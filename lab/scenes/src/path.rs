@@ -1,4 +1,4 @@
-//! Files of camera paths (TOML), and the sections of scene files that have a path.
+//! Reads and writes files of camera paths (TOML), and reads the sections of scene files that have a path.
 
 use super::obj::Handedness;
 use super::source_text::{MAX_FILE_BYTES, stem};
@@ -11,8 +11,8 @@ use toml::Spanned;
 
 pub use ssct_ground::scene::path::{CameraPath, KeyFrame, VIEWS};
 
-/// Reads a path file: an optional `name`, the `coordinates` of its places (`"right"`, the default, or `"left"`), and `[[key]]` tables
-/// with `eye`, `look_at` and, in all of them or in none, `time` in seconds.
+/// Reads a path file. It has an optional `name`, the handedness of its `coordinates` (`"right"`, the default, or
+/// `"left"`), and `[[key]]` tables with `eye`, `look_at` and, in all of them or in none, `time` in seconds.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with file and line, if its content is
@@ -21,7 +21,7 @@ pub fn load(path: &Path) -> Result<CameraPath> {
     parse(&source_text::read(path, "a path file", MAX_FILE_BYTES)?, path)
 }
 
-/// Parses the text of a path file. Errors call the file `path`.
+/// Parses the text of a path file. Errors name the file by `path`.
 ///
 /// # Errors
 /// [`Error::Malformed`] with file and line.
@@ -31,12 +31,12 @@ pub fn parse(text: &str, path: &Path) -> Result<CameraPath> {
     source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0, file.coordinates)
 }
 
-/// The text of a path file, in right-handed coordinates, which scene files use, too.
+/// Returns the text of a path file, in right-handed coordinates, which are also the default of scene files.
 pub fn to_toml(path: &CameraPath) -> String {
     let mut text = format!("name = {}\ncoordinates = \"right\"\n", toml::Value::from(path.name.as_str()));
     for key in path.keys() {
-        let places = [key.eye, key.look_at].map(|place| Handedness::Right.mirrored(place));
-        let [eye, look_at] = places.map(|p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z));
+        let points = [key.eye, key.look_at].map(|point| Handedness::Right.mirrored(point));
+        let [eye, look_at] = points.map(|point| format!("[{:?}, {:?}, {:?}]", point.x, point.y, point.z));
         // Writing to a String cannot fail.
         let _ = write!(text, "\n[[key]]\neye = {eye}\nlook_at = {look_at}\n");
         if let Some(time) = key.time_s {
@@ -75,7 +75,7 @@ pub(super) struct KeySection {
 }
 
 impl SourceText<'_> {
-    /// Makes a path from the sections of a file, whose places are multiplied by `extra_scale`. Errors name the line of
+    /// Makes a path from the sections of a file. Its points are multiplied by `extra_scale`. Errors name the line of
     /// the faulty section.
     pub(super) fn path(
         &self,
@@ -87,13 +87,13 @@ impl SourceText<'_> {
         let key = |section: &Spanned<KeySection>| {
             let KeySection { eye, look_at, time } = section.get_ref();
             let [eye, look_at] = [self.vector("eye", eye)?, self.vector("look_at", look_at)?]
-                .map(|p| coordinates.mirrored(p) * extra_scale);
+                .map(|point| coordinates.mirrored(point) * extra_scale);
             Ok(KeyFrame { eye, look_at, time_s: *time })
         };
         let keys = sections.iter().map(key).collect::<Result<Vec<_>>>()?;
-        CameraPath::joined(name, keys).map_err(|(index, what)| match index.and_then(|i| sections.get(i)) {
-            Some(section) => self.error(section.span(), what),
-            None => Error::malformed(self.path, None, format!("path {name}: {what}")),
+        CameraPath::joined(name, keys).map_err(|(index, message)| match index.and_then(|index| sections.get(index)) {
+            Some(section) => self.error(section.span(), message),
+            None => Error::malformed(self.path, None, format!("path {name}: {message}")),
         })
     }
 }
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// A key frame that looks along +z.
+    /// Makes a key frame that looks along +z.
     fn key(eye: [f32; 3], time_s: Option<f32>) -> KeyFrame {
         let eye = Vec3::from(eye);
         KeyFrame { eye, look_at: eye + Vec3::Z, time_s }
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_written_file_reads_back_equal() {
         let keys = vec![key([0.1, -2.0, 1e-7], Some(0.0)), key([1.0, 2.0, 3.0], Some(1.5))];
-        for keys in [keys.clone(), keys.into_iter().map(|k| KeyFrame { time_s: None, ..k }).collect()] {
+        for keys in [keys.clone(), keys.into_iter().map(|key| KeyFrame { time_s: None, ..key }).collect()] {
             let path = CameraPath::new("a \"walk\"", keys).expect("a path");
             let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
             std::fs::write(file.path(), to_toml(&path)).expect("written");
@@ -124,9 +124,9 @@ mod tests {
     fn places_are_right_handed_unless_a_file_says_otherwise() {
         let keys = "[[key]]\neye = [0, 0, 1]\nlook_at = [0, 0, 2]\n[[key]]\neye = [0, 0, 2]\nlook_at = [0, 0, 3]\n";
         let first_z = |text: &str| parse(text, Path::new("a.toml")).expect("a path").keys()[0].eye.z;
-        let said =
+        let z_of_first_eyes =
             ["", "coordinates = \"right\"\n", "coordinates = \"left\"\n"].map(|line| first_z(&format!("{line}{keys}")));
-        assert_eq!(said, [-1.0, -1.0, 1.0]);
+        assert_eq!(z_of_first_eyes, [-1.0, -1.0, 1.0]);
     }
 
     #[test]
@@ -146,8 +146,8 @@ mod tests {
         for (text, expected) in cases {
             let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
             std::fs::write(file.path(), text).expect("written");
-            let said = load(file.path()).expect_err(text).to_string();
-            assert!(said.contains(expected), "{said}\n{text}");
+            let message = load(file.path()).expect_err(text).to_string();
+            assert!(message.contains(expected), "{message}\n{text}");
         }
     }
 }

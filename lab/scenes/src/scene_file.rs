@@ -1,5 +1,5 @@
-//! Scene files (`NAME.scene.toml`): they list the OBJ and glTF files of a scene and add data that these formats lack, such as
-//! reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
+//! Reads scene files (`NAME.scene.toml`), which list the OBJ and glTF files of a scene and add data that these formats
+//! lack, such as reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
 pub(super) mod captures;
 mod coordinates;
@@ -25,28 +25,29 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
 
-/// The name for all materials that are not listed, both as a section and in a view's `materials`.
+/// The name that stands for all materials without an entry, both in `[material.NAME]` and in a view's `materials`.
 const DEFAULT: &str = "default";
 
-/// Loads a scene file and the files that it names; their paths are relative to it.
+/// Loads a scene file and the files that it names, whose paths are relative to its folder.
 ///
-/// Places, directions and paths are in the coordinates that the key `coordinates` names. Without this key, places are
+/// Positions, directions and paths are in the coordinates that the key `coordinates` names. Without this key, they are
 /// in the coordinates of the OBJ files (`handedness`), and without OBJ files right-handed, as in glTF. The loaded scene
 /// has the program's own left-handed coordinates. A view that sees almost nothing adds a warning ([`Scene::warnings`]).
 ///
-/// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and everything that the file states in
-/// metres (views and their clip planes, point lights, probes, impostors, area lights, captures). The square of the scale
-/// multiplies the energies of point lights, which are squared lengths.
+/// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and everything that the file
+/// states in metres (views and their clip planes, point lights, probes, impostors, area lights, captures). The energies
+/// of point lights, which are squared lengths, are multiplied by the square of the scale.
 ///
-/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets the lights or views of its glTF
-/// files, or else the defaults of an OBJ file. Without a `[[probe]]` the scene gets a probe at the centre of its
-/// bounds. A `[path.NAME]` with `[[path.NAME.key]]` tables is a camera path ([`super::path`]), and a `[motion.NAME]`
-/// with `[[motion.NAME.key]]` tables moves meshes. A material's section overrides the MTL file; `[material.default]`
-/// applies to all materials without a section of their own. A section for a material that no mesh has adds a warning.
+/// Views keep the order of the file. Without a `[[light]]`, the scene gets the lights of its glTF files, or if they
+/// have none the default light; without a `[view.NAME]` it gets their views, or the default view. Without a `[[probe]]`
+/// it gets a probe at the centre of its bounds. A `[path.NAME]` with `[[path.NAME.key]]` tables is a camera path
+/// ([`super::path`]), and a `[motion.NAME]` with `[[motion.NAME.key]]` tables moves meshes. A material's section
+/// overrides the MTL file; `[material.default]` applies to all materials without a section of their own. A section for
+/// a material that no mesh has adds a warning.
 ///
 /// # Errors
-/// The errors of [`obj::load`] and [`gltf::load`], and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
-/// numbers out of range.
+/// The errors of [`obj::load`] and [`gltf::load`], and [`Error::Malformed`] with file and line for wrong syntax,
+/// unknown keys and numbers out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     options.check()?;
     let extra_scale = options.scale;
@@ -59,25 +60,28 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         None => 1.0,
     };
     // The default lens is in metres, so that the scale of the options changes its planes, too.
-    let metre = Lens::default();
-    let metre = metre.scaled(extra_scale);
-    let lens = source.lens(&sections.camera, (metre, extra_scale), 0..0)?;
-    let lights = sections.light.iter().map(|l| source.light(l, extra_scale)).collect::<Result<Vec<_>>>()?;
+    let default_lens = Lens::default().scaled(extra_scale);
+    let lens = source.lens(&sections.camera, (default_lens, extra_scale), 0..0)?;
+    let lights = sections.light.iter().map(|section| source.light(section, extra_scale));
+    let lights = lights.collect::<Result<Vec<_>>>()?;
     let note = sections.note(path);
     let views = source.views(sections.view, lens, extra_scale)?;
-    let seen = views.len();
-    let paths = sections.path.iter().map(|(name, p)| source.path(name, &p.key, extra_scale, coordinates));
+    let views_of_file = views.len();
+    let paths = sections.path.iter().map(|(name, path)| source.path(name, &path.key, extra_scale, coordinates));
     let paths = paths.collect::<Result<Vec<_>>>()?;
     let changes = source.changes(sections.material)?;
     let files = source.meshes(sections.mesh)?;
-    let mut probes = sections.probe.iter().map(|p| source.probe(p)).collect::<Result<Vec<_>>>()?;
-    let mut area_lights = sections.area_light.iter().map(|l| source.area_light(l)).collect::<Result<Vec<_>>>()?;
+    let probes = sections.probe.iter().map(|section| source.probe(section));
+    let mut probes = probes.collect::<Result<Vec<_>>>()?;
+    let area_lights = sections.area_light.iter().map(|section| source.area_light(section));
+    let mut area_lights = area_lights.collect::<Result<Vec<_>>>()?;
     let captures = source.captures(&sections.capture, extra_scale)?;
-    let images = sections.impostor.iter().map(|i| source.impostor(i)).collect::<Result<Vec<_>>>()?;
+    let impostors = sections.impostor.iter().map(|section| source.impostor(section));
+    let impostors = impostors.collect::<Result<Vec<_>>>()?;
 
     let scale = scale * extra_scale;
     let load = LoadOptions { scale, ..*options };
-    let (gltf_files, obj_files): (Vec<_>, Vec<_>) = files.into_iter().partition(|f| gltf::is_named(&f.path));
+    let (gltf_files, obj_files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| gltf::is_named(&file.path));
     let mut scene = match obj_files[..] {
         [] => Scene::default(),
         _ => {
@@ -89,7 +93,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         append(&mut scene, gltf::load_plain(&file.path, &load, Some(DVec3::ZERO))?, file.surface);
     }
     let bounds = scene.bounds();
-    if let Some(far) = far_origin([bounds.min, bounds.max].map(|v| v.as_dvec3())) {
+    if let Some(far) = far_origin([bounds.min, bounds.max].map(|corner| corner.as_dvec3())) {
         scene.warnings.push(format!("{}: {}", path.display(), far.warning()));
     }
     scene.lens = viewpoint::lens(scene.bounds());
@@ -113,26 +117,26 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     if probes.is_empty() {
         scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
     }
-    probes.iter_mut().for_each(|p| p.scale(extra_scale));
-    area_lights.iter_mut().for_each(|l| l.shape.scale(extra_scale));
+    probes.iter_mut().for_each(|probe| probe.scale(extra_scale));
+    area_lights.iter_mut().for_each(|light| light.shape.scale(extra_scale));
     scene.probes.extend(probes.into_iter().map(|probe| coordinates.probe(probe)));
     scene.area_lights = area_lights.into_iter().map(|light| coordinates.area_light(light)).collect();
     scene.captures = captures.into_iter().map(|capture| coordinates.capture(capture)).collect();
-    for (mut impostor, texture) in images {
+    for (mut impostor, texture) in impostors {
         impostor.scale(extra_scale);
         impostor.texture = scene.textures.len();
         scene.textures.push(texture);
         scene.impostors.push(coordinates.impostor(impostor));
     }
     apply_changes(path, &changes, &mut scene);
-    let unsaid = sections.coordinates.is_none().then_some(coordinates);
-    let warnings = seen::warnings(&scene, seen, unsaid);
+    let assumed = sections.coordinates.is_none().then_some(coordinates);
+    let warnings = seen::warnings(&scene, views_of_file, assumed);
     scene.warnings.extend(warnings.into_iter().map(|warning| format!("{}: {warning}", path.display())));
     scene.notes.extend(note);
     Ok(scene)
 }
 
-/// The coordinates in which a scene file states places, for code that writes places into it.
+/// Reads the coordinates in which a scene file states positions, for code that writes positions into it.
 ///
 /// # Errors
 /// The errors of [`load`] about the text.
@@ -141,15 +145,16 @@ pub fn coordinates(path: &Path) -> Result<Handedness> {
     Ok(SourceText { path, text: &text }.deserialized::<Sections>()?.coordinates())
 }
 
-/// Adds the contents of a glTF file to a scene. All materials of the file become lit, or show the sky, as `surface`
-/// says.
+/// Adds the contents of a glTF file, `other`, to a scene. All materials of the file get the kind of surface `surface`:
+/// lit, or showing the sky.
 fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
     let (materials, textures) = (scene.materials.len(), scene.textures.len());
-    other.meshes.iter_mut().for_each(|m| m.material += materials);
-    for m in &mut other.materials {
-        m.surface = surface;
-        let maps =
-            [&mut m.albedo_map, &mut m.normal_map, &mut m.alpha_mask, &mut m.reflectivity_map, &mut m.roughness_map];
+    // Indices of materials and textures are moved behind those that the scene has.
+    other.meshes.iter_mut().for_each(|mesh| mesh.material += materials);
+    for material in &mut other.materials {
+        material.surface = surface;
+        let Material { albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map, .. } = material;
+        let maps = [albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map];
         maps.into_iter().flatten().for_each(|map| *map += textures);
     }
     scene.meshes.append(&mut other.meshes);
@@ -195,22 +200,22 @@ struct Sections {
 }
 
 impl Sections {
-    /// The coordinates of the file's places.
+    /// Returns the coordinates of the file's positions.
     fn coordinates(&self) -> Handedness {
         Handedness::of_places(self.coordinates, self.handedness, self.has_obj())
     }
 
-    /// Whether any mesh comes from an OBJ file.
+    /// Returns true if any mesh comes from an OBJ file.
     fn has_obj(&self) -> bool {
         self.mesh.iter().any(|mesh| !gltf::is_named(Path::new(mesh.file.get_ref())))
     }
 
-    /// A note about a scene file whose places are read as right-handed only because its OBJ files are. Before the key
-    /// `coordinates` existed, such places were read as left-handed. `None` for any other file.
+    /// Returns a note about a scene file whose positions are read as right-handed only because its OBJ files are;
+    /// `None` for any other file. Before the key `coordinates` existed, such positions were read as left-handed.
     fn note(&self, path: &Path) -> Option<String> {
         let has_places = !(self.view.is_empty() && self.light.is_empty() && self.path.is_empty());
-        let is_unsaid = self.has_obj() && self.coordinates.is_none() && self.handedness == Some(Handedness::Right);
-        (has_places && is_unsaid).then(|| {
+        let is_assumed = self.has_obj() && self.coordinates.is_none() && self.handedness == Some(Handedness::Right);
+        (has_places && is_assumed).then(|| {
             let path = path.display();
             let (right, left) = (Handedness::Right.key(), Handedness::Left.key());
             format!(
@@ -229,6 +234,7 @@ struct MeshSection {
     surface: SurfaceName,
 }
 
+/// What the surfaces of a file show: their lit colour, or the sky.
 #[derive(Deserialize, Default, Clone, Copy)]
 #[serde(rename_all = "lowercase")]
 enum SurfaceName {
@@ -253,6 +259,7 @@ enum LightKind {
     Directional,
 }
 
+/// A `[[light]]` section; its kind decides whether it has a position or a direction.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LightSection {
@@ -272,6 +279,7 @@ struct LensSection {
     far: Option<Spanned<f32>>,
 }
 
+/// A `[view.NAME]` section: the points of a view, the keys of its own lens, and its changes of materials.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ViewSection {
@@ -286,7 +294,7 @@ struct ViewSection {
 }
 
 impl SourceText<'_> {
-    /// A number, which must be finite and above 0; `what` names its key in errors.
+    /// Returns a number, which must be finite and above 0; `what` names its key in errors.
     fn positive(&self, what: &str, value: &Spanned<f32>) -> Result<f32> {
         let number = *value.get_ref();
         if number.is_finite() && number > 0.0 {
@@ -295,17 +303,17 @@ impl SourceText<'_> {
         Err(self.error(value.span(), format!("{what} must be a number > 0, not {number}")))
     }
 
-    /// An optional number, which must lie in 0 to 1; `what` names its key in errors.
+    /// Returns an optional number, which must lie in 0 to 1; `what` names its key in errors.
     fn unit(&self, what: &str, value: &Option<Spanned<f32>>) -> Result<Option<f32>> {
         match value {
-            Some(v) if !(0.0..=1.0).contains(v.get_ref()) => {
-                Err(self.error(v.span(), format!("{what} must lie in 0 to 1, but is {}", v.get_ref())))
+            Some(number) if !(0.0..=1.0).contains(number.get_ref()) => {
+                Err(self.error(number.span(), format!("{what} must lie in 0 to 1, but is {}", number.get_ref())))
             }
-            value => Ok(value.as_ref().map(|v| *v.get_ref())),
+            value => Ok(value.as_ref().map(|number| *number.get_ref())),
         }
     }
 
-    /// A vector of three finite numbers; `what` names its key in errors.
+    /// Returns a vector, which must have three finite numbers; `what` names its key in errors.
     pub(super) fn vector(&self, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
         let vector = Vec3::from(*value.get_ref());
         if vector.is_finite() {
@@ -314,7 +322,8 @@ impl SourceText<'_> {
         Err(self.error(value.span(), format!("{what} must have three finite numbers, not {vector}")))
     }
 
-    /// A position in metres, scaled and checked against [`MAX_COORDINATE_M`].
+    /// Returns a position in metres, multiplied by `scale`, which must not exceed [`MAX_COORDINATE_M`]; `what` names
+    /// its key in errors.
     pub(super) fn place(&self, what: &str, value: &Spanned<[f32; 3]>, scale: f32) -> Result<Vec3> {
         let place = self.vector(what, value)? * scale;
         if place.abs().max_element() <= MAX_COORDINATE_M {
@@ -324,8 +333,8 @@ impl SourceText<'_> {
         Err(self.error(value.span(), message))
     }
 
-    /// The lens `base` with the changes of a section; `scale` multiplies the section's planes and its height. `span` is the
-    /// section's place in the file, for errors.
+    /// Returns the lens `base` with the changes of a section, whose planes and height are multiplied by `scale`. `span`
+    /// is the byte range of the section in the file, for errors.
     fn lens(&self, section: &LensSection, (base, scale): (Lens, f32), span: std::ops::Range<usize>) -> Result<Lens> {
         let mut lens = base;
         if let Some(fov) = &section.fov_y_deg {
@@ -368,7 +377,8 @@ impl SourceText<'_> {
         Ok(lens)
     }
 
-    /// Checks a `[[light]]` section; a scale enlarges a point light, with its energy as a squared length.
+    /// Reads and checks a `[[light]]` section. The position of a point light is multiplied by `extra_scale`, and its
+    /// energy, a squared length, by the square.
     fn light(&self, section: &Spanned<LightSection>, extra_scale: f32) -> Result<Light> {
         let LightSection { kind, position, direction, energy } = section.get_ref();
         let energy = self.positive("energy", energy)?;
@@ -391,7 +401,7 @@ impl SourceText<'_> {
         }
     }
 
-    /// The views, in the order of the file.
+    /// Reads the views, in the order of the file; the parameters are those of [`Self::view`].
     fn views(
         &self,
         sections: BTreeMap<String, Spanned<ViewSection>>,
@@ -403,7 +413,8 @@ impl SourceText<'_> {
         sections.into_iter().map(|(name, section)| self.view(name, section, base, extra_scale)).collect()
     }
 
-    /// Checks a `[view.NAME]` section. The view has the lens `base` with its own changes, if there are any.
+    /// Reads and checks a `[view.NAME]` section, whose lengths are multiplied by `extra_scale`. If the view changes the
+    /// lens, it gets a lens of its own: `base` with these changes.
     fn view(&self, name: String, section: Spanned<ViewSection>, base: Lens, extra_scale: f32) -> Result<View> {
         let span = section.span();
         let ViewSection { eye, look_at, fov_y_deg, orthographic_height_m, near, far, materials } = section.into_inner();
@@ -414,14 +425,16 @@ impl SourceText<'_> {
             let message = format!("view {name:?} looks at its own eye; look_at must be another point");
             return Err(self.error(look_at_span, message));
         }
-        let own = LensSection { fov_y_deg, orthographic_height_m, near, far };
-        let lens =
-            if own == LensSection::default() { None } else { Some(self.lens(&own, (base, extra_scale), span)?) };
+        let lens_section = LensSection { fov_y_deg, orthographic_height_m, near, far };
+        let lens = match lens_section == LensSection::default() {
+            true => None,
+            false => Some(self.lens(&lens_section, (base, extra_scale), span)?),
+        };
         let materials = self.changes(materials)?.into_iter().collect();
         Ok(View { name, eye, look_at, lens, materials })
     }
 
-    /// Checks the changes of materials, by the names of the materials.
+    /// Reads and checks the changes of materials. Keys are the names of the materials.
     fn changes(&self, sections: BTreeMap<String, ChangeSection>) -> Result<BTreeMap<String, MaterialChange>> {
         let change = |(name, section): (String, ChangeSection)| {
             let change = MaterialChange {
@@ -434,7 +447,7 @@ impl SourceText<'_> {
         sections.into_iter().map(change).collect()
     }
 
-    /// Finds the files of the `[[mesh]]` sections; glTF files are among the result, too.
+    /// Finds the files of the `[[mesh]]` sections. The result has the glTF files, too.
     fn meshes(&self, sections: Vec<MeshSection>) -> Result<Vec<ObjFile>> {
         if sections.is_empty() {
             return Err(Error::malformed(self.path, None, "a scene file needs at least one [[mesh]]"));
@@ -455,29 +468,29 @@ impl SourceText<'_> {
     }
 }
 
-/// Applies the file's material sections to the scene, expands `default` in the views to the materials that it stands for, and
-/// warns about names that no material has.
+/// Applies the changes of the file's `[material.NAME]` sections to the scene's materials. In the views, `default` is
+/// replaced by the materials that it stands for. Names that no material has add warnings.
 fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene: &mut Scene) {
     for material in &mut scene.materials {
         if let Some(change) = changes.get(&material.name).or(changes.get(DEFAULT)) {
             change.apply(material);
         }
     }
-    let names: Vec<String> = scene.materials.iter().map(|m: &Material| m.name.clone()).collect();
+    let names: Vec<String> = scene.materials.iter().map(|material| material.name.clone()).collect();
     let unknown = |name: &String| name != DEFAULT && !names.contains(name);
     let place = path.display();
-    for name in changes.keys().filter(|n| unknown(n)) {
+    for name in changes.keys().filter(|name| unknown(name)) {
         scene.warnings.push(format!("{place}: [material.{name}] changes nothing: no mesh has this material"));
     }
     for view in &mut scene.views {
-        for (name, _) in view.materials.iter().filter(|(n, _)| unknown(n)) {
+        for (name, _) in view.materials.iter().filter(|(name, _)| unknown(name)) {
             let what = format!("changes material {name}, which no mesh has");
             scene.warnings.push(format!("{place}: [view.{}] {what}", view.name));
         }
-        let default = view.materials.iter().position(|(n, _)| n == DEFAULT).map(|i| view.materials.remove(i).1);
-        if let Some(change) = default {
+        if let Some(index) = view.materials.iter().position(|(name, _)| name == DEFAULT) {
+            let (_, change) = view.materials.remove(index);
             let mut others: Vec<String> = names.clone();
-            others.retain(|n| view.materials.iter().all(|(m, _)| m != n));
+            others.retain(|other| view.materials.iter().all(|(name, _)| name != other));
             others.sort();
             others.dedup();
             view.materials.extend(others.into_iter().map(|name| (name, change)));

@@ -1,5 +1,5 @@
-//! Texts that people write (scene files, camera paths, maps of G-buffers, manifests of methods): read within a limit of size,
-//! and with the line in every error.
+//! Reads texts that people write (scene files, camera paths, maps of G-buffers, manifests of methods) within a limit of
+//! size. Errors name the line.
 
 use super::encoding;
 use serde::de::DeserializeOwned;
@@ -26,42 +26,43 @@ pub struct SourceText<'a> {
 }
 
 impl SourceText<'_> {
-    /// An error at a byte range of the text.
+    /// Makes an error at a byte range of the text.
     pub fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
         Error::malformed(self.path, Some(self.line(span)), message)
     }
 
-    /// The line, from 1, in which a byte range begins.
+    /// Returns the line, from 1, in which a byte range begins.
     pub fn line(&self, span: Range<usize>) -> usize {
         line_of(self.text.as_bytes(), span.start)
     }
 
-    /// Reads the text as TOML.
+    /// Parses the text as TOML to a value of the type `T`.
     ///
     /// # Errors
     /// [`Error::Malformed`] with the line. One error names all unknown keys, and the first other fault.
     pub fn deserialized<T: DeserializeOwned>(&self) -> Result<T> {
         let syntax = |e: toml::de::Error| self.syntax_error(&e);
         let mut table = DeTable::parse(self.text).map_err(syntax)?;
-        let mut wrong: Vec<toml::de::Error> = Vec::new();
+        let mut errors: Vec<toml::de::Error> = Vec::new();
         loop {
             let error = match T::deserialize(Deserializer::from(table.clone())) {
-                Ok(read) if wrong.is_empty() => return Ok(read),
+                Ok(value) if errors.is_empty() => return Ok(value),
                 Ok(_) => break,
                 Err(error) => error,
             };
-            // The unknown key is removed, so that the keys after it are read, too.
+            // An unknown key is removed, and the rest is read again, to find further faults.
             let is_removed =
                 names_unknown_key(&error) && error.span().is_some_and(|span| remove_key(table.get_mut(), &span));
-            wrong.push(error);
-            if !is_removed || wrong.len() == MOST_UNKNOWN_KEYS {
+            errors.push(error);
+            if !is_removed || errors.len() == MOST_UNKNOWN_KEYS {
                 break;
             }
         }
-        Err(self.all_errors(&mut wrong))
+        Err(self.all_errors(&mut errors))
     }
 
-    /// Joins several errors into one, at the place of the first.
+    /// Joins several errors into one, at the line of the first. Errors about unknown keys come first, in the order of
+    /// the text.
     fn all_errors(&self, errors: &mut [toml::de::Error]) -> Error {
         errors.sort_by_key(|e| (!names_unknown_key(e), e.span().map_or(0, |span| span.start)));
         let [first, others @ ..] = errors else { return Error::malformed(self.path, None, "cannot be read") };
@@ -76,7 +77,7 @@ impl SourceText<'_> {
         }
     }
 
-    /// An error about the syntax or the types of a TOML text.
+    /// Makes an error about the syntax or the types of this TOML text.
     pub fn syntax_error(&self, error: &toml::de::Error) -> Error {
         let message = clause(error);
         match error.span() {
@@ -86,17 +87,18 @@ impl SourceText<'_> {
     }
 }
 
-/// Whether an error is about a key that is not allowed in its table.
+/// Returns true if an error is about a key that is not allowed in its table.
 fn names_unknown_key(error: &toml::de::Error) -> bool {
     error.message().starts_with("unknown field")
 }
 
-/// The message of an error, in one line.
+/// Returns the message of an error, in one line.
 fn clause(error: &toml::de::Error) -> String {
     error.message().trim().replace('\n', "; ")
 }
 
-/// Removes the key at a byte range of a text from its table; `false` if no key is there.
+/// Removes the key at the byte range `place` of the text from `table`, or from a table within it. Returns false if no
+/// key is there.
 fn remove_key(table: &mut DeTable, place: &Range<usize>) -> bool {
     let found = table.iter().find(|(key, _)| key.span() == *place).map(|(key, _)| key.get_ref().to_string());
     if let Some(key) = found {
@@ -105,20 +107,22 @@ fn remove_key(table: &mut DeTable, place: &Range<usize>) -> bool {
     table.iter_mut().any(|(_, value)| remove_key_within(value.get_mut(), place))
 }
 
-/// Removes the key at a byte range of a text from the tables within a value; `false` if no key is there.
+/// Removes the key at the byte range `place` of the text from the tables within a value. Returns false if no key is
+/// there.
 fn remove_key_within(value: &mut DeValue, place: &Range<usize>) -> bool {
     match value {
         DeValue::Table(table) => remove_key(table, place),
-        DeValue::Array(all) => all.iter_mut().any(|value| remove_key_within(value.get_mut(), place)),
+        DeValue::Array(items) => items.iter_mut().any(|value| remove_key_within(value.get_mut(), place)),
         _ => false,
     }
 }
 
-/// Reads a text of at most `most` bytes, without its byte-order mark. `what` names the expected content in errors, as in "a
-/// scene file".
+/// Reads a text of at most `most` bytes, without its byte-order mark. `what` names the expected content in errors, as
+/// in "a scene file".
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Malformed`] for a longer text, and, with the line, for a text that is not UTF-8.
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] for a longer text, and, with the line, for a text
+/// that is not UTF-8.
 pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
     let bytes = bounded::read(path, what, most)?;
     if let Some(name) = encoding::wide_encoding(&bytes) {
@@ -130,17 +134,19 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
     })
 }
 
-/// Reads a text as [`read`] does, but bytes that are not UTF-8 count as Latin-1, since comments in programs may have any bytes.
+/// Reads the text of a program like [`read`]. A text that is not UTF-8 is read as Latin-1, since comments in programs
+/// may have any bytes.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Malformed`] for a longer text, and for a text in UTF-16 or UTF-32.
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] for a longer text, and for a text in UTF-16 or
+/// UTF-32.
 pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
     let bytes = bounded::read(path, what, most)?;
     decode(path, &bytes).map(Cow::into_owned)
 }
 
-/// Decodes a text without its byte-order mark. Text that is not UTF-8 is read as Latin-1, so that different names stay
-/// different.
+/// Decodes a text, and leaves out its byte-order mark. A text that is not UTF-8 is read as Latin-1, so that different
+/// names in it stay different. `path` names the file in errors.
 ///
 /// # Errors
 /// [`Error::Malformed`] for a text in UTF-16 or UTF-32.
@@ -155,14 +161,15 @@ pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     })
 }
 
-/// The line of a byte, counted from 1.
+/// Returns the line, counted from 1, of the byte at an offset.
 fn line_of(text: &[u8], offset: usize) -> usize {
-    1 + text[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count()
+    1 + text[..offset.min(text.len())].iter().filter(|&&byte| byte == b'\n').count()
 }
 
-/// The file name without `.scene.toml` or `.toml`.
+/// Returns the name of a file without its folder and without `.scene.toml` or `.toml`.
 pub fn stem(path: &Path) -> String {
     let name = PathBuf::from(path.file_stem().unwrap_or_default());
-    let stem = if name.extension().is_some_and(|e| e == "scene") { name.with_extension("") } else { name };
+    let stem =
+        if name.extension().is_some_and(|extension| extension == "scene") { name.with_extension("") } else { name };
     stem.to_string_lossy().into_owned()
 }

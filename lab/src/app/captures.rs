@@ -95,7 +95,8 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The handedness in which a scene file states places of captures: that of the given scene file, or else right-handed.
+/// Returns the handedness of the coordinates in which captures are written for a scene file: that of the given scene
+/// file, or right-handed if the scene has no scene file.
 fn coordinates(sources: &[PathBuf]) -> crate::error::Result<Handedness> {
     match sources {
         [file] if super::resolve::is_toml(file) => Ok(scene_file::coordinates(file)?),
@@ -103,7 +104,7 @@ fn coordinates(sources: &[PathBuf]) -> crate::error::Result<Handedness> {
     }
 }
 
-/// Draws captures of a scene, and writes their images and their list into a folder ([`capture_file`]).
+/// Draws captures of a scene, and writes the images, the sky and the list of captures into a folder ([`capture_file`]).
 fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: &Path) -> anyhow::Result<()> {
     let view = match &options.view {
         Some(name) => Some(scene.view(name)?),
@@ -114,25 +115,27 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
     let mut stage = Stage::new(&gpu, scene)?;
     let sky = gbuffer::read_sky(&mut stage)?;
     let (place, inside) = (PathInFolder::folder(folder), Path::new(""));
-    let of_face = (sky.side * sky.side) as usize;
-    for (f, texels) in sky.texels.chunks_exact(of_face).enumerate() {
-        let file = place.join(capture_file::sky_path(inside, f));
+    let texels_a_face = (sky.side * sky.side) as usize;
+    for (face, texels) in sky.texels.chunks_exact(texels_a_face).enumerate() {
+        let file = place.join(capture_file::sky_path(inside, face));
         file.write(&capture_file::encode_sky(sky.side, texels, &file.path())?)?;
     }
     let mut pictures = CubePictures::default();
-    gbuffer::draw_captures(&mut stage, &materials, captures, |k, f, face| {
-        let file = capture_file::face_path(inside, k, f);
+    gbuffer::draw_captures(&mut stage, &materials, captures, |capture, face, data| {
+        let file = capture_file::face_path(inside, capture, face);
         let to = place.join(&file);
-        to.write(&capture_file::encode_face(&face, &to.path())?)?;
-        pictures.add(f, &face);
-        if f + 1 < capture_file::FACES.len() {
+        to.write(&capture_file::encode_face(&data, &to.path())?)?;
+        pictures.add(face, &data);
+        if face + 1 < capture_file::FACES.len() {
             return Ok(());
         }
+        // After the last face of a capture, the pictures of its whole cube are written.
         let [color, depth] = std::mem::take(&mut pictures).crosses();
         color.write_png(place.join(file.with_file_name("color.png")))?;
         Ok(depth.write_png(place.join(file.with_file_name("depth.png")))?)
     })?;
     // The list comes last, so that a folder with a list has all of its faces.
+    // All captures were drawn with this near plane.
     let near_m = common_near_m(captures);
     let drawn: Vec<Capture> = captures.iter().map(|c| Capture { near_m, ..*c }).collect();
     let list = capture_file::encode_list(&drawn, stage.scene().bounds());

@@ -82,7 +82,7 @@ impl CompareOptions {
     }
 }
 
-/// The records of `ssct shaders` in its folder.
+/// The file of records in a folder of `ssct shaders`.
 const SHADERS: &str = "shaders.json";
 
 /// The kind of records or image that a path holds.
@@ -109,16 +109,16 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
     }
 }
 
-/// The kind of records or image that a path holds.
+/// Finds the kind of records or image that a path holds, by the files of a folder or by the ending of a file's name.
 fn sort(path: &Path) -> Result<PathContent> {
-    let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    let has_extension = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     if path.join(SHADERS).is_file() && !path.join(SAMPLES).is_file() {
         return Ok(PathContent::Shaders);
     }
-    if path.is_dir() || is("csv") {
+    if path.is_dir() || has_extension("csv") {
         return Ok(PathContent::Times);
     }
-    if is("png") || is("exr") {
+    if has_extension("png") || has_extension("exr") {
         return Ok(PathContent::Image);
     }
     std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
@@ -144,21 +144,24 @@ fn times(options: &CompareOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compares the passes that two runs have in common.
+/// Compares the passes that two runs have in common. If they have none, the error says how two settings could be
+/// compared.
 fn runs(options: &CompareOptions, threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
     let (a, b) = (load(&options.first)?, load(options.second()?)?);
     let records = compare::times(&a, &b, threshold);
     if records.iter().all(|r| r.only_in.is_some()) {
         let differs = records.iter().find_map(|r| r.differs.as_ref()).map(|d| format!(": {d}")).unwrap_or_default();
-        let way = |([of_a, of_b], is_one_place): ([String; 2], bool)| {
-            let by_name = format!("ssct compare {} {} --a \"{of_a}\" --b \"{of_b}\"", a.name, b.name);
-            let in_turns =
-                format!(", and better in turns of one run, ssct time --variant \"{of_a}\" --variant \"{of_b}\"");
+        // A setting of each run, and whether both settings were timed on the same view, at the same size and roughness.
+        let advice = |([setting_a, setting_b], is_one_place): ([String; 2], bool)| {
+            let by_name = format!("ssct compare {} {} --a \"{setting_a}\" --b \"{setting_b}\"", a.name, b.name);
+            let in_turns = format!(
+                ", and better in turns of one run, ssct time --variant \"{setting_a}\" --variant \"{setting_b}\""
+            );
             let in_turns = if is_one_place { in_turns } else { String::new() };
             format!("; two settings are compared by their names, {by_name}{in_turns}")
         };
-        let way = compare::named_settings(&a, &b).map(way).unwrap_or_default();
-        anyhow::bail!("{} and {} have no pass in common{differs}{way}", a.name, b.name);
+        let advice = compare::named_settings(&a, &b).map(advice).unwrap_or_default();
+        anyhow::bail!("{} and {} have no pass in common{differs}{advice}", a.name, b.name);
     }
     Ok(records)
 }
@@ -201,6 +204,7 @@ fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
     };
     let names = paths.map(|path| path.display().to_string());
     let (a, b) = (read(paths[0])?, read(paths[1])?);
+    // Each run by its name, with its records.
     let (a, b) = ((&*names[0], &*a), (&*names[1], &*b));
     let text = || tables::text(&shaders::compare::tables(a, b));
     let json = || files::json(&shaders::compare::compare(a, b));
@@ -213,12 +217,13 @@ fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
 /// Compares two images of one size.
 fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("images")?;
-    let [a, b] = [&options.first, options.second()?].map(|p| (p.display().to_string(), images::read_image(p)));
-    let (a, b) = ((&*a.0, &a.1?), (&*b.0, &b.1?));
-    let Some(found) = compare::images(a, b) else {
+    let [(name_a, image_a), (name_b, image_b)] =
+        [&options.first, options.second()?].map(|p| (p.display().to_string(), images::read_image(p)));
+    let (image_a, image_b) = (&image_a?, &image_b?);
+    let Some(found) = compare::images((&*name_a, image_a), (&*name_b, image_b)) else {
         let size = |image: &compare::LinearImage| format!("{}x{}", image.width, image.height);
-        let sizes = (size(a.1), size(b.1));
-        anyhow::bail!("images of one size are compared; {} has {} pixels, {} has {}", a.0, sizes.0, b.0, sizes.1);
+        let (size_a, size_b) = (size(image_a), size(image_b));
+        anyhow::bail!("images of one size are compared; {name_a} has {size_a} pixels, {name_b} has {size_b}");
     };
     if let Some(folder) = &options.output {
         report::write_images(&PathInFolder::folder(folder), &found)?;
@@ -228,7 +233,7 @@ fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
 
 /// Prints the result as JSON or as text, as the options say.
 fn print(options: &CompareOptions, json: impl Fn() -> String, text: impl Fn() -> String) -> anyhow::Result<()> {
-    let said = if options.json { json() } else { text() };
-    printed::out().write_all(said.as_bytes())?;
+    let shown = if options.json { json() } else { text() };
+    printed::out().write_all(shown.as_bytes())?;
     Ok(())
 }

@@ -6,8 +6,9 @@ use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// The flags whose values name methods, several with commas between them.
+/// A flag whose value names methods, several with commas between them.
 const METHOD: &str = "--method";
+/// Another flag whose value names methods.
 const AGAINST: &str = "--against";
 /// The flags whose value is one method, followed by flags of this method.
 const VARIANTS: [&str; 3] = ["--variant", "--a", "--b"];
@@ -20,21 +21,23 @@ fn give_up(sentence: &str) {
     signal_hook::low_level::exit(1);
 }
 
-/// Adds the methods of all folders that arguments name; returns the arguments with the methods' names in place of the folders.
+/// Adds the methods of all folders that arguments name. Returns the arguments, in which the names of these methods
+/// stand in place of the folders.
 pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
     custom::give_up_by(give_up);
     let arguments: Vec<OsString> = arguments.collect();
     custom::allow_includes(includes(&arguments));
     let mut known = HashMap::new();
     let mut replaced = Vec::new();
-    let mut flag: Option<&str> = None;
+    // The flag whose value the next argument is, if the last argument was such a flag.
+    let mut open_flag: Option<&str> = None;
     for argument in arguments {
         let Some(text) = argument.to_str() else {
             replaced.push(argument);
-            flag = None;
+            open_flag = None;
             continue;
         };
-        if let Some(option) = flag.take() {
+        if let Some(option) = open_flag.take() {
             replaced.push(names(option, text, &mut known)?.into());
             continue;
         }
@@ -43,7 +46,7 @@ pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsSt
                 replaced.push(format!("{option}={}", names(option, value, &mut known)?).into());
             }
             _ => {
-                flag = flags().find(|flag| *flag == text);
+                open_flag = flags().find(|flag| *flag == text);
                 replaced.push(argument);
             }
         }
@@ -59,13 +62,14 @@ fn flags() -> impl Iterator<Item = &'static str> {
 /// The folders from which the arguments let shaders include files.
 fn includes(arguments: &[OsString]) -> Vec<PathBuf> {
     let is_flag = |argument: &OsString| argument == INCLUDE;
-    let behind = arguments.windows(2).filter(|pair| is_flag(&pair[0])).map(|pair| PathBuf::from(&pair[1]));
-    let with = |argument: &OsString| Some(PathBuf::from(argument.to_str()?.strip_prefix(INCLUDE)?.strip_prefix('=')?));
-    behind.chain(arguments.iter().filter_map(with)).collect()
+    let after_blank = arguments.windows(2).filter(|pair| is_flag(&pair[0])).map(|pair| PathBuf::from(&pair[1]));
+    let after_equals =
+        |argument: &OsString| Some(PathBuf::from(argument.to_str()?.strip_prefix(INCLUDE)?.strip_prefix('=')?));
+    after_blank.chain(arguments.iter().filter_map(after_equals)).collect()
 }
 
-/// The value of a flag, with the names of methods in place of their folders. `known` has the folders that were added,
-/// each with the name of its method.
+/// Returns the value of a flag with the names of methods in place of their folders, whose methods are added. `known`
+/// has the folders that were added before, each with the name of its method.
 fn names(flag: &str, value: &str, known: &mut HashMap<PathBuf, &'static str>) -> Result<String> {
     let mut name = |text: &str| -> Result<String> {
         let Some(folder) = custom::folder(text) else { return Ok(text.to_owned()) };

@@ -35,7 +35,8 @@ pub struct DriversOptions {
     pub json: bool,
 }
 
-/// Compares every other device with the device that the flags name.
+/// Compares the images and the G-buffers of every other device with those of the device that the flags name, and writes
+/// and prints the records.
 pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, "rooms")?;

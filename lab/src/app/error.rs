@@ -64,13 +64,13 @@ impl StudyOptions for ErrorOptions {
             ([], false) => library::names().iter().filter_map(|n| library::scene(n)).collect(),
             _ => vec![resolve::scene(place, "rooms")?],
         };
-        let of_roughness = |values: &[f32]| -> Result<Vec<Globals>> {
+        let with_roughness = |values: &[f32]| -> Result<Vec<Globals>> {
             let one = resolve::one_globals(place, "no roughness was given")?;
             Ok(values.iter().map(|r| Globals { roughness: Some(*r), ..one }).collect())
         };
         let globals = match &place.roughness[..] {
-            [] if self.quick => of_roughness(&QUICK_ROUGHNESS)?,
-            [] => of_roughness(&sweep::ROUGHNESS)?,
+            [] if self.quick => with_roughness(&QUICK_ROUGHNESS)?,
+            [] => with_roughness(&sweep::ROUGHNESS)?,
             _ => resolve::globals(place)?,
         };
         let sizes = match &self.size[..] {

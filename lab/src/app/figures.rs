@@ -32,9 +32,9 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let wanted = find_plates(&options.only, own.as_ref())?;
     let gpu = resolve::gpu(&options.device)?;
     let folder = PathInFolder::folder(&options.output);
-    let of_scene = own.as_ref().map(|own| own.digest.clone());
+    let own_scene_digest = own.as_ref().map(|own| own.digest.clone());
     let key = |plate: &Plate| {
-        let settings = json!([settings(plate, options), of_scene]);
+        let settings = json!([settings(plate, options), own_scene_digest]);
         format!("figure {} {}", plate.stem(), digest(&gpu, &settings))
     };
     let list = list(options, &gpu, wanted.iter().map(|plate| (*plate, key(plate))).collect());
@@ -81,10 +81,10 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The page's file.
+/// The name of the page's file.
 const INDEX: &str = "index.html";
 
-/// Writes the page that shows some figures of one device; the files of the figures lie in the folder.
+/// Writes the page that shows some figures of one device. The files of the figures lie in `folder`.
 pub fn write_page(folder: &PathInFolder, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
     let page = FiguresPage { device, command: command.to_owned(), groups: groups(entries) };
     Ok(folder.join(INDEX).write(page.render(folder)?.as_bytes())?)
@@ -95,7 +95,7 @@ fn settings(plate: &Plate, options: &FiguresOptions) -> Value {
     json!([plate.stem(), plate.arguments(options.size, file(options).as_deref())])
 }
 
-/// The scene file that the options name.
+/// The path of the scene file that the options name, as text.
 fn file(options: &FiguresOptions) -> Option<String> {
     options.scene.as_ref().map(|path| path.to_string_lossy().into_owned())
 }
@@ -109,7 +109,7 @@ struct OwnScene {
 }
 
 impl OwnScene {
-    /// Loads the scene of a file, whose views say which printed scene it is.
+    /// Loads the scene of a file. Its views decide which printed scene it is.
     fn load(path: &Path) -> Result<Self> {
         let file = path.to_string_lossy().into_owned();
         if !path.is_file() {
@@ -134,7 +134,7 @@ impl OwnScene {
     }
 }
 
-/// The list of cells: figures with their keys.
+/// Makes the list of the run's cells, one for each figure. Each figure comes with the key of its entry in the journal.
 fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> CellList {
     let planned = |(plate, key): (&Plate, String)| PlannedCell::new(plate.stem(), settings(plate, options), key);
     let cells = plates.into_iter().map(planned).collect();
@@ -149,20 +149,20 @@ fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> C
     CellList::new(head, gpu.info(), cells)
 }
 
-/// The figures with the given numbers, with or without their document's name; all figures if no number is given. With a scene from a file,
-/// only figures that print this scene are found.
+/// Returns the figures that `only` names by number, with or without the document's stem; all figures if `only` is
+/// empty. With a scene from a file, only figures that show this scene in print are found.
 fn find_plates(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static Plate>> {
-    let is = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
+    let has_name = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
     let is_drawn = |p: &&Plate| own.is_none_or(|own| p.prints.is_some_and(|(printed, _)| printed == own.printed));
     let drawn: Vec<_> = plates().filter(is_drawn).collect();
-    if let Some(unknown) = only.iter().find(|name| drawn.iter().all(|p| !is(p, name))) {
+    if let Some(unknown) = only.iter().find(|name| drawn.iter().all(|p| !has_name(p, name))) {
         let numbers: Vec<&str> = drawn.iter().map(|p| p.number).collect();
         let what = own.map_or("there is no such figure".to_owned(), |own| {
             format!("no such figure shows the scene of {} in print", own.file)
         });
         return Err(Error::usage(format!("--only {unknown}: {what}; available are: {}", numbers.join(", "))));
     }
-    Ok(drawn.into_iter().filter(|p| only.is_empty() || only.iter().any(|name| is(p, name))).collect())
+    Ok(drawn.into_iter().filter(|p| only.is_empty() || only.iter().any(|name| has_name(p, name))).collect())
 }
 
 /// Makes a figure, writes its file, and returns its entry on the page.
@@ -179,9 +179,9 @@ fn make(
         None => Ok(write(plate, (plate.make)(workshop, &arguments)?, folder)?),
     };
     let panels = plate.panels.iter().zip(&arguments).enumerate().map(|(n, ((label, _), arguments))| {
-        // A figure made of intermediates has a folder in its arguments, the others have a file.
-        let inside = arguments.contains("--dump");
-        let file = if inside { String::new() } else { format!(" -o {}-{}.png", plate.stem(), n + 1) };
+        // Arguments with `--dump` name a folder for the render's images; to other arguments the file is added.
+        let has_folder = arguments.contains("--dump");
+        let file = if has_folder { String::new() } else { format!(" -o {}-{}.png", plate.stem(), n + 1) };
         Panel { label: (*label).to_owned(), command: format!("ssct render {arguments}{file}") }
     });
     let name = match plate.source {
@@ -216,6 +216,7 @@ fn write(plate: &Plate, made: FinishedFigure, folder: &PathInFolder) -> Result<S
     }
 }
 
+/// Groups the entries of the page by their documents. A document without entries has no group.
 fn groups(entries: &[Entry]) -> Vec<Group> {
     let documents = [
         (
@@ -259,7 +260,7 @@ fn command(options: &FiguresOptions) -> String {
     command
 }
 
-/// The option that names the scene file, as the shown command has it; empty without a file.
+/// The text ` --scene FILE` for a shown command; empty if the options name no scene file.
 fn in_file(options: &FiguresOptions) -> String {
     file(options).map_or_else(String::new, |file| format!(" --scene {}", quote_word(&file)))
 }

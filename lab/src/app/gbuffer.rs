@@ -50,9 +50,9 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
         eprintln!("ssct: warning: {file}: {clamped} pixels are brighter than {most} and were clamped to it");
     }
     let captures = options.beside.captures.as_deref().map(CaptureFolder::open).transpose()?;
-    let whole = LoadOptions { scale: 1.0, texture_side: MAX_EXTENT };
-    let is_among = !options.triangles.is_empty();
-    let scene = is_among.then(|| resolve::load(&options.triangles, &whole)).transpose()?;
+    let unscaled = LoadOptions { scale: 1.0, texture_side: MAX_EXTENT };
+    let has_triangles = !options.triangles.is_empty();
+    let scene = has_triangles.then(|| resolve::load(&options.triangles, &unscaled)).transpose()?;
     let gpu = resolve::gpu(&options.device)?;
     let setup = options.beside.method_options.setup([data.width, data.height]);
     methods::check_read(&[method], &setup)?;
@@ -66,8 +66,8 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The setup for an image that is made once, where time matters little: pixels in doubt get the most rays of their own unless a number
-/// was given.
+/// Returns the setup for an image that is made once, where time matters little: pixels in doubt get the most rays of
+/// their own, unless the user gave a number.
 fn for_one_image(setup: Setup) -> Setup {
     let is_given = setup.values.given().any(|name| name == "own_rays");
     if is_given { setup } else { setup.with(|effect: &mut EffectParams| effect.own_rays = OwnRays::Sixteen) }

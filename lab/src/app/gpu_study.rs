@@ -34,7 +34,7 @@ const TABLE_VIEW: [&str; 2] = ["atrium", "hall"];
 /// Roughness values at which fragment and compute shaders of `unified` are compared; each of its passes runs at one of these values.
 const STAGES_ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.6];
 
-/// Roughness values of the comparisons of [`Plan::first`] and [`Plan::tracers`]: a mirror, and a narrow lobe.
+/// Roughness values at which [`Plan::first`] and [`Plan::tracers`] compare variants: a mirror, and a narrow lobe.
 const FIRST_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
 /// Side of the copied image, in texels of four bytes; the image is larger than caches.
@@ -97,7 +97,7 @@ impl Plan {
         Self { size: [1920, 1080], samples: 15, table_sizes, views: VIEWS.len() }
     }
 
-    /// A measurement of variants in turn on a view, with each variant also against itself.
+    /// Returns the measurement that times variants in turn on a view, and each variant also against itself.
     fn time<'a>(
         &self,
         gpu: &'a Gpu,
@@ -109,7 +109,8 @@ impl Plan {
         TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 2, samples: self.samples, a_a: true }
     }
 
-    /// Every method in each shader stage that it supports, fragment shaders first. Methods that look into captures come with captures, too.
+    /// Returns the measurement of every method in each shader stage that it supports, fragment shaders first. Methods
+    /// that look into captures are also timed with four captures.
     fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
         let captured = Setup::new(self.size).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
@@ -130,15 +131,16 @@ impl Plan {
         self.time(gpu, place, variants, self.table_sizes.clone(), globals)
     }
 
-    /// `unified` with rays traced on the screen first, and with rays traced among the triangles first. The cheaper order depends on the
-    /// number of triangles and on the device.
+    /// Returns the measurement of `unified` with rays traced on the screen first, and with rays traced among the
+    /// triangles first. Which order is cheaper depends on the number of triangles and on the device.
     fn first<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let variants =
             [FirstTraced::Screen, FirstTraced::Triangles].map(|first| triangles_variant(&Setup::new(self.size), first));
         self.time(gpu, place, variants.to_vec(), vec![self.size], FIRST_ROUGHNESS.map(of_roughness).to_vec())
     }
 
-    /// `traced` by a walk through the tree, and by ray queries; `None` on a device without ray queries.
+    /// Returns the measurement of `traced` by a walk through the tree, and by ray queries; `None` on a device without
+    /// ray queries.
     fn tracers<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Option<TimeSpec<'a>> {
         let variant = |tracer| {
             let setup = Setup::new(self.size).with(|p: &mut EffectParams| p.tracer = tracer);
@@ -149,7 +151,8 @@ impl Plan {
         gpu.has_ray_queries().then(|| self.time(gpu, place, variants, vec![self.size], globals))
     }
 
-    /// The variants of the README's tables on a view, at the roughness values that these tables have for the view's scene.
+    /// Returns the measurement of the variants of the README's tables on a view, at the roughness values that these
+    /// tables have for the view's scene.
     fn readme<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Result<TimeSpec<'a>> {
         let variants = readme::variants(TIMED_SIZE, gpu.info().is_cpu())?;
         let globals = self.readme_roughness(place).iter().map(|r| of_roughness(*r)).collect();
@@ -182,7 +185,8 @@ impl Plan {
         self.views < VIEWS.len()
     }
 
-    /// `unified` with fragment shaders in every pass, and with compute shaders in every pass.
+    /// Returns the measurement of `unified` with fragment shaders in every pass, and with compute shaders in every
+    /// pass.
     fn stages<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
         let variants = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage)).to_vec();
@@ -190,11 +194,13 @@ impl Plan {
     }
 }
 
-/// A variant in each shader stage in which its rays can be traced. Only compute shaders follow rays in captures or among triangles.
+/// Returns a variant in each shader stage in which its rays can be traced. Only compute shaders follow rays in captures
+/// or among triangles.
 fn in_its_stages(variant: &Variant) -> Vec<Variant> {
     let effect = variant.setup.effect();
-    let is_followed = effect.captures != CaptureCount::None || effect.is_among_triangles(variant.method, true);
-    let stages = [ShaderStage::Fragment, ShaderStage::Compute].into_iter().skip(usize::from(is_followed));
+    let has_scene = true;
+    let needs_compute = effect.captures != CaptureCount::None || effect.is_among_triangles(variant.method, has_scene);
+    let stages = [ShaderStage::Fragment, ShaderStage::Compute].into_iter().skip(usize::from(needs_compute));
     let with = |stage| variant.setup.with(|p: &mut EffectParams| p.stage = stage);
     stages.map(|stage| Variant { method: variant.method, setup: with(stage) }).collect()
 }
@@ -205,7 +211,7 @@ fn in_stage(setup: &Setup, stage: StageChoice) -> Variant {
     Variant { method: &unified::INFO, setup }
 }
 
-/// `unified`, whose rays end among the scene's triangles.
+/// Returns `unified` with rays that end among the scene's triangles, traced first as `first` says.
 fn triangles_variant(setup: &Setup, first: FirstTraced) -> Variant {
     let setup = setup.with(|p: &mut EffectParams| p.beyond = BeyondScreen::Triangles);
     Variant { method: &unified::INFO, setup: setup.with(|p: &mut UnifiedParams| p.first = first) }
@@ -226,7 +232,7 @@ fn place([scene, view]: [&str; 2]) -> Result<Place> {
     Ok((scene, view))
 }
 
-/// Measures, writes the folder and prints where the page is.
+/// Measures all parts of the study, writes its folder and prints where the page is.
 pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let (folder, plan) = (&options.output, Plan::new(options.quick));
     let to = PathInFolder::folder(folder);
@@ -295,7 +301,7 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Measures the times that the journal lacks.
+/// Measures the times of some measurements that the journal of the run lacks.
 fn time(specs: &[TimeSpec], run: &mut Run, bar: &ProgressBar) -> Result<()> {
     let mut timed = specs.iter();
     timed.try_for_each(|spec| timing::measure(spec, &mut run.journal, &mut || progress::step(bar)))
@@ -322,7 +328,8 @@ fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Re
     Ok(records)
 }
 
-/// Measures the findings other than times, and keeps the device's images.
+/// Measures what the study reports besides times: the rays' steps, the agreement of images with other devices, the rate
+/// of copies, and the compiled programs. Keeps the device's images for studies on other machines.
 fn findings(
     gpu: &Gpu,
     options: &GpuStudyOptions,
@@ -405,7 +412,7 @@ fn of_the_screen<'a>(spec: &AgreementSpec<'a>) -> AgreementSpec<'a> {
     AgreementSpec { methods, ..spec.clone() }
 }
 
-/// The stem of the names of the kept files: the roughness of the comparison.
+/// The beginning of the names of the kept files: the roughness of the comparison.
 fn stem(spec: &AgreementSpec) -> String {
     spec.globals.roughness.unwrap_or_default().to_string()
 }
@@ -424,7 +431,7 @@ fn compare_with_kept(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) 
     Ok(records)
 }
 
-/// The messages of the validation layers about every method, where the layers are installed.
+/// Returns the messages of the validation layers about every method, or the reason why the layers cannot watch.
 fn layer_messages(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<LayerMessages> {
     let watched = match other_devices::validated(gpu) {
         Err(Error::Ssct(ssct::Error::Usage(why))) => return Ok(LayerMessages::Unknown(why)),

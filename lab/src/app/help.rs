@@ -8,7 +8,7 @@ use clap::builder::Resettable;
 use clap::{Arg, ArgAction, Command, CommandFactory, Subcommand};
 use std::ffi::OsString;
 
-/// The group of the studies.
+/// The title of the group in which the studies are.
 const MEASURE: &str = "Measure";
 
 /// The commands in groups, each with its title; the studies, which have a table of their own, are not named here.
@@ -116,8 +116,8 @@ const HEADINGS: [(&str, &[&str]); 6] = [
     (DEVICE, &["device", "validation", "help", "version"]),
 ];
 
-/// The options that the short help of a command with many options shows, in this order: first those that most people look for, then those
-/// of a command's subject. Required options are always shown, behind these.
+/// The options that the short help of a command with many options shows, in this order: first those that most people
+/// look for, then those that only some commands have. Required options that are not listed here are shown behind them.
 const SHORT: [&str; 26] = [
     "scene",
     "view",
@@ -192,13 +192,14 @@ fn arranged_command(is_short: bool) -> Command {
     command
 }
 
-/// The commands in groups, the studies among them.
+/// Returns the groups of commands: the title of each, and the names of its commands. The studies come first in the
+/// group [`MEASURE`].
 fn groups() -> Vec<(&'static str, Vec<String>)> {
     let studies = StudyCommand::augment_subcommands(Command::new(""));
     let studies: Vec<String> = studies.get_subcommands().map(|c| c.get_name().to_owned()).collect();
     let group = |(title, names): (&'static str, &[&str])| {
-        let own = names.iter().map(|name| (*name).to_owned());
-        (title, studies.iter().filter(|_| title == MEASURE).cloned().chain(own).collect())
+        let listed = names.iter().map(|name| (*name).to_owned());
+        (title, studies.iter().filter(|_| title == MEASURE).cloned().chain(listed).collect())
     };
     GROUPS.into_iter().map(group).collect()
 }
@@ -214,7 +215,8 @@ fn overview(command: &Command) -> String {
     text + "\nThe options of a command: ssct COMMAND -h, and all of them: ssct COMMAND --help.\n\nOptions:\n{options}"
 }
 
-/// Arranges a command and its subcommands.
+/// Arranges a command and its subcommands for the short or for the long help. `path` is what a user types before the
+/// options, such as `ssct gbuffer export`; the short help names it.
 fn arrange(command: Command, path: &str, is_short: bool) -> Command {
     let nested: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
     let command = nested.iter().fold(command, |command, name| {
@@ -249,6 +251,7 @@ fn short(command: Command, path: &str) -> Command {
     let options = || command.get_arguments().filter(|a| !a.is_positional());
     let has_few = options().count() <= FEW;
     let all = options().count();
+    // An option of `SHORT` has its index there, an option in neither list SHORT.len(), and one of `SHORT_LAST` more.
     let order = |a: &Arg| match place(&SHORT_LAST, a) {
         position if position < SHORT_LAST.len() => SHORT.len() + 1 + position,
         _ => place(&SHORT, a),
@@ -269,7 +272,8 @@ fn short(command: Command, path: &str) -> Command {
     command.after_help(more)
 }
 
-/// Makes an option fit into the column of the short help: if it is too wide, the name of its value is cut to the first word.
+/// Makes an option fit into the column of the short help: if the option is too wide, the name of its value is cut to
+/// its first word.
 fn narrow(argument: Arg) -> Arg {
     let name = argument.get_value_names().and_then(|names| names.first()).map(ToString::to_string);
     let width = |value: &str| "-- <>".len() + argument.get_long().map_or(0, str::len) + value.chars().count();
@@ -284,24 +288,26 @@ fn narrow(argument: Arg) -> Arg {
 
 /// Puts every option under its heading, and headings and options in their order.
 fn long(command: Command) -> Command {
-    let headed = |argument: &Arg| {
-        let is_in = |(_, ids): &&(&str, &[&str])| place(ids, argument) < ids.len();
-        let own = argument.get_help_heading().map(str::to_owned);
-        own.or_else(|| HEADINGS.iter().find(is_in).map(|(heading, _)| (*heading).to_owned()))
+    let find_heading = |argument: &Arg| {
+        let lists_option = |(_, ids): &&(&str, &[&str])| place(ids, argument) < ids.len();
+        let own_heading = argument.get_help_heading().map(str::to_owned);
+        own_heading.or_else(|| HEADINGS.iter().find(lists_option).map(|(heading, _)| (*heading).to_owned()))
     };
     let mut sorted: Vec<Arg> = command.get_arguments().cloned().collect();
     for argument in sorted.iter_mut().filter(|a| !a.is_positional()) {
-        if let Some(heading) = headed(argument) {
+        if let Some(heading) = find_heading(argument) {
             *argument = argument.clone().help_heading(heading);
         }
     }
+    // The index of an option's heading, and the index of the option under it.
     let rank = |argument: &Arg| {
         let heading = argument.get_help_heading()?;
         let heading_index = HEADINGS.iter().position(|(known, _)| *known == heading).unwrap_or(HEADINGS.len());
-        let in_it = HEADINGS.get(heading_index).map_or(0, |(_, ids)| place(ids, argument));
-        Some((heading_index, in_it))
+        let option_index = HEADINGS.get(heading_index).map_or(0, |(_, ids)| place(ids, argument));
+        Some((heading_index, option_index))
     };
-    // Positional arguments have no heading, come first and keep their order; parameters of methods come last and keep their order, too.
+    // Positional arguments, which have no heading, come first. Parameters of methods, whose headings `HEADINGS` lacks,
+    // come last. Both keep their order.
     sorted.sort_by_key(rank);
     let mut sorted = sorted.into_iter().enumerate().map(|(n, a)| a.display_order(n));
     // clap calls the closure once for each argument, so that `sorted` never runs out.

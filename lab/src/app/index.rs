@@ -36,7 +36,7 @@ pub struct IndexOptions {
     threshold: f64,
 }
 
-/// Reads the library, writes its page, and says what the page has.
+/// Reads the runs of a folder, writes the page over them, and prints how much the page shows.
 pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
     check_threshold(options.threshold)?;
     methods::find(&options.base)?;
@@ -50,7 +50,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
         anyhow::bail!("{}: no folder in it holds records of the studies{why}", options.folder.display());
     }
     let (trends, changes) = (trends(&library.runs, &options.base), changes(&library.runs, options.threshold));
-    let way = relative_path(output, &options.folder)?;
+    let path_to_runs = relative_path(output, &options.folder)?;
     let html = LibraryPage {
         command: &command(options),
         library: &library,
@@ -58,7 +58,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
         changes: &changes,
         base: &options.base,
         threshold: options.threshold,
-        way: way.as_deref(),
+        way: path_to_runs.as_deref(),
     };
     let html = html.render().map_err(|e| anyhow::anyhow!("cannot draw the plots of {}: {e}", page.path().display()))?;
     page.write(html.as_bytes())?;
@@ -82,7 +82,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
 fn check_is_library_page(page: &PathInFolder) -> Result<()> {
     let is_library = |text: &str| text.contains(&format!("<title>ssct {LIBRARY_TITLE}</title>"));
     match page.read()? {
-        Some(there) if !is_library(&String::from_utf8_lossy(&there)) => {
+        Some(existing) if !is_library(&String::from_utf8_lossy(&existing)) => {
             let page = page.path();
             Err(Error::usage(format!("{} is no page of a library: name another folder with -o", page.display())))
         }
@@ -94,10 +94,10 @@ fn check_is_library_page(page: &PathInFolder) -> Result<()> {
 /// below the page's folder.
 fn relative_path(output: &Path, library: &Path) -> Result<Option<String>> {
     PathInFolder::folder(output).make()?;
-    let whole = |path: &Path| std::fs::canonicalize(path).map_err(|e| Error::io("read", path, e));
-    let (output, library) = (whole(output)?, whole(library)?);
-    let parts = |way: &Path| way.components().map(|part| format!("{}/", part.as_os_str().to_string_lossy())).collect();
-    Ok(library.strip_prefix(&output).ok().map(parts))
+    let absolute = |path: &Path| std::fs::canonicalize(path).map_err(|e| Error::io("read", path, e));
+    let (output, library) = (absolute(output)?, absolute(library)?);
+    let joined = |way: &Path| way.components().map(|part| format!("{}/", part.as_os_str().to_string_lossy())).collect();
+    Ok(library.strip_prefix(&output).ok().map(joined))
 }
 
 /// The command as the page shows it.

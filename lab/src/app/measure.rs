@@ -98,7 +98,8 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
         engine::measure(&mut study, &list, &mut Bench { gpu: &gpu, journal: &mut run.journal, go_on, advance, keep });
     bar.finish_and_clear();
     drop(study);
-    // The files of the run may still hold results that its journal lost, so that fewer results are not written over them.
+    // The files of the run may still have the results that cannot be read in its journal. They are not overwritten with
+    // fewer results.
     if outcome.is_err() && !unreadable.is_empty() {
         return run.ended(outcome);
     }

@@ -32,8 +32,8 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
         return reference_part::merge(options);
     }
     let inputs = options.folders.iter().map(|folder| run_folder::read(folder)).collect::<Result<Vec<_>>>()?;
-    let own = |input: &MergeInput| same_folder(&input.folder, &options.output);
-    if let Some(input) = inputs.iter().find(|input| own(input)) {
+    let is_output = |input: &MergeInput| same_folder(&input.folder, &options.output);
+    if let Some(input) = inputs.iter().find(|input| is_output(input)) {
         let message = format!("-o {}: the result must lie beside what is merged", input.folder.display());
         return Err(Error::usage(message).into());
     }
@@ -70,7 +70,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     wrote
 }
 
-/// Refuses runs that another version of the program measured. Merged runs are all of one version, which the page names.
+/// Refuses merged cells that another version of the program measured, since the page names this program's version.
 fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
     let (version, commit) = (Provenance::VERSION, Provenance::commit());
     if cells.version == version && cells.commit == commit {
@@ -81,7 +81,8 @@ fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
     Err(Error::malformed(folder, None, message))
 }
 
-/// Refuses a folder with results that are not among the merged ones, whether its run was finished or not: writing would lose these results.
+/// Refuses an output folder whose journal has results that are not among the merged ones, since writing would lose
+/// them. It does not matter whether the run in this folder was finished.
 fn check_nothing_is_lost(folder: &PathInFolder, merged: &MergedRun) -> Result<()> {
     let kept: BTreeSet<String> = merged.lines.iter().filter_map(|line| journal::key_of(line)).collect();
     let lost = run_folder::keys(folder)?.into_iter().filter(|key| !kept.contains(key)).count();
@@ -96,7 +97,7 @@ fn check_nothing_is_lost(folder: &PathInFolder, merged: &MergedRun) -> Result<()
     )))
 }
 
-/// True if two paths lead to one folder that exists.
+/// True if two paths lead to the same folder, which exists.
 fn same_folder(a: &Path, b: &Path) -> bool {
     a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
@@ -133,27 +134,27 @@ struct DrawnFigure {
     entry: Entry,
 }
 
-/// The error for a result that is no figure.
+/// Makes the error for a result in the merged journal that is no figure.
 fn unreadable(e: serde_json::Error) -> Error {
     Error::malformed(run_folder::JOURNAL, None, format!("holds a result that cannot be read: {e}"))
 }
 
 /// Writes the figures of each device, and their pages.
 fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result<()> {
-    let drawn = |result: &MergedResult| {
+    let drawn_figure = |result: &MergedResult| {
         let entry = Entry::deserialize(&result.value).map_err(unreadable)?;
         Ok(DrawnFigure { device: merged.cells.devices[result.device].clone(), entry })
     };
-    let all = merged.results.iter().map(drawn).collect::<Result<Vec<_>>>()?;
+    let all = merged.results.iter().map(drawn_figure).collect::<Result<Vec<_>>>()?;
     let CellList { command, definitions, devices, .. } = &merged.cells;
     // Runs on one device must draw equal files.
-    let same = devices.len() == 1;
-    let apart = by_device(&all, |r| &r.device);
+    let must_be_equal = devices.len() == 1;
+    let device_figures = by_device(&all, |r| &r.device);
     let mut parts = Vec::new();
-    for (n, (device, drawn)) in apart.iter().enumerate() {
-        let to = if apart.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
+    for (n, (device, drawn)) in device_figures.iter().enumerate() {
+        let to = if device_figures.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
         for file in drawn.iter().filter_map(|r| r.entry.file.as_ref().ok()) {
-            copies::copy_file(&pictures_of(inputs, Some(device), file), &to.join(file), same)?;
+            copies::copy_file(&pictures_of(inputs, Some(device), file), &to.join(file), must_be_equal)?;
         }
         let entries: Vec<Entry> = drawn.iter().map(|r| r.entry.clone()).collect();
         figures::write_page(&to, &entries, device, command)?;
@@ -161,7 +162,7 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
         parts.push(DeviceText { title: device_name(device), text, folder: device_folder(n) });
     }
     let page = folder.join(PAGE);
-    if apart.len() > 1 {
+    if device_figures.len() > 1 {
         folder.join("figures.json").write(files::json(&all).as_bytes())?;
         let text = html::devices_page("Merged: figures", *definitions, command, &parts, &merged.missing);
         page.write(text.as_bytes())?;
@@ -172,16 +173,18 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
     Ok(())
 }
 
-/// The places where runs may hold a figure that `device` drew; `None` stands for any device.
+/// Returns the paths where runs may have the picture `file` that `device` drew, or that any device drew if it is
+/// `None`.
 fn pictures_of(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -> Vec<PathInFolder> {
-    let of_run = |input: &MergeInput| {
+    let pictures_of_run = |input: &MergeInput| {
         let run = PathInFolder::folder(&input.folder);
-        let apart = input.cells.devices.len() > 1;
+        // A run of several devices has a folder for each of them.
+        let has_device_folders = input.cells.devices.len() > 1;
         let devices = input.cells.devices.iter().enumerate().filter(|(_, d)| device.is_none_or(|device| *d == device));
-        let folder = |(n, _): (usize, _)| if apart { run.join(device_folder(n)) } else { run.clone() };
+        let folder = |(n, _): (usize, _)| if has_device_folders { run.join(device_folder(n)) } else { run.clone() };
         devices.map(folder).map(|folder| folder.join(file)).collect::<Vec<_>>()
     };
-    inputs.iter().flat_map(of_run).collect()
+    inputs.iter().flat_map(pictures_of_run).collect()
 }
 
 /// Prints how many cells of how many devices were merged, and which cells are missing.

@@ -16,13 +16,14 @@ pub struct Merger {
     pub kind: &'static str,
     /// How results of the runs are read, and which columns are times.
     pub results: ResultKind,
-    /// Checks a run before any of it is written. The error gives the line of the journal that is at fault, if it is known, and the reason.
+    /// Checks a run before any of it is written. The error says which line of the journal is at fault, if that is
+    /// known, and why.
     pub check: fn(&MergeInput) -> Result<()>,
     /// Writes the files of the merged run.
     pub write: fn(&Merging) -> anyhow::Result<()>,
 }
 
-/// Runs, and the run that they are merged into.
+/// Runs, and the one run into which they are merged.
 pub struct Merging<'a> {
     /// The runs.
     pub inputs: &'a [MergeInput],
@@ -47,16 +48,17 @@ impl Merger {
     }
 }
 
-/// Writes the files of a study that was merged.
+/// Writes the files of the merged run of a study: copies of the files that lie beside the runs' journals, and the
+/// results. If rows are from several devices, each device's copies go into a folder of its own.
 fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result<()> {
     let rows = engine::rows::<R>(&merged.cells, &merged.journal);
-    let apart = by_device(&rows, |r| &r.program().device);
-    for (n, (device, _)) in apart.iter().enumerate() {
-        let to = if apart.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
+    let device_rows = by_device(&rows, |r| &r.program().device);
+    for (n, (device, _)) in device_rows.iter().enumerate() {
+        let to = if device_rows.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
         let has_device = |input: &&MergeInput| input.cells.devices.contains(device);
-        let of_device: Vec<&MergeInput> = inputs.iter().filter(has_device).collect();
+        let device_inputs: Vec<&MergeInput> = inputs.iter().filter(has_device).collect();
         for name in R::FOLDERS {
-            copies::copy_files(&named_folders(&of_device, name), &to.join(name), false)?;
+            copies::copy_files(&named_folders(&device_inputs, name), &to.join(name), false)?;
         }
     }
     Results { rows: &rows, list: &merged.cells, missing: &merged.missing }.write(folder)?;
@@ -70,22 +72,22 @@ fn check_study<R: Row>(input: &MergeInput) -> Result<()> {
     Ok(folders.into_iter().try_for_each(|folder| copies::check(&folder))?)
 }
 
-/// The error for a journal with a result that cannot be right.
+/// Makes the error for a journal with a result that cannot be right, in the given line if it is known.
 pub fn wrong_journal(input: &MergeInput, line: Option<usize>, why: &str) -> Error {
     Error::malformed(input.folder.join(JOURNAL), line, why)
 }
 
-/// The folders called `name` in each run and in the folders of the run's devices.
+/// Returns the folders called `name` of some runs: in each run's folder, and in the run's folder of each device.
 fn named_folders(inputs: &[&MergeInput], name: &str) -> Vec<PathInFolder> {
-    let of_run = |input: &&MergeInput| {
+    let run_folders = |input: &&MergeInput| {
         let run = PathInFolder::folder(&input.folder);
         let devices = (0..input.cells.devices.len()).map(|n| run.join(device_folder(n)).join(name));
         std::iter::once(run.join(name)).chain(devices).collect::<Vec<_>>()
     };
-    inputs.iter().flat_map(of_run).collect()
+    inputs.iter().flat_map(run_folders).collect()
 }
 
-/// Fails if a row has to pass and does not.
+/// Returns an error if a row fails that has to pass.
 pub fn passed<R: Row>(rows: &[R]) -> anyhow::Result<()> {
     R::failure(rows).map_or(Ok(()), |failure| Err(anyhow::anyhow!(failure)))
 }

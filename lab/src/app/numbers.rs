@@ -5,7 +5,8 @@ use clap::Command;
 use clap::builder::ValueParser;
 use std::any::TypeId;
 
-/// A command line whose options take `-0.1` after a blank as well as after `=`, and whose errors say that a text is no number.
+/// Returns the command line with options that take `-0.1` after a blank as well as after `=`, and whose errors say that
+/// a text is no number.
 pub fn with_sentences(command: Command) -> Command {
     let nested: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
     let command = nested.iter().fold(command, |command, name| command.mut_subcommand(name, with_sentences));
@@ -60,12 +61,12 @@ mod tests {
     #[test]
     fn what_is_no_number_is_said_in_words() {
         for words in [&["--roughness", "0.5f"][..], &["--roughness=0.5f"]] {
-            let said = parse(words).unwrap_err();
-            assert!(said.contains("\"0.5f\" is no number; write it as 0.5"), "{said}");
+            let message = parse(words).unwrap_err();
+            assert!(message.contains("\"0.5f\" is no number; write it as 0.5"), "{message}");
         }
         for words in [&["--size", "-1x5"][..], &["--size=-1x5"]] {
-            let said = parse(words).unwrap_err();
-            assert!(said.contains("\"-1x5\" is no size; write it as 960x540"), "{said}");
+            let message = parse(words).unwrap_err();
+            assert!(message.contains("\"-1x5\" is no size; write it as 960x540"), "{message}");
         }
     }
 }

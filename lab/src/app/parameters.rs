@@ -25,7 +25,7 @@ impl MethodOptions {
         Setup { values: self.values.clone(), ..Setup::new(extent) }
     }
 
-    /// Makes options from values as they are typed, each with the name of its flag.
+    /// Makes options from pairs: the name of a flag, and its value as it is typed.
     ///
     /// # Errors
     /// A sentence for a name that no method has, and for a value that its parameter does not take.
@@ -35,8 +35,8 @@ impl MethodOptions {
         let mut values = Values::default();
         for (name, text) in typed {
             if name == PRESET {
-                let none = || usage(format!("there is no preset {text:?}"));
-                values.preset = Preset::of_name(text).ok_or_else(none)?;
+                let unknown = || usage(format!("there is no preset {text:?}"));
+                values.preset = Preset::of_name(text).ok_or_else(unknown)?;
                 continue;
             }
             let row = parameters.iter().map(|(p, _)| p).find(|p| p.typed_name() == name);
@@ -46,23 +46,23 @@ impl MethodOptions {
         Ok(Self { values })
     }
 
-    /// The parameters that a command line gives, each with its value as it was typed.
+    /// Returns the parameters that a command line gives: the name of each flag, and its value as it was typed.
     pub fn typed(matches: &ArgMatches) -> Vec<(String, String)> {
-        let given = |id: &String| {
-            let there = matches.try_contains_id(id).unwrap_or(false)
+        let given_value = |id: &String| {
+            let is_given = matches.try_contains_id(id).unwrap_or(false)
                 && matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
             let raw = || matches.get_raw(id).and_then(|mut v| v.next()).map(|v| v.to_string_lossy().into_owned());
-            there.then(|| (id.clone(), raw().unwrap_or_default()))
+            is_given.then(|| (id.clone(), raw().unwrap_or_default()))
         };
         let mut names: Vec<_> = methods::parameters().into_iter().map(|(p, _)| p.typed_name()).collect();
         names.push(PRESET.to_owned());
         names.sort_unstable();
         names.dedup();
-        names.iter().filter_map(given).collect()
+        names.iter().filter_map(given_value).collect()
     }
 }
 
-/// A method with flags of its own, as one word of a command line.
+/// A method with flags of its own, which together are the value of one flag, such as `--variant`.
 #[derive(Debug, Clone)]
 pub struct TypedVariant {
     method: String,
@@ -112,8 +112,8 @@ pub fn choice<T: Choices + Send + Sync>() -> impl TypedValueParser<Value = T> {
         .try_map(|name| T::of_name(&name).ok_or_else(|| format!("there is no {name:?}")))
 }
 
-/// The flag for all parameters of one name, each given with the methods that read it. The help has the values of both presets, which may
-/// differ between methods; the accepted values do not differ.
+/// Makes the flag for parameters that have one name, each given with the methods that read it. The help has the values
+/// of both presets, which may differ between methods; all these parameters accept the same values.
 fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
     let (parameter, _) = &same[0];
     let values = |(p, methods): &(Parameter, Vec<&methods::MethodInfo>)| {
@@ -145,9 +145,9 @@ fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
         Domain::Number { .. } => argument.value_parser(parsed).value_name("X"),
         Domain::ChoicesOrCount(named, least, most) => {
             let names: Vec<_> = named.iter().map(|c| c.name).collect();
-            let told: String = named.iter().map(|c| format!("\n- {}: {}", c.name, c.help)).collect();
+            let choices: String = named.iter().map(|c| format!("\n- {}: {}", c.name, c.help)).collect();
             let name = format!("N|{}", names.join("|"));
-            let help = format!("{about}{told}\n- N: so many, from {least} to {most}");
+            let help = format!("{about}{choices}\n- N: so many, from {least} to {most}");
             argument.value_parser(parsed).value_name(name).long_help(help)
         }
         domain => argument.value_parser(possible(parameter)).value_name(match domain {
@@ -157,18 +157,21 @@ fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
     }
 }
 
-/// The heading of a flag: [`METHOD`] for a parameter of the effect, or else the names of the methods that read the parameter.
+/// Returns the heading of the flag for parameters that have one name, each given with the methods that read it. The
+/// heading is [`METHOD`] for a parameter of the effect, or else has the names of these methods.
 fn heading(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
-    if EffectParams::table().iter().any(|around| around.name == same[0].0.name) {
+    let (parameter, _) = &same[0];
+    if EffectParams::table().iter().any(|known| known.name == parameter.name) {
         return METHOD.to_owned();
     }
     let mut names: Vec<_> = same.iter().flat_map(|(_, methods)| methods.iter().map(|m| m.name)).collect();
-    // The names are sorted as the table of methods is, since two declarations of a parameter may list their methods in another order.
+    // The names get the order of the table of methods, since declarations of one parameter may list its methods in
+    // different orders.
     names.sort_by_key(|name| methods::all().iter().position(|m| m.name == *name));
     format!("Parameters of {}", names.join(", "))
 }
 
-/// The parser of a parameter that takes few values, all of which the help lists.
+/// Makes the parser of a parameter that takes few values, all of which the help lists.
 fn possible(parameter: &Parameter) -> ValueParser {
     let few = match &parameter.domain {
         Domain::Choices(all) => all.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim())).collect(),
@@ -326,8 +329,8 @@ mod tests {
         assert_eq!((variant.method.name, variant.setup.values.preset), ("stochastic", Preset::Author));
         assert_eq!((effect.fade, effect.history, effect.history_frames), (false, HistoryUse::Off, 4));
         for (wrong, says) in [("", "required"), ("ssct --fade maybe", "maybe"), ("ssct --no-such 1", "--no-such")] {
-            let said = typed_variant(wrong).expect_err(wrong);
-            assert!(said.contains(says) && !said.contains('\n'), "{wrong}: {said}");
+            let message = typed_variant(wrong).expect_err(wrong);
+            assert!(message.contains(says) && !message.contains('\n'), "{wrong}: {message}");
         }
         for wrong in ["none", "ssct --stochastic-rays 2"] {
             assert!(typed_variant(wrong).expect("flags that there are").over(&base).is_err(), "{wrong}");
@@ -368,8 +371,8 @@ mod tests {
             assert_eq!(recorded, text.parse::<u32>().map_or_else(|_| json!(text), |n| json!(n)), "{text}");
         }
         for wrong in ["0", "9", "one", "-1"] {
-            let said = parse(&[&format!("--captures={wrong}")]).expect_err(wrong).to_string();
-            assert!(said.contains("none, auto, camera, or whole numbers from 1 to 8"), "{wrong}: {said}");
+            let message = parse(&[&format!("--captures={wrong}")]).expect_err(wrong).to_string();
+            assert!(message.contains("none, auto, camera, or whole numbers from 1 to 8"), "{wrong}: {message}");
         }
     }
 

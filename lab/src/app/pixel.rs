@@ -52,9 +52,13 @@ fn outside([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Error {
 
 /// A frame on the host, and the world that it shows.
 pub struct Judge<'a> {
+    /// The G-buffer and the rays of the frame.
     inspection: Inspection,
+    /// The images that the method made.
     made: MethodImages<'a>,
+    /// The scene's triangles, for rays of the references.
     world: World<'a>,
+    /// The name of the method and its number of bounces.
     method: PixelMethod<'a>,
 }
 
@@ -106,7 +110,7 @@ mod tests {
             assert!(parse(wrong).unwrap_err().contains(wrong), "{wrong}");
         }
         assert!(check([63, 35], [64, 36]).is_ok());
-        let said = check([64, 3], [64, 36]).unwrap_err().to_string();
-        assert!(said.contains("64,3") && said.contains("64x36") && said.contains("63,35"), "{said}");
+        let message = check([64, 3], [64, 36]).unwrap_err().to_string();
+        assert!(message.contains("64,3") && message.contains("64x36") && message.contains("63,35"), "{message}");
     }
 }

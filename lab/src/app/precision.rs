@@ -14,10 +14,10 @@ use ssct::methods;
 /// Roughness values where none are given.
 const ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
-/// The default method beside the judged one.
+/// The method that is measured by default beside [`stress::JUDGED`].
 const BESIDE: &str = "ssct";
 
-/// The method that copies the G-buffer's bits, and so has to know their formats.
+/// The screen-space method that works with one format of the G-buffer alone, since it copies the G-buffer's bits.
 const FORMAT_DEPENDENT_METHOD: &str = "poster";
 
 /// Options of `ssct precision`.

@@ -4,7 +4,7 @@ use super::run::go_on;
 use crate::error::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar over `length` steps; silent where standard error is no terminal.
+/// Makes a bar over `length` steps, with the label `what`. It is hidden where standard error is no terminal.
 pub fn bar(what: &str, length: usize) -> ProgressBar {
     let bar = ProgressBar::new(length as u64);
     if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {

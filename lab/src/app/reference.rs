@@ -19,7 +19,7 @@ use ssct_truth::reference::world::state::WorldState;
 use ssct_truth::reference::world::{SamplingTarget, WorldReference};
 use std::path::{Path, PathBuf};
 
-/// Rays a pixel that are traced before the program can stop again, where no standard error is asked for.
+/// Rays a pixel that [`truth`] traces before the program can stop again.
 const RAYS_AT_ONCE: u32 = 4;
 
 /// Takes samples of the world reference until the standard error is met, and writes the image. Samples that were kept
@@ -85,17 +85,17 @@ fn sample(
     cache: Option<PathBuf>,
     progress: &mut dyn FnMut(&WorldState) -> Result<()>,
 ) -> Result<WorldState> {
-    let kept = cache.map(|folder| kept_in(&folder, reference));
-    let (mut state, unusable) = match &kept {
+    let state_file = cache.map(|folder| kept_in(&folder, reference));
+    let (mut state, why_unusable) = match &state_file {
         Some(path) => reference.resume(path),
         None => (reference.start(), None),
     };
-    if let Some(why) = unusable {
+    if let Some(why) = why_unusable {
         eprintln!("ssct: warning: {why}; sampling begins anew");
     }
     reference.run(&mut state, target, &mut |state| {
         progress(state)?;
-        if let Some(path) = &kept {
+        if let Some(path) = &state_file {
             state.save(path)?;
         }
         Ok::<_, Error>(())
@@ -154,18 +154,20 @@ fn target(options: &RenderOptions) -> SamplingTarget {
     }
 }
 
-/// Colours as an image of four channels, of which the fourth is 1.
+/// Makes an image of colours, row by row, with four channels, of which the fourth is 1.
 fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
     Pixels { width, height, channels: 4, values: color.iter().flat_map(|c| c.extend(1.0).to_array()).collect() }
 }
 
-/// The file that keeps a reference's state in a folder.
+/// Returns the path of the file in `folder` that keeps the state of a reference.
 pub fn kept_in(folder: &Path, reference: &WorldReference) -> PathBuf {
     whole_file(folder, &short(&reference.fingerprint()))
 }
 
-/// The folder that keeps states if `--cache` names no other.
+/// The folder that keeps states if `--cache` names no other: `ssct` in the user's folder of caches. `None` if the
+/// environment names no such folder.
 pub fn default_cache() -> Option<PathBuf> {
-    let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-    Some(set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")))?.join("ssct"))
+    let variable = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let caches = variable("XDG_CACHE_HOME").or_else(|| Some(variable("HOME")?.join(".cache")))?;
+    Some(caches.join("ssct"))
 }

@@ -57,7 +57,7 @@ pub struct ReferencePart {
 }
 
 impl ReferencePart {
-    /// A share of a reference's rays.
+    /// Describes the share that `shard` samples of the `rays` rays a pixel of a reference.
     pub fn new(reference: &WorldReference, (scene, view): (&Scene, &View), shard: Shard, rays: u32) -> Self {
         let samples = samples_of(shard.index, shard.count, rays);
         Self {
@@ -75,7 +75,7 @@ impl ReferencePart {
         }
     }
 
-    /// The file of the share's sums in a folder.
+    /// The path of the file in `folder` that keeps the sums of the share's samples.
     fn sums_in(&self, folder: &Path) -> PathBuf {
         part_file(folder, &self.fingerprint, &(self.samples[0]..self.samples[1]))
     }
@@ -86,7 +86,8 @@ impl ReferencePart {
         format!("{} {} {width}x{height}", self.scene, self.view)
     }
 
-    /// What must be equal in all shares of one reference, beside the fingerprint by which they are grouped: each with its name.
+    /// Returns the names and values of the properties that must be equal in all shares of one reference. The
+    /// fingerprint is not among them, since shares are grouped by it.
     fn must_agree(&self) -> [(&'static str, String); 4] {
         [
             ("version", self.version.clone()),
@@ -97,8 +98,8 @@ impl ReferencePart {
     }
 }
 
-/// Takes the samples of a share that its folder lacks, and keeps them there. `progress` is called after every few
-/// samples.
+/// Takes the samples of a share that `folder` does not have yet, and keeps them there. Returns the sums of the share.
+/// `progress` is called after every [`RAYS_AT_ONCE`] rays a pixel, and its error ends the sampling.
 pub fn sample(
     reference: &WorldReference,
     part: &ReferencePart,
@@ -106,7 +107,7 @@ pub fn sample(
     progress: &mut dyn FnMut(&WorldState) -> Result<()>,
 ) -> Result<WorldState> {
     let [first, end] = part.samples;
-    let kept = part.sums_in(folder);
+    let sums_file = part.sums_in(folder);
     if first == end {
         eprintln!(
             "ssct: warning: shard {} has no rays: {} are too few for {}",
@@ -114,15 +115,15 @@ pub fn sample(
         );
         return Ok(reference.start_at(first));
     }
-    files::write(&kept.with_extension(PART), format!("{}\n", json!(part)).as_bytes())?;
-    let (mut state, unusable) = reference.resume_at(&kept, first);
-    if let Some(why) = unusable {
+    files::write(&sums_file.with_extension(PART), format!("{}\n", json!(part)).as_bytes())?;
+    let (mut state, why_unusable) = reference.resume_at(&sums_file, first);
+    if let Some(why) = why_unusable {
         eprintln!("ssct: warning: {why}; sampling begins anew");
     }
     while state.samples() < end {
         let rays = RAYS_AT_ONCE.min(end - state.samples());
         reference.add(&mut state, rays);
-        state.save(&kept)?;
+        state.save(&sums_file)?;
         progress(&state)?;
     }
     Ok(state)
@@ -131,25 +132,25 @@ pub fn sample(
 /// A share as files keep it: the file of its description, the description, and the sums, if there are some already.
 type KeptPart = (PathBuf, ReferencePart, Option<WorldPart>);
 
-/// The shares in a folder.
+/// Reads the shares that a folder holds.
 fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
     let mut parts = Vec::new();
     let inside = PathInFolder::folder(folder);
-    for listed in inside.list()?.into_iter().filter(is_part) {
-        let place = inside.join(&listed.name);
+    for entry in inside.list()?.into_iter().filter(is_part) {
+        let place = inside.join(&entry.name);
         let path = place.path();
         let wrong = |line: Option<usize>, why: String| {
             Error::malformed(&path, line, format!("is no share of a reference: {why}"))
         };
         let text = place.bytes()?;
         let part: ReferencePart = serde_json::from_slice(&text).map_err(|e| wrong(Some(e.line()), e.to_string()))?;
-        // The digest becomes part of a file's name, so that only hexadecimal digits may pass.
+        // The digest becomes part of a file's name, so it may have hexadecimal digits only.
         if part.fingerprint.is_empty() || !part.fingerprint.chars().all(|c| c.is_ascii_hexdigit()) {
             return Err(wrong(None, format!("its digest is {:?}", part.fingerprint)));
         }
-        let kept = part.sums_in(folder);
-        let is_there = inside.join(kept.file_name().unwrap_or_default()).open()?.is_some();
-        let sums = is_there.then(|| WorldPart::read(&kept)).transpose()?;
+        let sums_file = part.sums_in(folder);
+        let has_sums = inside.join(sums_file.file_name().unwrap_or_default()).open()?.is_some();
+        let sums = has_sums.then(|| WorldPart::read(&sums_file)).transpose()?;
         parts.push((path, part, sums));
     }
     Ok(parts)
@@ -160,33 +161,35 @@ pub fn has_parts(folder: &Path) -> bool {
     PathInFolder::folder(folder).list().is_ok_and(|all| all.iter().any(is_part))
 }
 
-/// True if a file of a folder describes a share.
-fn is_part(listed: &FolderEntry) -> bool {
-    listed.name.ends_with(&format!(".{PART}"))
+/// True if a file of a folder describes a share, by its name.
+fn is_part(entry: &FolderEntry) -> bool {
+    entry.name.ends_with(&format!(".{PART}"))
 }
 
-/// Merges the shares in some folders into one reference for each fingerprint.
+/// Merges the shares in some folders into one reference for each fingerprint, and writes the references into the output
+/// folder. Missing samples are an error unless the options allow them.
 pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     let mut references: BTreeMap<String, Vec<KeptPart>> = BTreeMap::new();
     for folder in &options.folders {
         for part in parts_in(folder)? {
-            references.entry(part.1.fingerprint.clone()).or_default().push(part);
+            let (_, description, _) = &part;
+            references.entry(description.fingerprint.clone()).or_default().push(part);
         }
     }
     let mut merged = Vec::new();
     let mut missing = Vec::new();
     for parts in references.into_values() {
-        let (_, first, _) = &parts[0];
+        let (first_path, first, _) = &parts[0];
         let first = first.clone();
         for (path, part, _) in &parts[1..] {
             if let Some(difference) = difference_of_properties(first.must_agree(), part.must_agree()) {
-                let message = format!("is of another reference than {}: {difference}", parts[0].0.display());
+                let message = format!("is of another reference than {}: {difference}", first_path.display());
                 return Err(Error::malformed(path, None, message).into());
             }
         }
         let sums = parts.into_iter().filter_map(|(_, _, sums)| sums).collect();
-        let MergedParts { merged: whole, missing: lacking } = world_part::merge(sums, first.rays)?;
-        missing.extend(lacking.iter().map(|samples| format!("{} of {}", named(samples), first.name())));
+        let MergedParts { merged: whole, missing: gaps } = world_part::merge(sums, first.rays)?;
+        missing.extend(gaps.iter().map(|samples| format!("{} of {}", named(samples), first.name())));
         merged.extend(whole.map(|whole| (first, whole)));
     }
     if !missing.is_empty() && !options.partial {

@@ -46,19 +46,22 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     let gpu = resolve::gpu(&common.device)?;
 
-    let inside = options.dump.is_some() || options.figure.is_some();
+    let needs_intermediates = options.dump.is_some() || options.figure.is_some();
     let setup = setup(options);
     methods::check_read(&[method], &setup)?;
-    let wants = if inside || options.pixel.is_some() { Wants::HITS } else { Wants::REFLECTION };
+    let wants = if needs_intermediates || options.pixel.is_some() { Wants::HITS } else { Wants::REFLECTION };
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = view.camera(&scene, options.size);
     let materials = globals.materials(&scene, &view);
     let shot = Shot::new(&mut stage, method, &setup, wants, camera, materials.clone())?;
-    let rendered = image::render(&mut stage, &shot, inside)?;
-    let seen = pixel::FrameSubject { method, setup: &setup, scene: &scene, materials: &materials };
-    let looks_inside = options.dump.is_some() || options.pixel.is_some();
-    let judge = looks_inside.then(|| Judge::new(&mut stage, &shot, &rendered, seen)).transpose()?;
-    let explained = judge.as_ref().zip(options.pixel).map(|(judge, pixel)| judge.explained(pixel)).transpose()?;
+    let rendered = image::render(&mut stage, &shot, needs_intermediates)?;
+    let subject = pixel::FrameSubject { method, setup: &setup, scene: &scene, materials: &materials };
+    let needs_judge = options.dump.is_some() || options.pixel.is_some();
+    let judge = needs_judge.then(|| Judge::new(&mut stage, &shot, &rendered, subject)).transpose()?;
+    let explained = match (&judge, options.pixel) {
+        (Some(judge), Some(pixel)) => Some(judge.explained(pixel)?),
+        _ => None,
+    };
 
     let intermediates = rendered.intermediates.as_ref();
     if let (Some(folder), Some(all), Some(judge)) = (&options.dump, intermediates, &judge) {
@@ -92,18 +95,18 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The method of the flags, else the figure's, else `ssct`.
+/// The name of the method that the flags give, or that of their figure, or else `ssct`.
 pub fn method_name(options: &RenderOptions) -> &str {
     options.method.as_deref().or(options.figure.map(Figure::method)).unwrap_or("ssct")
 }
 
-/// The setup of the method, for the figure if the options name one.
+/// Returns the setup of the method that the flags give, changed as their figure needs it if they name one.
 pub fn setup(options: &RenderOptions) -> Setup {
     let setup = options.common.method_options.setup(options.size);
     options.figure.map_or(setup.clone(), |f| f.setup(&setup))
 }
 
-/// The passes that the frame recorded and those that it left out, one in each line.
+/// Returns the text of `--explain`: how much was drawn, and each pass that the frame recorded or left out in a line.
 fn explain(rendered: &image::RenderedImage, prepared: &Prepared) -> String {
     let drawn = &rendered.drawn;
     let mut text = format!("meshes: {} drawn, {} culled; {} triangles\n", drawn.meshes, drawn.culled, drawn.triangles);

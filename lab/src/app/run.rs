@@ -17,6 +17,7 @@ static STOP_SIGNAL: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 pub struct Run {
     /// The measurements, and the file that keeps them.
     pub journal: Journal,
+    /// The claim on the run's folder, and the path of the folder.
     claim: Option<(FolderClaim, PathBuf)>,
 }
 
@@ -27,9 +28,10 @@ impl Run {
     /// # Errors
     /// Errors of [`FolderClaim::new`] and [`FolderClaim::journal`].
     pub fn begin(folder: Option<&Path>, resume: bool) -> Result<Self> {
-        let claim = folder.map(|f| Ok::<_, Error>((FolderClaim::new(f)?, f.to_owned()))).transpose()?;
-        let journal = claim.as_ref().map(|(claim, _)| claim.journal(resume)).transpose()?.unwrap_or_default();
-        Self::listening(journal, claim)
+        let Some(folder) = folder else { return Self::listening(Journal::default(), None) };
+        let claim = FolderClaim::new(folder)?;
+        let journal = claim.journal(resume)?;
+        Self::listening(journal, Some((claim, folder.to_owned())))
     }
 
     /// Claims the folder as [`Run::begin`] does, but begins a new journal: the caller knows all results in the folder and writes them
@@ -43,12 +45,14 @@ impl Run {
         Self::listening(journal, Some((claim, folder.to_owned())))
     }
 
-    /// A run that listens for signals: the first asks the run to stop, and the second ends the process at once.
+    /// Makes a run that listens for signals: the first asks the run to stop, and the second ends the process at once.
     fn listening(journal: Journal, claim: Option<(FolderClaim, PathBuf)>) -> Result<Self> {
-        let again = Arc::<AtomicBool>::default();
+        // True once a signal came. The first action ends the process if it finds the flag true; the second sets the
+        // flag.
+        let was_asked = Arc::<AtomicBool>::default();
         for signal in [SIGINT, SIGTERM] {
-            let listening = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))
-                .and_then(|_| flag::register(signal, Arc::clone(&again)))
+            let listening = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&was_asked))
+                .and_then(|_| flag::register(signal, Arc::clone(&was_asked)))
                 .and_then(|_| flag::register_usize(signal, Arc::clone(&STOP_SIGNAL), signal as usize));
             listening.map_err(|e| Error::io("listen for signals of", "this process", e))?;
         }
@@ -89,27 +93,30 @@ const OF_THIS_RUN_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--devic
 /// Flags with several values that change this run and not the whole study.
 const OF_THIS_RUN_WITH_VALUES: [&str; 1] = ["--references"];
 
-/// The command of this process as a page shows it: without the flags that differ from machine to machine and from shard
-/// to shard.
+/// Returns the command of this process as a page shows it, without the flags that differ from machine to machine and
+/// from shard to shard.
 pub fn command_line() -> String {
     of_the_study(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
 }
 
-/// The arguments of the whole study after the program's name; arguments with blanks are in quotes.
+/// Returns the command of the whole study, made of a run's arguments after the program's name. Arguments with blanks
+/// are put in quotes.
 fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
     let mut words = vec!["ssct".to_owned()];
-    let (mut is_value, mut are_values) = (false, false);
+    // Whether the next argument is the value of a left out flag, and whether all arguments up to the next flag are
+    // values.
+    let (mut skips_value, mut skips_values) = (false, false);
     for argument in arguments {
         let flag = argument.split('=').next().unwrap_or_default();
-        are_values = OF_THIS_RUN_WITH_VALUES.contains(&flag) || (are_values && !argument.starts_with('-'));
-        if are_values {
+        skips_values = OF_THIS_RUN_WITH_VALUES.contains(&flag) || (skips_values && !argument.starts_with('-'));
+        if skips_values {
             continue;
         }
-        if std::mem::take(&mut is_value) || OF_THIS_RUN.contains(&flag) {
+        if std::mem::take(&mut skips_value) || OF_THIS_RUN.contains(&flag) {
             continue;
         }
         if OF_THIS_RUN_WITH_VALUE.contains(&flag) {
-            is_value = !argument.contains('=');
+            skips_value = !argument.contains('=');
             continue;
         }
         // The value may follow -o without a blank.
@@ -121,7 +128,7 @@ fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
     words.join(" ")
 }
 
-/// Fails if a signal asked to stop; to be called between two samples.
+/// Fails if a signal asked the run to stop. Measurements call it between two samples.
 ///
 /// # Errors
 /// [`Error::Stopped`] once a signal asked to stop.

@@ -39,23 +39,24 @@ pub struct ShadersOptions {
 /// Mesa's variable that names a GPU whose hardware need not be there.
 const FAMILY: &str = "RADV_FORCE_FAMILY";
 
-/// The GPU family that the variable names.
+/// Returns the GPU family that the variable [`FAMILY`] names, if any.
 fn family() -> Option<OsString> {
     std::env::var_os(FAMILY).filter(|family| !family.is_empty())
 }
 
-/// Lists the devices in another process if a family is named, since Mesa ends a process that names an unknown family.
+/// Tries the family that [`FAMILY`] names, if any, by listing the devices in another process, since Mesa ends a process
+/// for which an unknown family is named.
 fn try_family() -> Result<()> {
     let Some(family) = family() else { return Ok(()) };
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
-    // Without the variable, the other process prints no notice of its own about shaders among the driver's words.
+    // Without this variable, the other process adds no notice about the folder of shaders to the driver's message.
     match std::process::Command::new(program).arg("devices").env_remove(sources::VARIABLE).output() {
         // A process that a signal ended has no exit status.
         Ok(tried) if tried.status.code().is_none() => {
-            let said = String::from_utf8_lossy(&tried.stderr);
-            let (said, family) = (said.trim(), family.to_string_lossy());
+            let message = String::from_utf8_lossy(&tried.stderr);
+            let (message, family) = (message.trim(), family.to_string_lossy());
             Err(ssct::Error::NoDevice(format!(
-                "the driver gave up on {FAMILY}={family}, and said: {said}; a younger Mesa may know the family \
+                "the driver gave up on {FAMILY}={family}, and said: {message}; a younger Mesa may know the family \
                  (scripts/drivers.sh --radv, docs/devices.md)"
             ))
             .into())

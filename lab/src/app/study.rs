@@ -1,5 +1,5 @@
-//! `ssct study`: pictures, times and errors in the order in which a reader wants them, and the page that shows them, which is
-//! written after each part.
+//! `ssct study`: makes pictures, times and errors in the order in which a reader wants them. The page that shows them
+//! is written after each part.
 
 use super::cli::StudyOptions;
 use super::error::{QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
@@ -44,8 +44,11 @@ struct Plan {
     timed_scenes: usize,
     /// Number of views of each scene, counted from its first.
     views: usize,
+    /// Width and height in pixels of the pictures, and of the frames that are timed on views.
     size: [u32; 2],
+    /// Number of frames that are timed for each measurement.
     samples: usize,
+    /// The sizes at which table 5.8 is measured.
     table_sizes: Vec<[u32; 2]>,
     /// Size of the images whose errors are measured.
     error_size: [u32; 2],
@@ -53,6 +56,7 @@ struct Plan {
     rays: u32,
     /// The methods of the table, and any from folders.
     methods: Vec<&'static MethodInfo>,
+    /// The command as the page shows it.
     command: String,
 }
 
@@ -97,12 +101,12 @@ impl Plan {
     /// the errors and the thesis's figures. The pictures of the other views, the times and the images of other devices
     /// follow.
     fn parts<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene], untimed: &[Scene]) -> Result<Vec<Part<'a>>> {
-        let shown = |scene: &Scene, view: &View| Part::Pictures {
+        let pictures_of = |scene: &Scene, view: &View| Part::Pictures {
             scene: scene.name.clone(),
             view: view.clone(),
             methods: self.methods_in(scene),
         };
-        let mut pictures = scenes.iter().chain(untimed).flat_map(|s| self.shown(s).map(move |v| shown(s, v)));
+        let mut pictures = scenes.iter().chain(untimed).flat_map(|s| self.shown(s).map(move |v| pictures_of(s, v)));
         let mut parts: Vec<Part> = pictures.next().into_iter().collect();
         parts.extend(self.table_5_8(gpu, scenes)?.map(Part::Table));
         parts.extend(self.errors(gpu, scenes)?);
@@ -126,7 +130,7 @@ impl Plan {
         scene.views.iter().take(self.views)
     }
 
-    /// Table 5.8 on the atrium's view `hall`.
+    /// Returns the measurement of table 5.8 on the atrium's view `hall`; `None` without the atrium.
     fn table_5_8<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene]) -> Result<Option<TimeSpec<'a>>> {
         let Some(atrium) = scenes.iter().find(|s| s.name == "atrium") else { return Ok(None) };
         let globals = table::ROUGHNESS.map(|roughness| table::factors(roughness, 1.0)).to_vec();
@@ -134,7 +138,8 @@ impl Plan {
         Ok(Some(self.time(gpu, atrium, atrium.view("hall")?, &table::methods(), sizes, globals)))
     }
 
-    /// The quick error study of the rooms: two views, a mirror and a glossy surface, methods as published.
+    /// Returns the quick error study of the rooms: two views, a mirror and a glossy surface, methods as published.
+    /// `None` without the rooms.
     fn errors<'a>(&self, gpu: &Gpu, scenes: &[Scene]) -> Result<Option<Part<'a>>> {
         let Some(rooms) = scenes.iter().find(|s| s.name == "rooms") else { return Ok(None) };
         let globals = QUICK_ROUGHNESS.map(|r| Globals { roughness: Some(r), ..Globals::default() }).to_vec();
@@ -146,7 +151,7 @@ impl Plan {
         Ok(Some(Part::Errors(Box::new((RefCell::new(Some(study)), list)))))
     }
 
-    /// The times to measure on a view.
+    /// Returns the measurement that times methods on a view.
     fn time<'a>(
         &self,
         gpu: &'a Gpu,
@@ -206,8 +211,11 @@ impl Part<'_> {
 /// Results so far that the journal does not hold.
 #[derive(Default)]
 struct StudyResults {
+    /// The pictures of views.
     views: Vec<Gallery>,
+    /// The figures of the thesis.
     figures: Vec<Picture>,
+    /// The agreement of images with those of other devices.
     same: Vec<AgreementRecord>,
     /// How many parts are done.
     parts: usize,
@@ -232,9 +240,9 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
     let mut scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
-    // Called for its messages, which say which methods are left out of which scene.
+    // Called only for its messages, which say which methods are left out in which scene.
     resolve::showing(plan.methods.clone(), |method| method, &scenes.iter().collect::<Vec<_>>())?;
-    // A scene that is only shown is made again when its turn comes, so that no two of them are in memory.
+    // Scenes that are shown and not timed are made again one by one, so that never two of them are in memory.
     let untimed = scenes.split_off(plan.timed_scenes.min(scenes.len()));
     let parts = plan.parts(&gpu, &scenes, &untimed)?;
     drop(untimed);
@@ -250,7 +258,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let mut made = StudyResults::default();
     let outcome = study.measure(&mut run.journal, &mut made);
     study.bar.finish_and_clear();
-    // Results so far are written, whatever ended the measurement. An error that ended it is reported before an error of writing.
+    // Results are written even if an error ended the measurement. That error is reported before an error of writing.
     let wrote = study.write(&run.journal, &made);
     run.ended(outcome)?;
     let written = wrote?;
@@ -275,7 +283,7 @@ impl<'a> Study<'a> {
         self.pictures.place().path().join("index.html")
     }
 
-    /// Makes every part, and writes the page after each part but the last. The caller writes the page after that.
+    /// Makes every part, and writes the page after each part except the last, after which the caller writes it.
     fn measure(&self, journal: &mut Journal, made: &mut StudyResults) -> anyhow::Result<()> {
         let mut last = LastMade::default();
         for (n, part) in self.parts.iter().enumerate() {
@@ -291,8 +299,8 @@ impl<'a> Study<'a> {
         Ok(())
     }
 
-    /// Makes a part. The views of a scene follow one another, so that the scene's stage is kept until its last view, or until
-    /// something else needs the memory.
+    /// Makes a part. `last` keeps the last scene and its stage, since the views of a scene follow one another. Parts
+    /// that make scenes or stages of their own forget it first, to free its memory.
     fn make(
         &self,
         part: &Part<'a>,
@@ -334,7 +342,7 @@ impl<'a> Study<'a> {
         Ok(())
     }
 
-    /// The scene of a name, and its stage. A timed scene is there already, and any other scene is made.
+    /// Returns the scene with a name, and a new stage with it. A timed scene is in memory, and any other scene is made.
     fn staged(&self, name: &str) -> Result<(Cow<'a, Scene>, Stage)> {
         let scene = match self.scenes.iter().find(|scene| scene.name == name) {
             Some(timed) => Cow::Borrowed(timed),
@@ -346,12 +354,13 @@ impl<'a> Study<'a> {
 
     /// Writes the records and the page with all results so far.
     fn write(&self, journal: &Journal, made: &StudyResults) -> anyhow::Result<WrittenPage> {
-        let (folder, mut tabled, mut viewed) = (self.pictures.place(), Vec::new(), Vec::new());
+        let folder = self.pictures.place();
+        let (mut table_times, mut view_times) = (Vec::new(), Vec::new());
         let mut errors: Vec<ErrorRecord> = Vec::new();
         for part in self.parts {
             match part {
-                Part::Table(spec) => tabled.extend(timing::records(spec, journal)),
-                Part::Times(spec) => viewed.extend(timing::records(spec, journal)),
+                Part::Table(spec) => table_times.extend(timing::records(spec, journal)),
+                Part::Times(spec) => view_times.extend(timing::records(spec, journal)),
                 Part::Errors(error_part) => {
                     let list = &error_part.1;
                     errors.extend(engine::rows(list, journal));
@@ -360,10 +369,10 @@ impl<'a> Study<'a> {
                 Part::Pictures { .. } | Part::Figures(_) | Part::OtherDevices(_) => {}
             }
         }
-        let all: Vec<TimeRecord> = viewed.iter().chain(&tabled).cloned().collect();
+        let all: Vec<TimeRecord> = view_times.iter().chain(&table_times).cloned().collect();
         folder.join("time.json").write(files::json(&all).as_bytes())?;
         folder.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes())?;
-        let table = compare(&tabled);
+        let table = compare(&table_times);
         let page = Page {
             device: self.gpu.info(),
             command: self.plan.command.clone(),
@@ -371,9 +380,9 @@ impl<'a> Study<'a> {
             times: Times {
                 settings: time_settings(self.plan),
                 table: &table,
-                table_records: &tabled,
-                view_records: &viewed,
-                plot: plot::draw(&timing::chart(&viewed).drawing).map_err(anyhow::Error::msg)?,
+                table_records: &table_times,
+                view_records: &view_times,
+                plot: plot::draw(&timing::chart(&view_times).drawing).map_err(anyhow::Error::msg)?,
             },
             errors: Errors {
                 settings: error_settings(self.plan),
@@ -406,7 +415,7 @@ fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Re
     Ok(records)
 }
 
-/// The files beside the page, each with its description; files that do not exist are left out.
+/// Returns the files and folders beside the page, each with its description. Those that do not exist are left out.
 fn records(folder: &PathInFolder) -> Vec<(String, String)> {
     let record = |file: &str, what: &str| (file.to_owned(), what.to_owned());
     let mut all = vec![

@@ -16,8 +16,9 @@ use ssct_scenes::{Scene, View};
 
 /// Name of the pictures without reflections.
 const LIT: &str = "direct light";
-/// Name of the pictures by the world reference, and its rays a pixel.
+/// Name of the pictures by the world reference.
 const TRUTH: &str = "truth";
+/// Rays a pixel of these pictures.
 const TRUTH_RAYS: u32 = 16;
 /// The folder that keeps the truth's samples for the next run.
 pub const TRUTH_FOLDER: &str = "truth";
@@ -28,7 +29,7 @@ pub const ERROR_FOLDER: &str = "error";
 /// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
 pub const GLOSSY: Globals = table::factors(0.1, 1.0);
 
-/// A view, and the methods that it is shown by.
+/// A view, and the methods that show it.
 pub struct ShownView<'a> {
     /// The scene.
     pub scene: &'a Scene,
@@ -40,8 +41,9 @@ pub struct ShownView<'a> {
     pub methods: &'a [&'static MethodInfo],
 }
 
-/// Pictures of a view: direct light alone, the truth, every method, and `unified` on the screen alone. `step` is called after the truth and
-/// after each picture of a method.
+/// Makes the pictures of a view, writes them below `folder`, and returns them as a gallery: direct light alone, the
+/// truth, every method, and `unified` on the screen alone. `step` is called after the truth and after each picture of a
+/// method.
 pub fn of_view(
     stage: &mut Stage,
     subject: &ShownView,
@@ -52,15 +54,15 @@ pub fn of_view(
     let plain = Setup::new(size);
     let on_screen = Setup::on_screen(size);
     let methods = methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
-    let alone = "unified on the screen alone, roughness 0.1".to_owned();
-    let shown: Vec<_> = methods.chain([(&unified::INFO, ON_SCREEN, &on_screen, alone)]).collect();
+    let on_screen_caption = "unified on the screen alone, roughness 0.1".to_owned();
+    let shown: Vec<_> = methods.chain([(&unified::INFO, ON_SCREEN, &on_screen, on_screen_caption)]).collect();
     let camera = view.camera(scene, size);
     let materials = GLOSSY.materials(scene, view);
     let mut shared = SharedImages::default();
     let mut pictures = Vec::new();
     let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
-        let [named, seen] = [&scene.name, &view.name].map(|name| safe_word(name));
-        let file = format!("images/{named}-{seen}-{}.png", name.replace(' ', "-"));
+        let [scene, view] = [&scene.name, &view.name].map(|name| safe_word(name));
+        let file = format!("images/{scene}-{view}-{}.png", name.replace(' ', "-"));
         images::write_image(folder.join(&file), pixels)?;
         pictures.push(Picture { file, name: name.into(), caption });
         Ok(())
@@ -69,6 +71,7 @@ pub fn of_view(
         let shot = shared.shot(stage, method, setup, Wants::IMAGE, camera, materials.clone())?;
         let (_, _, output) = shared.output_at_rest(stage, &shot)?;
         let rendered = stage.context.read(output.composite.level(0))?;
+        // The lit colour and the truth are the same for all methods, so they are made of the first shot.
         if n == 0 {
             let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
             picture(&lit, LIT, "direct light only".into())?;
@@ -87,7 +90,7 @@ pub fn of_view(
     })
 }
 
-/// Figures 4.4, 4.5, 4.9 and 4.10 on a scene that has a view `corridor`.
+/// Draws figures 4.4, 4.5, 4.9 and 4.10 of a scene that has a view `corridor`, and writes them below `folder`.
 pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: [u32; 2]) -> Result<Vec<Picture>> {
     let wanted = [
         (
@@ -135,16 +138,17 @@ pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: 
     Ok(pictures)
 }
 
-/// A gallery for each cell: every method with its FLIP map, next to the references of its errors.
+/// Makes a gallery for each view and roughness: every method with its FLIP map, next to the reference that its error is
+/// measured against. The pictures are the files that the error study wrote.
 pub fn of_errors(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Gallery> {
     let mut galleries: Vec<Gallery> = Vec::new();
     for r in records {
-        let h = &r.head;
-        let title = format!("{}, {}, roughness {}", h.scene, h.view, roughness(h.roughness));
+        let head = &r.head;
+        let title = format!("{}, {}, roughness {}", head.scene, head.view, roughness(head.roughness));
         if galleries.iter().any(|g| g.title == title) {
             continue;
         }
-        let stem = cell_name(&h.scene, &h.view, [h.width, h.height], h.roughness);
+        let stem = cell_name(&head.scene, &head.view, [head.width, head.height], head.roughness);
         let picture = |file: String, name: &str, caption: String| Picture {
             file: format!("{ERROR_FOLDER}/images/{file}"),
             name: name.to_owned(),
@@ -155,12 +159,12 @@ pub fn of_errors(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Galler
             let flip = flip_file(&stem, name);
             [reflection(name, name), picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}"))]
         };
-        let is_there = |m: &&MethodInfo| {
-            let of_cell = |r: &&ErrorRecord| (&r.head.scene, &r.head.view) == (&h.scene, &h.view);
-            records.iter().filter(of_cell).any(|r| r.head.method == m.name)
+        let was_judged = |m: &&MethodInfo| {
+            let is_of_view = |r: &&ErrorRecord| (&r.head.scene, &r.head.view) == (&head.scene, &head.view);
+            records.iter().filter(is_of_view).any(|r| r.head.method == m.name)
         };
-        let (screen, more): (Vec<&MethodInfo>, Vec<&MethodInfo>) =
-            methods.iter().copied().filter(is_there).partition(|m| m.is_screen_space());
+        let (on_screen, beyond_screen): (Vec<&MethodInfo>, Vec<&MethodInfo>) =
+            methods.iter().copied().filter(was_judged).partition(|m| m.is_screen_space());
         let beside = |title: &str, reference, names: Vec<&str>| Strip::Beside {
             title: title.to_owned(),
             reference,
@@ -172,12 +176,12 @@ pub fn of_errors(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Galler
                 beside(
                     "Against the screen reference",
                     reflection(SCREEN_REFERENCE, "screen reference"),
-                    screen.iter().map(|m| m.name).chain([EXACT_HITS]).collect(),
+                    on_screen.iter().map(|m| m.name).chain([EXACT_HITS]).collect(),
                 ),
                 beside(
                     "Methods that see more than the screen, against the world",
                     reflection(WORLD_REFERENCE, "world reference"),
-                    more.iter().map(|m| m.name).collect(),
+                    beyond_screen.iter().map(|m| m.name).collect(),
                 ),
             ],
             compared: [METHODS[0].name.into(), SCREEN_REFERENCE.into()],

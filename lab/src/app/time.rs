@@ -118,7 +118,7 @@ impl StudyOptions for TimeOptions {
     }
 }
 
-/// The measurement that the flags ask for: methods on a view, or the methods of table 5.8 on the table's view.
+/// Returns the measurement that the flags ask for: methods on a view or, if `is_table` is true, table 5.8 on its view.
 fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, if is_table { "atrium" } else { "rooms" })?;
@@ -139,18 +139,18 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     Ok(TimeJob { scene: Rc::new(scene), view, variants, sizes, globals, has_reference: false })
 }
 
-/// Sizes of the flags, else of the table, else 960×540.
-fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
+/// Returns the sizes that the flags give or, without any, those of table 5.8 if `is_table` is true, or else 960×540.
+fn sizes(options: &TimeOptions, is_table: bool) -> Result<Vec<[u32; 2]>> {
     let all = table_5_8::sizes();
     if !options.size.is_empty() {
-        if table && !options.size.iter().any(|size| all.contains(size)) {
+        if is_table && !options.size.iter().any(|size| all.contains(size)) {
             let named: Vec<String> = options.size.iter().map(|[w, h]| format!("{w}x{h}")).collect();
             let (named, has) = (named.join(", "), table_5_8::rows_and_seconds());
             return Err(Error::usage(format!("--table 5.8 has no row for {named}; {has}")));
         }
         return Ok(resolve::distinct_values(&options.size));
     }
-    Ok(if table { all } else { vec![[960, 540]] })
+    Ok(if is_table { all } else { vec![[960, 540]] })
 }
 
 /// The roughness values of table 5.8 that the flags ask for, each also set as the normal deviation.
@@ -172,7 +172,7 @@ fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     Ok(wanted.iter().map(|roughness| table_5_8::factors(*roughness, reflectivity)).collect())
 }
 
-/// The methods of each caption on the view that stands for its figure.
+/// Returns a measurement for each caption that the flags ask for: its methods on the view that stands for its figure.
 fn caption_jobs(options: &TimeOptions) -> Result<Vec<TimeJob>> {
     let place = &options.common.place;
     if !options.method.is_empty() || !options.size.is_empty() {
@@ -209,12 +209,13 @@ fn caption_scenes(options: &TimeOptions) -> Result<Vec<Rc<Scene>>> {
     Ok(vec![Rc::new(resolve::scene(place, "")?)])
 }
 
-/// The captions that the flags ask for and whose view a scene has.
+/// Returns the captions whose view the flags name, or all captions, each with the first scene that has its view.
+/// Captions whose view no scene has are left out.
 fn find_captions<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<Vec<(Caption, &'a Rc<Scene>)>> {
-    let asked = options.common.place.view.as_deref();
+    let wanted_view = options.common.place.view.as_deref();
     let caption_and_scene = |c: &Caption| {
         let scene = scenes.iter().find(|s| s.views.iter().any(|v| v.name == c.view))?;
-        asked.is_none_or(|view| view == c.view).then_some((*c, scene))
+        wanted_view.is_none_or(|view| view == c.view).then_some((*c, scene))
     };
     let wanted: Vec<_> = CAPTIONS.iter().filter_map(caption_and_scene).collect();
     if wanted.is_empty() {

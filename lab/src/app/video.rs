@@ -95,9 +95,9 @@ impl StudyOptions for VideoOptions {
         resolve::meshes(&scene, "--held", &self.held)?;
         let play =
             self.play.as_deref().map(|name| resolve::motion(&scene, Some(name), "--play").cloned()).transpose()?;
-        let played: Vec<&str> =
-            play.iter().flat_map(|motion| motion.placements_at(0.0)).map(|(name, _)| name).collect();
-        let moves = |name: &String| self.moving.contains(name) || played.contains(&name.as_str());
+        let played_meshes: Vec<&str> =
+            play.iter().flat_map(|motion| motion.placements_at(0.0)).map(|(mesh, _)| mesh).collect();
+        let moves = |name: &String| self.moving.contains(name) || played_meshes.contains(&name.as_str());
         if let Some(name) = self.held.iter().find(|name| moves(name)) {
             return Err(Error::usage(format!("--held {name}: it moves by itself, by --moving or --play")));
         }
@@ -120,11 +120,12 @@ impl StudyOptions for VideoOptions {
     }
 }
 
-/// The way of the camera that a flag names.
+/// Returns the camera's way that `--way` names: one of the ways from the view that the flags choose, or else a path,
+/// which takes no view.
 fn named(options: &VideoOptions, scene: &Scene) -> Result<CameraWay> {
     let place = &options.common.place;
     let name = options.way.as_path();
-    let of_view: fn(_) -> CameraWay = match name.to_string_lossy().as_ref() {
+    let way_from_view: fn(_) -> CameraWay = match name.to_string_lossy().as_ref() {
         "walk" => CameraWay::Walk,
         "turn" => CameraWay::Turn,
         "stop" => CameraWay::Stop,
@@ -138,5 +139,5 @@ fn named(options: &VideoOptions, scene: &Scene) -> Result<CameraWay> {
             return Ok(CameraWay::Path(path));
         }
     };
-    resolve::view(scene, place, None).map(of_view)
+    resolve::view(scene, place, None).map(way_from_view)
 }

@@ -30,9 +30,10 @@ pub fn run(options: &ViewArguments) -> anyhow::Result<()> {
     Err(Error::NoWindow(why).into())
 }
 
-/// The window's program in the folder of this one, if it is there.
-fn find_window_program(own: Option<&Path>) -> Option<PathBuf> {
-    let program = own?.with_file_name(PROGRAM).with_extension(std::env::consts::EXE_EXTENSION);
+/// Returns the path of the window's program if it lies in the same folder as this program, whose path is
+/// `this_program`.
+fn find_window_program(this_program: Option<&Path>) -> Option<PathBuf> {
+    let program = this_program?.with_file_name(PROGRAM).with_extension(std::env::consts::EXE_EXTENSION);
     program.is_file().then_some(program)
 }
 

@@ -22,13 +22,14 @@ pub fn check(manifest: &Manifest) -> Result<()> {
     let mut unfed = Vec::new();
     for pass in &manifest.passes {
         let compiled = shader::compile(manifest, pass)?;
-        unfed.push((pass, PassBindings::read(manifest, pass, &compiled)?.1));
+        let (_, missing) = PassBindings::read(manifest, pass, &compiled)?;
+        unfed.push((pass, missing));
     }
     check_fed(manifest, unfed)
 }
 
-/// Refuses shaders with names that nothing feeds; `unfed` has each pass with these names of its shader. The error is
-/// [`Malformed`](ssct_ground::Error::Malformed), and its one sentence lists all of the names.
+/// Refuses shaders with names that nothing feeds. `unfed` has pairs of a pass and such names of its shader. The error
+/// is [`Malformed`](ssct_ground::Error::Malformed), and its one sentence lists all of the names.
 fn check_fed(manifest: &Manifest, mut unfed: Vec<(&Pass, Vec<String>)>) -> Result<()> {
     unfed.retain(|(_, missing)| !missing.is_empty());
     let Some((first, _)) = unfed.first() else { return Ok(()) };
@@ -36,12 +37,12 @@ fn check_fed(manifest: &Manifest, mut unfed: Vec<(&Pass, Vec<String>)>) -> Resul
         format!("pass {:?}: nothing feeds {} of {}", pass.name, missing.join(", "), file_name(pass))
     };
     let clauses: Vec<String> = unfed.iter().map(clause).collect();
-    let them = if unfed.iter().map(|(_, missing)| missing.len()).sum::<usize>() == 1 { "it" } else { "them" };
-    let message = format!("{}; name {them} under [inputs] or [values]", clauses.join("; "));
+    let pronoun = if unfed.iter().map(|(_, missing)| missing.len()).sum::<usize>() == 1 { "it" } else { "them" };
+    let message = format!("{}; name {pronoun} under [inputs] or [values]", clauses.join("; "));
     Err(manifest.error(&first.span, message))
 }
 
-/// The name by which messages call the shader of a pass.
+/// The name of a pass's shader in messages: the name of its file.
 fn file_name(pass: &Pass) -> String {
     pass.shader.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
 }
@@ -67,20 +68,25 @@ pub fn check_projection(manifest: &Manifest, projection: ProjectionKind) -> Resu
     }
 }
 
-/// The inputs that a pass's shader binds, in the order of its bindings, and its push constants.
+/// The inputs that a pass's shader binds, and its push constants.
 pub struct PassBindings {
+    /// The inputs in the order of their bindings.
     pub inputs: Vec<BoundInput>,
+    /// The fields of the push constants.
     pub push: Vec<FilledField>,
+    /// The size of the push constants in bytes.
     pub push_size: usize,
 }
 
+/// The image, the buffer or the values for one binding.
 pub enum BoundInput {
+    /// A sampled image, its sampler and its level.
     Sampled(ImageSource, Sampler, LevelOf),
-    /// The image's name, its level, and whether the shader only reads the image.
+    /// A storage image: its name, its level, and whether the shader only reads it.
     Stored(String, LevelOf, bool),
-    /// The buffer's name, whether the shader only reads the buffer, and the bytes that the buffer must have.
+    /// A buffer: its name, whether the shader only reads it, and the bytes that it must have.
     Buffer(String, bool, u32),
-    /// The fields of a block, and the size of the block in bytes.
+    /// A uniform block: its fields, and its size in bytes.
     Uniform(Vec<FilledField>, usize),
 }
 
@@ -124,12 +130,12 @@ struct PassShader<'a> {
 }
 
 impl PassShader<'_> {
-    /// An error about this pass, at a place of the manifest.
+    /// Makes an error about this pass, at a place of the manifest.
     fn wrong(&self, span: &Range<usize>, message: &str) -> Error {
         self.manifest.error(span, format!("pass {:?}: {message}", self.pass.name))
     }
 
-    /// The error about a variable of the shader that has no name and that nothing feeds.
+    /// Makes the error about a variable without a name that nothing feeds; `name` consists of its set and binding.
     fn nameless_unfed_error(&self, name: &str) -> Error {
         let file = &self.file;
         let message = format!(
@@ -144,15 +150,16 @@ impl PassShader<'_> {
         self.missing.borrow_mut().push(what);
     }
 
-    /// The values that fill a block. Fields that the shader does not read need no value, and loose uniforms may have initial values of
-    /// their own.
+    /// Returns the fields of a block with the values that fill them. Fields that the shader does not read need no
+    /// value, and loose uniforms may have initial values of their own.
     fn filled(&self, block: &str, layout: &BlockLayout) -> Result<Vec<FilledField>> {
         let mut fields = Vec::new();
         for field in &layout.fields {
-            let full = format!("{block}.{}", field.name);
-            let given = [full.as_str(), field.name.as_str()].into_iter().find_map(|name| self.pass.values.get(name));
-            let own = self.compiled.own.iter().find(|(name, _)| *name == field.name && block.starts_with(LOOSE));
-            let (feed, span) = match (given, own) {
+            let full_name = format!("{block}.{}", field.name);
+            let given =
+                [full_name.as_str(), field.name.as_str()].into_iter().find_map(|name| self.pass.values.get(name));
+            let initial = self.compiled.own.iter().find(|(name, _)| *name == field.name && block.starts_with(LOOSE));
+            let (feed, span) = match (given, initial) {
                 (Some((feed, span)), _) => (feed.clone(), span),
                 (None, Some((_, Some(numbers)))) => (Feed::Numbers(numbers.clone()), &self.pass.span),
                 (None, _) if !field.is_read => continue,
@@ -165,17 +172,17 @@ impl PassShader<'_> {
                 }
                 (None, None) => {
                     let hint = published::hint(block, &field.name).map_or(String::new(), |hint| format!(" ({hint})"));
-                    self.note_unfed(format!("the field {full}{hint}"));
+                    self.note_unfed(format!("the field {full_name}{hint}"));
                     continue;
                 }
             };
             let filled = FilledField::new(field, feed);
-            fields.push(filled.map_err(|m| self.wrong(span, &format!("{full} of {}: {m}", self.file)))?);
+            fields.push(filled.map_err(|m| self.wrong(span, &format!("{full_name} of {}: {m}", self.file)))?);
         }
         Ok(fields)
     }
 
-    /// The input that feeds a variable; `None` if nothing feeds it.
+    /// Returns the input that feeds a variable; `None` if nothing feeds it, which is noted.
     fn bound(&self, v: &Variable) -> Result<Option<BoundInput>> {
         if v.count > 1 {
             let message = format!("{} of {} is an array of images or blocks, which cannot be fed", v.name, self.file);
@@ -184,44 +191,45 @@ impl PassShader<'_> {
         if let VariableKind::Uniform(layout) = &v.kind {
             return Ok(Some(BoundInput::Uniform(self.filled(&v.block, layout)?, layout.size as usize)));
         }
-        let named = [v.name.as_str(), v.block.as_str()].into_iter().find_map(|name| self.pass.inputs.get(name));
+        let input = [v.name.as_str(), v.block.as_str()].into_iter().find_map(|name| self.pass.inputs.get(name));
         let kind = if matches!(v.kind, VariableKind::Storage(_)) { "buffer" } else { "image" };
-        let Some(input) = named else {
+        let Some(input) = input else {
             if v.is_nameless {
                 return Err(self.nameless_unfed_error(&v.name));
             }
             self.note_unfed(format!("the {kind} {}", v.name));
             return Ok(None);
         };
-        let is = |what: String| self.wrong(input.span(), &format!("{} of {} is {what}", v.name, self.file));
+        let mismatch = |what: String| self.wrong(input.span(), &format!("{} of {} is {what}", v.name, self.file));
         let images = &self.manifest.images;
         Ok(Some(match (&v.kind, &input.what) {
             (VariableKind::Storage(bytes), InputKind::Buffer(buffer)) => {
                 BoundInput::Buffer(buffer.clone(), v.read_only, *bytes)
             }
-            (VariableKind::Storage(_), _) => return Err(is("a buffer, and is fed an image".to_owned())),
-            (_, InputKind::Buffer(_)) => return Err(is("an image, and is fed a buffer".to_owned())),
+            (VariableKind::Storage(_), _) => return Err(mismatch("a buffer, and is fed an image".to_owned())),
+            (_, InputKind::Buffer(_)) => return Err(mismatch("an image, and is fed a buffer".to_owned())),
             (VariableKind::Stored(kind), InputKind::Image(ImageSource::Own(image))) => {
-                kinds::check_stored(kind, image, images).map_err(is)?;
+                kinds::check_stored(kind, image, images).map_err(mismatch)?;
                 let level = if input.level == LevelOf::All { LevelOf::Number(0) } else { input.level };
                 BoundInput::Stored(image.clone(), level, v.read_only)
             }
             (VariableKind::Sampled(kind), InputKind::Image(source)) => {
-                kinds::check_sampled(kind, source, images).map_err(is)?;
+                kinds::check_sampled(kind, source, images).map_err(mismatch)?;
                 BoundInput::Sampled(source.clone(), inputs::sampler(source, input.sampler), input.level)
             }
             (_, InputKind::Image(_)) => {
-                return Err(is("stored to, and is fed an image that is not the method's own".to_owned()));
+                return Err(mismatch("stored to, and is fed an image that is not the method's own".to_owned()));
             }
         }))
     }
 }
 
-/// The specialization constants that the manifest gives, each as its id and the bits of its value.
+/// Returns the specialization constants to which the manifest gives values, as pairs of an id and the bits of the
+/// value.
 pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Vec<(u32, u32)> {
-    let given = |c: &ssct::gpu::interface::Constant| {
-        let (given, _) = pass.values.get(&c.name)?;
-        let number = given.numbers(state, 1).first().copied()?;
+    let id_and_bits = |c: &ssct::gpu::interface::Constant| {
+        let (feed, _) = pass.values.get(&c.name)?;
+        let number = feed.numbers(state, 1).first().copied()?;
         Some((
             c.id,
             match c.ty {
@@ -232,15 +240,15 @@ pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Ve
             },
         ))
     };
-    compiled.interface.constants.iter().filter_map(given).collect()
+    compiled.interface.constants.iter().filter_map(id_and_bits).collect()
 }
 
 /// Refuses names under `[inputs]` and `[values]` that no shader of the method reads.
 pub fn check_all_read(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
     let reads = |pass: usize, name: &str| {
         let interface = &compiled[pass].interface;
-        let bound = interface.variables.iter().any(|v| v.name == name || v.block == name);
-        let constant = interface.constants.iter().any(|c| c.name == name);
+        let is_variable = interface.variables.iter().any(|v| v.name == name || v.block == name);
+        let is_constant = interface.constants.iter().any(|c| c.name == name);
         let has_field = |block: &str, layout: &BlockLayout| {
             layout.fields.iter().any(|field| field.name == name || format!("{block}.{}", field.name) == name)
         };
@@ -249,20 +257,21 @@ pub fn check_all_read(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<
             _ => false,
         });
         let in_push = interface.push.as_ref().is_some_and(|(block, layout)| has_field(block, layout));
-        bound || constant || in_block || in_push
+        is_variable || is_constant || in_block || in_push
     };
-    let all = 0..manifest.passes.len();
+    let all_passes = 0..manifest.passes.len();
+    // The names of a pass's inputs and values, each with its place in the manifest.
     let names = |pass: &Pass| -> Vec<(String, Range<usize>)> {
         let inputs = pass.inputs.iter().map(|(name, input)| (name.clone(), input.span().clone()));
         inputs.chain(pass.values.iter().map(|(name, (_, span))| (name.clone(), span.clone()))).collect()
     };
     for pass in &manifest.passes {
         for (name, span) in names(pass) {
-            // A name at the top of the manifest holds for every pass, and one pass that reads it is enough.
-            let passes = all
+            // A name at the top of the manifest is given to every pass. It is enough that one of these passes reads it.
+            let passes = all_passes
                 .clone()
-                .filter(|k| names(&manifest.passes[*k]).iter().any(|(n, place)| *n == name && *place == span));
-            if !passes.clone().any(|k| reads(k, &name)) {
+                .filter(|index| names(&manifest.passes[*index]).iter().any(|(n, place)| *n == name && *place == span));
+            if !passes.clone().any(|index| reads(index, &name)) {
                 return Err(manifest.error(&span, format!("no shader reads {name}")));
             }
         }

@@ -1,5 +1,6 @@
-//! The project's own shaders, as methods from folders may use them. A shader or an include that a folder lacks is looked for among these
-//! shaders, by its path below `shaders-glsl`. Their texts are part of the program, so that a folder that uses them runs anywhere.
+//! The project's own shaders, which methods from folders may use. A shader or an include that a folder lacks is looked
+//! for among these shaders, by its path below `shaders-glsl`. Their texts are part of the program, so a folder that
+//! uses them needs no copy of the project.
 
 use std::path::{Path, PathBuf};
 

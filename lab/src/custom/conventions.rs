@@ -24,6 +24,7 @@ pub struct Conventions {
     pub clip_depth: ClipDepth,
 }
 
+/// The default of `clip_y`.
 fn up() -> ClipY {
     ClipY::Up
 }

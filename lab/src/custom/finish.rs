@@ -1,4 +1,5 @@
-//! Converts the images of a method from a folder into those that every method returns: the reflection with its fade, and hits.
+//! Converts the images of a method from a folder into the images that every method returns: the reflection with its
+//! fade, and hits.
 
 use super::manifest::{Alpha, HitEncoding, Manifest, format_of};
 use super::values::FrameState;
@@ -65,7 +66,7 @@ impl Finish {
         Ok(Self { reflection, hits, has_our_hits: wants_hits && are_ours })
     }
 
-    /// Makes the reflection from the image into which the method drew it.
+    /// Makes the reflection from `made`, the image into which the method drew it.
     pub fn reflection<'a>(&'a self, frame: &mut Frame, input: &Input<'_, '_>, made: &'a Image) -> Result<&'a Image> {
         let Some((pipeline, image, alpha)) = &self.reflection else { return Ok(made) };
         let extent = input.gbuffer.depth.extent();
@@ -82,7 +83,7 @@ impl Finish {
         Ok(image)
     }
 
-    /// Makes the hits, if they are wanted, from the image into which the method drew them.
+    /// Makes the hits from `made`, the image into which the method drew them; `None` if hits are not wanted.
     pub fn hits<'a>(
         &'a self,
         frame: &mut Frame,

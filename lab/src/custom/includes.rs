@@ -1,5 +1,5 @@
-//! The files that a user's shader may consist of: those of the method's folder, those below folders that the user allows, and the project's
-//! own shaders. The depth, the number and the size of includes are bounded.
+//! Decides of which files a user's shader may consist: files of the method's folder, files below folders that the user
+//! allows, and the project's own shaders. The depth, the number and the size of includes are bounded.
 
 use super::built_in;
 use ssct_ground::{Error, Result};
@@ -26,34 +26,38 @@ pub fn allow(folders: Vec<PathBuf>) {
 
 /// The includes of one shader, as the compiler asks for them.
 pub struct Includes<'a> {
+    /// The folder of the method.
     folder: &'a Path,
     /// The folder for includes that are not beside the file that includes them.
     elsewhere: &'a Path,
     /// The includes that are being read, the outermost first, each by the compiler's name for it and by its whole path.
     open: Vec<(PathBuf, PathBuf)>,
+    /// The size of all includes so far.
     bytes: u64,
     /// The shader and every file that was included.
     files: Vec<PathBuf>,
-    /// Paths at which no file exists; a file there would replace a built-in shader.
+    /// Paths without a file, at which a file would replace a built-in shader.
     awaited: Vec<PathBuf>,
     /// Why an include was refused, if one was.
     pub refused: Option<String>,
 }
 
 impl<'a> Includes<'a> {
-    /// An empty list of includes, for a shader of a method in a folder.
+    /// Begins the includes of a shader of the method in `folder`. `elsewhere` is the folder for includes that are not
+    /// beside the file that includes them.
     pub fn new(folder: &'a Path, elsewhere: &'a Path, shader: &Path) -> Self {
         let (open, files) = (Vec::new(), vec![shader.to_owned()]);
         Self { folder, elsewhere, open, bytes: 0, files, awaited: Vec::new(), refused: None }
     }
 
-    /// The files whose change changes the shader.
+    /// Returns the files on which the shader depends, and the paths at which new files would change it.
     pub fn watched(self) -> Vec<PathBuf> {
         self.files.into_iter().chain(self.awaited).collect()
     }
 
-    /// The path of an include: beside the file that includes it, in the folder for includes, or among the built-in shaders. For an include
-    /// in a built-in shader, the method's folder counts as beside it.
+    /// Returns the path of the include `name`: beside the file `includer`, in the folder for includes, or among the
+    /// built-in shaders, in this order. If `includer` is built in, the method's folder is searched in place of the
+    /// files beside it.
     fn path(&mut self, name: &str, includer: &Path) -> PathBuf {
         let beside = match built_in::text(includer) {
             Some(_) => self.folder,
@@ -72,7 +76,7 @@ impl<'a> Includes<'a> {
         }
     }
 
-    /// The path and the text of an include.
+    /// Reads the include `name` of the file `includer`; returns its path and its text.
     ///
     /// # Errors
     /// The reason why the include cannot be read, as a part of the compiler's message.
@@ -105,10 +109,10 @@ impl<'a> Includes<'a> {
     /// Refuses a file outside of the allowed folders, a file that includes itself, and too many includes.
     fn check(&self, path: &Path) -> std::result::Result<(), String> {
         check_place(path, self.folder)?;
-        let itself = canonical_path(path);
-        let before = self.open.iter().filter(|(_, open)| *open == itself).count();
+        let canonical = canonical_path(path);
+        let open_copies = self.open.iter().filter(|(_, open)| *open == canonical).count();
         // A file may include itself once, since an include guard may leave the second copy empty.
-        if before + usize::from(canonical_path(&self.files[0]) == itself) > 1 {
+        if open_copies + usize::from(canonical_path(&self.files[0]) == canonical) > 1 {
             return Err(format!("{} includes itself", path.display()));
         }
         if self.open.len() >= MOST_DEPTH {
@@ -121,7 +125,7 @@ impl<'a> Includes<'a> {
     }
 }
 
-/// A path from the root of the file system; the path itself if there is no such file.
+/// Returns the path of a file from the root of the file system, without links; `path` itself if there is no such file.
 fn canonical_path(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
@@ -134,15 +138,15 @@ pub fn check_shader(path: &Path, folder: &Path) -> Result<()> {
     check_place(path, folder).map_err(|why| Error::malformed(path, None, why))
 }
 
-/// Returns as an error why a shader must not be read from `path`; a path at which no file exists is no error.
+/// Checks that a shader may be read from `path`; the error says why not. A path without a file is no error.
 fn check_place(path: &Path, folder: &Path) -> std::result::Result<(), String> {
     if built_in::text(path).is_some() {
         return Ok(());
     }
-    // The function that reads a missing file reports it.
-    let Ok(itself) = path.canonicalize() else { return Ok(()) };
+    // A missing file is reported when it is read.
+    let Ok(canonical) = path.canonicalize() else { return Ok(()) };
     let mut allowed = std::iter::once(folder).chain(ALLOWED.get().into_iter().flatten().map(PathBuf::as_path));
-    if allowed.any(|folder| folder.canonicalize().is_ok_and(|folder| itself.starts_with(folder))) {
+    if allowed.any(|folder| folder.canonicalize().is_ok_and(|folder| canonical.starts_with(folder))) {
         return Ok(());
     }
     let folder = folder.display();

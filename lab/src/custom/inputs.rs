@@ -1,5 +1,5 @@
-//! Makes, out of the G-buffer, the images that shaders read: each image once a frame, however many passes read it, and
-//! only images that are read.
+//! Makes the images that shaders read out of the G-buffer. Only images that some pass reads are made, and each of them
+//! once a frame.
 
 use super::conventions::Conventions;
 use super::manifest::SamplerName;
@@ -31,9 +31,11 @@ use ssct_scenes::{Camera, ProjectionKind};
 
 /// The passes that make the sources that a method reads.
 pub struct Inputs {
+    /// The sources and how each is made; a source stands behind those from which it is made.
     made: Vec<(ImageSource, SourceMaker)>,
     /// Names of the sources' images, in their order, for the list of intermediate images.
     names: Vec<&'static str>,
+    /// The kind of the camera's projection.
     projection: ProjectionKind,
 }
 
@@ -41,11 +43,13 @@ pub struct Inputs {
 enum SourceMaker {
     /// Nothing needs to be made: the source is in the G-buffer, or comes with the input.
     There,
+    /// The lit colour with its chain.
     Chain(ColorChainPass),
     /// The thesis's depth, alone or with its Hi-Z chain.
     Thesis(HiZPass),
     Visibility(VisibilityPass),
     Pyramid(PyramidPass),
+    /// An image of the G-buffer in other conventions.
     Converted {
         pipeline: GraphicsPipeline<Convert<'static>>,
         image: Image,
@@ -53,6 +57,7 @@ enum SourceMaker {
         what: i32,
         axes: Axes,
     },
+    /// A chain of minima or maxima of the depth `original`.
     Reduced {
         copy: ComputePipeline<Reduce<'static>>,
         reduce: ComputePipeline<Reduce<'static>>,
@@ -60,7 +65,8 @@ enum SourceMaker {
         original: ImageSource,
     },
     Noise(Image),
-    /// Two copies of a source that take turns: one of the frame before, and one of this frame.
+    /// Two copies of a source, one of the frame before and one of this frame; which is which changes from frame to
+    /// frame.
     Kept {
         original: ImageSource,
         images: Vec<Image>,
@@ -68,7 +74,8 @@ enum SourceMaker {
 }
 
 impl Inputs {
-    /// Makes the passes for a size in pixels and a projection. Sources from which others are made are added.
+    /// Makes the passes for `sources`, at a size in pixels and for a projection. Sources from which these are made are
+    /// added.
     pub fn new(
         gpu: &Gpu,
         (extent, projection): ([u32; 2], ProjectionKind),
@@ -83,7 +90,7 @@ impl Inputs {
         Ok(inputs)
     }
 
-    /// Adds a source, and before it the sources from which it is made, unless they are there already.
+    /// Adds a source, and before it the sources from which it is made, unless it was added already.
     fn add(&mut self, gpu: &Gpu, extent: [u32; 2], source: &ImageSource, conventions: Conventions) -> Result<()> {
         if self.made.iter().any(|(known, _)| known == source) {
             return Ok(());
@@ -117,8 +124,9 @@ impl Inputs {
                 if !world && *encoding == NormalEncoding::Float && axes == Axes::Left {
                     SourceMaker::There
                 } else {
-                    let first = if *world { CONVERT_WORLD_NORMAL } else { CONVERT_VIEW_NORMAL };
-                    converted(first + *encoding as i32, axes, vk::Format::R16G16B16A16_SFLOAT)?
+                    // The codes of a normal's encodings follow that of the first encoding.
+                    let first_code = if *world { CONVERT_WORLD_NORMAL } else { CONVERT_VIEW_NORMAL };
+                    converted(first_code + *encoding as i32, axes, vk::Format::R16G16B16A16_SFLOAT)?
                 }
             }
             ImageSource::Position { world } => {
@@ -158,10 +166,11 @@ impl Inputs {
                     SourceMaker::There
                 } else {
                     if **original == ImageSource::Depth(Depth::Reversed) {
-                        // A depth buffer is kept as a colour image, and the shader reads this image in its place.
+                        // A depth buffer cannot be copied to the kept image, so shaders read a colour image with its
+                        // values.
                         let as_color = ((**original).clone(), converted(CONVERT_REVERSED_DEPTH, Axes::Left, float)?);
-                        // The colour image replaces an earlier entry for the depth buffer, since later entries copy the
-                        // colour image.
+                        // The colour image replaces an earlier entry for the depth buffer, so that the colour image is
+                        // kept.
                         match self.made.iter_mut().find(|(known, _)| known == &**original) {
                             Some(known) => *known = as_color,
                             None => self.made.push(as_color),
@@ -178,7 +187,8 @@ impl Inputs {
         Ok(())
     }
 
-    /// The format of the kept copy of a source.
+    /// Returns the format of the two images that keep `source` for the next frame ([`Self::keep`]). It has all channels
+    /// of the image from which they are copied.
     fn kept_format(&self, source: &ImageSource) -> vk::Format {
         match self.made.iter().find(|(known, _)| known == source) {
             Some((_, SourceMaker::Converted { image, .. })) => image.format(),
@@ -237,8 +247,8 @@ impl Inputs {
         Ok(())
     }
 
-    /// The images that this frame made from the G-buffer. Left out are the chain of the lit colour, copies of the frame before,
-    /// noise, and images that are there without being made.
+    /// Returns the images that this frame made from the G-buffer, whose size is `extent`. Left out are the chain of the
+    /// lit colour, copies of the frame before, noise, and images that need not be made.
     pub fn made<'i>(&'i self, extent: [u32; 2]) -> impl Iterator<Item = Intermediate<'i>> + 'i {
         self.made.iter().zip(&self.names).filter_map(move |((source, made), name)| {
             let (content, image) = match made {
@@ -266,7 +276,7 @@ impl Inputs {
         Ok(())
     }
 
-    /// Clears the kept copies, which the first frame reads in the place of a frame before.
+    /// Clears the kept copies, since the first frame reads them although there is no frame before it.
     pub fn begin(&self, frame: &mut Frame) -> Result<()> {
         for (source, made) in &self.made {
             if let SourceMaker::Kept { images, .. } = made {
@@ -278,7 +288,8 @@ impl Inputs {
         Ok(())
     }
 
-    /// The image of a source. `turn` is 0 and 1 in alternate frames, and chooses between two copies.
+    /// Returns the image of a source; of a source that is kept for the next frame, the copy of the frame before. `turn`
+    /// is 0 and 1 in alternate frames, and is the number of the copy that this frame writes.
     fn image<'i>(&'i self, source: &ImageSource, input: &Input<'i, '_>, turn: usize) -> Result<&'i Image> {
         let GBuffer { depth, normal, material, color, .. } = input.gbuffer;
         let lacks = |what: &str| Error::Usage(format!("the method reads {source}, and there {what}"));
@@ -306,18 +317,19 @@ impl Inputs {
         })
     }
 
-    /// The part of a source's image that a shader binds.
+    /// Returns the part of a source's image that a shader binds: level 0 of the lit colour without its chain, or else
+    /// all.
     pub fn slice<'i>(&'i self, source: &ImageSource, input: &Input<'i, '_>, turn: usize) -> Result<ImageSlice<'i>> {
         if *source == ImageSource::Sky {
             return Err(Error::Usage("the method reads the sky, which is bound apart".into()));
         }
         let image = self.image(source, input, turn)?;
-        let alone = matches!(source, ImageSource::LitColour);
-        Ok(if alone { image.level(0) } else { image.all() })
+        let has_one_level = matches!(source, ImageSource::LitColour);
+        Ok(if has_one_level { image.level(0) } else { image.all() })
     }
 }
 
-/// The meaning of a source's numbers.
+/// Returns the meaning of a source's numbers, by which a picture of them is drawn.
 fn content(source: &ImageSource) -> Content {
     match source {
         ImageSource::Depth(Depth::Reversed) => Content::ReversedDepth,
@@ -328,7 +340,8 @@ fn content(source: &ImageSource) -> Content {
     }
 }
 
-/// The file name of a source, which the methods of the table use for the same image. The text lives as long as the program.
+/// Returns the stem of the file name for a source. The project's own methods use the same stem for the same image. The
+/// text lives as long as the program.
 fn stem(source: &ImageSource) -> &'static str {
     match source {
         ImageSource::ThesisHiZ => "hi-z",
@@ -337,7 +350,7 @@ fn stem(source: &ImageSource) -> &'static str {
     }
 }
 
-/// The sampler that the manifest names; if it names none, the usual one of the source.
+/// Returns the sampler that the manifest names or, if it names none, the usual one of the source.
 pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
     match named {
         Some(SamplerName::Nearest) => Sampler::NearestClamp,
@@ -349,8 +362,8 @@ pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
     }
 }
 
-/// The uniforms of a conversion: `before` is the camera of the frame before, and `what` is the code of the conversion,
-/// `CONVERT_*`.
+/// Returns the uniforms of a conversion: `before` is the camera of the frame before, and `what` is the code of the
+/// conversion, `CONVERT_*`.
 fn convert_block(camera: &Camera, before: &Camera, what: i32, axes: Axes) -> ConvertBlock {
     let clip = |c: &Camera| c.view_to_clip_reversed().as_dmat4() * c.world_to_view.as_dmat4();
     ConvertBlock {
@@ -361,14 +374,14 @@ fn convert_block(camera: &Camera, before: &Camera, what: i32, axes: Axes) -> Con
     }
 }
 
-/// The tile of blue noise in red; green has the same tile, moved by a third of its side.
+/// Makes the image of blue noise. Red has the tile, and green has it moved by a third of its side.
 fn blue_noise(gpu: &Gpu) -> Result<Image> {
     use vk::ImageUsageFlags as U;
     let side = noise::RANKS_ACROSS;
     let tile = noise::tile();
-    let texel = |k: usize| {
-        let (x, y) = (k % side, k / side);
-        [tile[k], tile[(y + side / 3) % side * side + (x + side / 3) % side]]
+    let texel = |index: usize| {
+        let (x, y) = (index % side, index / side);
+        [tile[index], tile[(y + side / 3) % side * side + (x + side / 3) % side]]
     };
     let bytes: Vec<u8> = (0..side * side).flat_map(texel).collect();
     let extent = [side as u32; 2];

@@ -1,5 +1,5 @@
-//! Checks the kinds of images, inputs and outputs that a shader declares against those that exist. A driver does not check them, and reads
-//! wrong numbers, or memory outside of the image.
+//! Checks the kinds of images, inputs and outputs that a shader declares against those that it gets. A driver does not
+//! check them, and would read wrong numbers or memory outside of the image.
 
 use super::manifest::{ImageSection, Manifest, Pass, PassStage, format_of};
 use super::reflect::{Component, Dim, ImageKind, ShaderInterface, StageVariable};
@@ -7,9 +7,9 @@ use super::source::ImageSource;
 use ash::vk;
 use std::collections::BTreeMap;
 
-/// The most threads that a workgroup may have, in all and along each axis. Some devices allow fewer: making the
-/// pipeline checks that.
+/// The most threads that a workgroup may have. Some devices allow fewer; making the pipeline checks that.
 const MAX_THREADS: u32 = 1024;
+/// The most threads that a workgroup may have along each axis.
 const MAX_SIDES: [u32; 3] = [1024, 1024, 64];
 
 /// The most bytes that a workgroup may share.
@@ -31,8 +31,8 @@ pub fn check_sampled(
     if kind.shadow {
         return Err(format!("a {}, which compares with a depth; compare in the shader", sampler(kind)));
     }
-    let is_there = (kind.dim, kind.arrayed, kind.component) == (fed.dim, fed.arrayed, fed.component);
-    if is_there && !kind.multisampled {
+    let is_equal = (kind.dim, kind.arrayed, kind.component) == (fed.dim, fed.arrayed, fed.component);
+    if is_equal && !kind.multisampled {
         return Ok(());
     }
     Err(format!("a {}, and is fed {source}, which is a {}", sampler(kind), sampler(&fed)))
@@ -46,11 +46,11 @@ pub fn check_stored(kind: &ImageKind, name: &str, images: &BTreeMap<String, Imag
     let Some(section) = images.get(name) else { return Ok(()) };
     let fed = fed(&ImageSource::Own(name.to_owned()), images);
     if (kind.dim, kind.arrayed, kind.component) != (fed.dim, fed.arrayed, fed.component) || kind.multisampled {
-        let [declared, there] = [kind, &fed].map(|k| sampler(k).replace("sampler", "image"));
-        return Err(format!("an {declared}, and {name} is an {there}"));
+        let [declared, actual] = [kind, &fed].map(|k| sampler(k).replace("sampler", "image"));
+        return Err(format!("an {declared}, and {name} is an {actual}"));
     }
-    let there = STORED.iter().find(|(format, _)| *format == section.format);
-    match there {
+    let storable = STORED.iter().find(|(format, _)| *format == section.format);
+    match storable {
         None => Err(format!("stored to, and {name} is {}, which shaders can only draw to and look up", section.format)),
         Some((format, number)) if kind.format != 0 && kind.format != *number => {
             let declared = STORED.iter().find(|(_, number)| *number == kind.format);
@@ -61,7 +61,7 @@ pub fn check_stored(kind: &ImageKind, name: &str, images: &BTreeMap<String, Imag
     }
 }
 
-/// Formats of images as a manifest names them, and their numbers in SPIR-V.
+/// Formats to which shaders can store, as a manifest names them, and their numbers in SPIR-V.
 const STORED: [(&str, u32); 15] = [
     ("r8", 15),
     ("rg8", 13),
@@ -80,7 +80,7 @@ const STORED: [(&str, u32); 15] = [
     ("rgb10-a2", 11),
 ];
 
-/// The kind of image that a shader gets from a source.
+/// Returns the kind of image that a shader gets from a source.
 fn fed(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKind {
     let plane = ImageKind {
         dim: Dim::Two,
@@ -102,7 +102,7 @@ fn fed(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKi
     }
 }
 
-/// The type of the numbers that a shader reads from an image of a format.
+/// Returns the type of the numbers that a shader reads from an image of a format.
 fn component(format: vk::Format) -> Component {
     match format {
         vk::Format::R32_UINT | vk::Format::R32G32_UINT | vk::Format::R32G32B32A32_UINT => Component::Uint,
@@ -111,7 +111,7 @@ fn component(format: vk::Format) -> Component {
     }
 }
 
-/// The type of a sampler in GLSL.
+/// Returns the GLSL type of a sampler for a kind of image, such as `usampler2DArray`.
 fn sampler(kind: &ImageKind) -> String {
     let prefix = match kind.component {
         Component::Float => "",
@@ -127,12 +127,12 @@ fn sampler(kind: &ImageKind) -> String {
         Dim::Buffer => "Buffer",
     };
     let [samples, array, shadow] = [(kind.multisampled, "MS"), (kind.arrayed, "Array"), (kind.shadow, "Shadow")]
-        .map(|(is, word)| if is { word } else { "" });
+        .map(|(applies, word)| if applies { word } else { "" });
     format!("{prefix}sampler{dim}{samples}{array}{shadow}")
 }
 
-/// Checks the inputs of a pass's shader from the vertex stage, its outputs to targets, and its demands on a device. `file` is the shader's
-/// name in messages.
+/// Checks what a pass's shader demands of the device, and, for a fragment shader, its inputs from the vertex stage and
+/// its outputs to targets. `file` is the shader's name in messages.
 ///
 /// # Errors
 /// A sentence about the first fault.
@@ -156,8 +156,8 @@ pub fn check_stage(manifest: &Manifest, pass: &Pass, interface: &ShaderInterface
 fn check_workgroup(interface: &ShaderInterface, file: &str) -> Result<(), String> {
     let [x, y, z] = interface.local_size;
     let threads = u64::from(x) * u64::from(y) * u64::from(z);
-    let fits = interface.local_size.iter().zip(MAX_SIDES).all(|(side, most)| (1..=most).contains(side));
-    if !fits || threads > u64::from(MAX_THREADS) {
+    let sides_fit = interface.local_size.iter().zip(MAX_SIDES).all(|(side, most)| (1..=most).contains(side));
+    if !sides_fit || threads > u64::from(MAX_THREADS) {
         let [a, b, c] = MAX_SIDES;
         return Err(format!(
             "the workgroups of {file} have {x}x{y}x{z} threads; at most {MAX_THREADS}, and {a}x{b}x{c}, are possible"
@@ -170,15 +170,15 @@ fn check_workgroup(interface: &ShaderInterface, file: &str) -> Result<(), String
     Ok(())
 }
 
-/// Checks that a fragment shader reads nothing from the vertex stage but one `vec2`, the texture coordinates.
+/// Checks that a fragment shader reads from the vertex stage at most one `vec2`, the texture coordinates.
 fn check_inputs(inputs: &[StageVariable], file: &str) -> Result<(), String> {
     let is_uv = |input: &StageVariable| input.component == Some(Component::Float) && input.numbers == 2;
-    let other = match inputs {
+    let wrong_input = match inputs {
         [] => None,
         [only] if is_uv(only) => None,
         inputs => inputs.iter().find(|input| !is_uv(input)).or(inputs.last()),
     };
-    match other {
+    match wrong_input {
         Some(input) => {
             Err(format!("{file} reads `{}`; only texture coordinates are given, as one `in vec2`", input.name))
         }
@@ -188,25 +188,25 @@ fn check_inputs(inputs: &[StageVariable], file: &str) -> Result<(), String> {
 
 /// Checks that a fragment shader writes as many outputs as its pass has targets, each of the type of its target.
 fn check_outputs(manifest: &Manifest, pass: &Pass, outputs: &[StageVariable], file: &str) -> Result<(), String> {
-    let (many, targets) = (outputs.len(), pass.targets.len());
-    if many != targets {
-        return Err(format!("the shader writes {many} colours, and the pass has {targets} targets"));
+    let (count, targets) = (outputs.len(), pass.targets.len());
+    if count != targets {
+        return Err(format!("the shader writes {count} colours, and the pass has {targets} targets"));
     }
-    for (number, (output, (target, _))) in (0_u32..).zip(outputs.iter().zip(&pass.targets)) {
+    for (number, (output, (target, _level))) in (0_u32..).zip(outputs.iter().zip(&pass.targets)) {
         let name = &output.name;
         if output.location != number {
             return Err(format!("{file} writes `{name}` at location {}; targets are 0, 1 and so on", output.location));
         }
         let format = manifest.images.get(target).and_then(|image| format_of(&image.format));
-        let there = format.map_or(Component::Float, component);
-        if output.component != Some(there) {
+        let target_component = format.map_or(Component::Float, component);
+        if output.component != Some(target_component) {
             let kind = |component: Component| match component {
                 Component::Float => "floats",
                 Component::Int => "signed integers",
                 Component::Uint => "unsigned integers",
             };
             let declared = output.component.map_or("something else than numbers", kind);
-            return Err(format!("{file} writes `{name}` as {declared}, and {target} has {}", kind(there)));
+            return Err(format!("{file} writes `{name}` as {declared}, and {target} has {}", kind(target_component)));
         }
     }
     Ok(())

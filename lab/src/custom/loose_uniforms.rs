@@ -1,13 +1,13 @@
 //! Puts uniforms outside of blocks, which OpenGL allows, into blocks, which Vulkan demands.
 //!
-//! The compiler has preprocessed the text, so that it has no comments, macros, includes or lines that are switched off. The rest is read as
-//! GLSL: declarations outside of braces that end in a semicolon.
+//! The text must be preprocessed, so that it has no comments, macros, includes or lines that are switched off. Of the
+//! rest, only declarations outside of braces are read, each up to its semicolon.
 
-/// The name of the block of loose uniforms. A loose uniform whose type or array size is a name of the shader stays where it is, in a block
-/// of its own, numbered from 1.
+/// The name of the block of loose uniforms. A loose uniform whose type or array size has a name that the shader
+/// declares stays where it is, in a block of its own, whose name is this name with a number from 1.
 pub const LOOSE: &str = "LooseUniforms";
 
-/// Words before the type of a declaration.
+/// Words that may stand before the type of a declaration.
 const QUALIFIERS: [&str; 12] = [
     "uniform",
     "highp",
@@ -28,7 +28,7 @@ const QUALIFIERS: [&str; 12] = [
 pub struct HoistedUniforms {
     /// The text with blocks in the place of loose uniforms. Lines stay where they are.
     pub text: String,
-    /// Names of uniforms with their initial values; `None` for a value that is no plain number.
+    /// Names of uniforms with their initial values; `None` for a value that does not consist of numbers alone.
     pub own: Vec<(String, Option<Vec<f64>>)>,
 }
 
@@ -36,17 +36,18 @@ pub struct HoistedUniforms {
 pub fn hoisted(text: &str) -> HoistedUniforms {
     let mut made = HoistedUniforms::default();
     let mut blocks = Blocks::default();
-    let mut rest = 0;
+    // The number of bytes of the text that are copied or replaced so far.
+    let mut done = 0;
     for (start, end) in declarations(text) {
         let Some(uniform) = LooseUniform::read(&text[start..end]) else { continue };
-        made.text.push_str(&text[rest..start]);
+        made.text.push_str(&text[done..start]);
         blocks.place(&uniform, &mut made.text);
         // The line breaks of a declaration are kept, so that lines stay where they are.
         made.text.extend(text[start..end].chars().filter(|c| *c == '\n'));
         made.own.extend(uniform.own);
-        rest = end;
+        done = end;
     }
-    made.text.push_str(&text[rest..]);
+    made.text.push_str(&text[done..]);
     if !blocks.shared.is_empty() {
         let block = format!("layout(std140) uniform {LOOSE} {{ {}}};", blocks.shared);
         made.text.insert_str(blocks.first, &block);
@@ -57,8 +58,9 @@ pub fn hoisted(text: &str) -> HoistedUniforms {
 /// The blocks that the loose uniforms of a text have made so far.
 #[derive(Default)]
 struct Blocks {
-    /// Fields of the block that most uniforms share; the block goes to the byte `first`.
+    /// The fields of the block that most uniforms share.
     shared: String,
+    /// The byte of the new text at which the shared block is inserted: the place of its first uniform.
     first: usize,
     /// The number of blocks for declarations that stay where they are.
     apart: usize,
@@ -79,9 +81,11 @@ impl Blocks {
     }
 }
 
-/// The byte ranges of declarations outside of braces, each with its semicolon. Functions, blocks and structs do not count.
+/// Returns the byte ranges, as first byte and end, of declarations outside of braces, each with its semicolon.
+/// Functions, blocks and structs are left out.
 fn declarations(text: &str) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
+    // The first byte of the declaration that is being read, the depth of open braces, and what the braces enclose.
     let mut start = None;
     let (mut depth, mut is_block, mut is_function) = (0_usize, false, false);
     let mut at_line_start = true;
@@ -113,7 +117,7 @@ fn declarations(text: &str) -> Vec<(usize, usize)> {
                 }
             }
             b';' if depth == 0 => {
-                found.extend(start.filter(|_| !is_block).map(|from| (from, offset + 1)));
+                found.extend(start.filter(|_| !is_block).map(|start| (start, offset + 1)));
                 (start, is_block, is_function) = (None, false, false);
             }
             _ => {}
@@ -128,6 +132,7 @@ struct LooseUniform {
     fields: String,
     /// True if the type and the array sizes use no name of the shader, and so are known everywhere.
     is_plain: bool,
+    /// Names and initial values, as in [`HoistedUniforms`].
     own: Vec<(String, Option<Vec<f64>>)>,
 }
 
@@ -155,7 +160,7 @@ impl LooseUniform {
         let rest = &rest[kind.len()..];
         let mut made = Self { fields: String::new(), is_plain: is_built_in(kind), own: Vec::new() };
         // An array may stand behind the type, as in `float[4] gains`.
-        let (of_type, rest) = match rest.trim_start().strip_prefix('[').and_then(|_| rest.split_once(']')) {
+        let (type_size, rest) = match rest.trim_start().strip_prefix('[').and_then(|_| rest.split_once(']')) {
             Some((size, rest)) => (format!("{size}]"), rest),
             None => (String::new(), rest),
         };
@@ -166,7 +171,7 @@ impl LooseUniform {
                 _ => return None,
             };
             let name = word(declared);
-            let sizes = format!("{}{of_type}", &declared[name.len()..]);
+            let sizes = format!("{}{type_size}", &declared[name.len()..]);
             made.is_plain &= !sizes.contains(|c: char| c.is_ascii_alphabetic() || c == '_');
             made.fields.push_str(&format!("{kind} {name}{sizes}; "));
             made.own.extend(value.map(|value| (name.to_owned(), super::own_values::evaluate(value, kind))));
@@ -175,13 +180,13 @@ impl LooseUniform {
     }
 }
 
-/// The name at the beginning of a text.
+/// Returns the name at the beginning of a text; empty if the text begins with something else.
 fn word(text: &str) -> &str {
     let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(text.len());
     &text[..end]
 }
 
-/// The parts of a text between separators that stand outside of brackets.
+/// Splits a text at the separators that stand outside of brackets.
 fn parts(text: &str, separator: char) -> Vec<&str> {
     let (mut found, mut depth, mut start) = (Vec::new(), 0_i32, 0);
     for (offset, c) in text.char_indices() {
@@ -201,7 +206,7 @@ fn parts(text: &str, separator: char) -> Vec<&str> {
 
 /// True for a type that is no number, such as samplers and images, whose uniforms need no block in Vulkan either.
 fn is_opaque(kind: &str) -> bool {
-    // `isampler2D` and `uimage2D` lose their first letter; `image2D` keeps it.
+    // The letter for whole numbers is removed, as from `isampler2D` and `uimage2D`; `image2D` keeps its first letter.
     let bare =
         kind.strip_prefix(['i', 'u']).filter(|bare| !kind.starts_with("image") || bare.is_empty()).unwrap_or(kind);
     ["sampler", "image", "texture", "subpassInput", "atomic_uint", "accelerationStructure"]

@@ -1,4 +1,4 @@
-//! The manifest of a method's folder, read and checked as a whole. `sections` has its sections as they are written,
+//! Reads the manifest of a method's folder and checks it as a whole. `sections` has its sections as they are written,
 //! `passes` checks each pass, and `parameters` makes the method's parameters.
 
 mod parameters;
@@ -36,10 +36,15 @@ const MOST_SCALE: f32 = 4.0;
 pub struct Manifest {
     /// The folder of the manifest.
     pub folder: PathBuf,
+    /// The text of the manifest, for messages about places in it.
     text: String,
+    /// The name of the method.
     pub name: String,
+    /// One sentence about the method.
     pub summary: String,
+    /// The document that the method comes from.
     pub source: String,
+    /// The conventions of the shaders.
     pub conventions: Conventions,
     /// The folder for includes that are not beside the file that includes them.
     pub include: PathBuf,
@@ -47,10 +52,15 @@ pub struct Manifest {
     pub captures: bool,
     /// The longest time that a frame may take.
     pub patience: Duration,
+    /// The parameters by name, in the order of the manifest.
     parameters: Vec<(String, Spanned<ParameterSection>)>,
+    /// The method's own images, by name.
     pub images: BTreeMap<String, ImageSection>,
+    /// The method's own buffers, by name.
     pub buffers: BTreeMap<String, BufferSection>,
+    /// The passes in the order in which they run.
     pub passes: Vec<Pass>,
+    /// The images that the method returns.
     pub output: OutputSection,
 }
 
@@ -159,12 +169,12 @@ impl Manifest {
             let previous = ImageSource::Previous(Box::new(ImageSource::Own(name.clone())));
             let reads = |p: &Pass| p.inputs.values().any(|i| i.what == InputKind::Image(previous.clone()));
             if image.get_ref().history != passes.iter().any(reads) {
-                let (has, or) = if image.get_ref().history {
-                    ("has a history that no pass reads", "")
+                let fault = if image.get_ref().history {
+                    "has a history that no pass reads"
                 } else {
-                    ("is read as it was in the frame before", " without history = true")
+                    "is read as it was in the frame before without history = true"
                 };
-                return Err(wrong(image.span(), format!("image {name} {has}{or}")));
+                return Err(wrong(image.span(), format!("image {name} {fault}")));
             }
         }
         Ok(Self {
@@ -185,7 +195,7 @@ impl Manifest {
         })
     }
 
-    /// An error at a place of the manifest.
+    /// Makes an error at a place of the manifest.
     pub fn error(&self, span: &Range<usize>, message: impl Into<String>) -> Error {
         SourceText { path: &self.folder.join(MANIFEST), text: &self.text }.error(span.clone(), message)
     }
@@ -196,7 +206,7 @@ impl Manifest {
     }
 }
 
-/// How a table is written in a manifest.
+/// The form in which a table is written in a manifest.
 #[derive(Clone, Copy)]
 enum TableForm {
     /// Keys at the top of the manifest.
@@ -220,8 +230,8 @@ const REQUIRED: [(&str, TableForm, &[&str]); 5] = [
 
 /// Replaces an error about one missing key by an error that lists all missing keys; returns any other error unchanged.
 fn all_missing(source: &SourceText, error: Error) -> Error {
-    let says = error.to_string();
-    if says.contains("unknown field") || !says.contains("missing field") {
+    let message = error.to_string();
+    if message.contains("unknown field") || !message.contains("missing field") {
         return error;
     }
     let missing = toml::from_str::<toml::Table>(source.text).map_or(Vec::new(), |table| missing_keys(&table));
@@ -236,20 +246,21 @@ fn all_missing(source: &SourceText, error: Error) -> Error {
 /// Returns every key that a manifest must have and lacks, such as `image.result.format`.
 fn missing_keys(manifest: &toml::Table) -> Vec<String> {
     let mut missing = Vec::new();
-    for (name, written, keys) in REQUIRED {
-        for (place, table) in tables(manifest, name, written) {
+    for (name, form, keys) in REQUIRED {
+        for (place, table) in tables(manifest, name, form) {
             missing.extend(keys.iter().filter(|key| !table.contains_key(**key)).map(|key| format!("{place}{key}")));
         }
     }
     missing
 }
 
-/// The tables of a name, each with the text that comes before its keys in messages.
-fn tables<'t>(manifest: &'t toml::Table, name: &str, written: TableForm) -> Vec<(String, &'t toml::Table)> {
+/// Returns the tables with a name, which are written in the given form. Each comes with the text that stands before its
+/// keys in messages.
+fn tables<'t>(manifest: &'t toml::Table, name: &str, form: TableForm) -> Vec<(String, &'t toml::Table)> {
     let value = manifest.get(name);
     let table = value.and_then(toml::Value::as_table);
     let list = value.and_then(toml::Value::as_array).into_iter().flatten();
-    match written {
+    match form {
         TableForm::Top => vec![(String::new(), manifest)],
         TableForm::Once => table.map(|table| (format!("{name}."), table)).into_iter().collect(),
         TableForm::ByName => {
@@ -262,12 +273,12 @@ fn tables<'t>(manifest: &'t toml::Table, name: &str, written: TableForm) -> Vec<
     }
 }
 
-/// True for small letters, digits and hyphens alone: a flag or a file can have the name unchanged.
+/// True for a name of small letters, digits and hyphens alone, which a flag or a file can have unchanged.
 fn is_word(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
 }
 
-/// Formats of images that a method keeps, as GLSL names them.
+/// The formats that a method's own images can have, by their names in manifests.
 const FORMATS: [(&str, vk::Format); 16] = [
     ("r8", vk::Format::R8_UNORM),
     ("rg8", vk::Format::R8G8_UNORM),

@@ -24,11 +24,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
 
-/// The least time between two looks at the method's files, if the files are watched.
+/// The least time between two checks of the method's files, if the files are watched.
 const PERIOD: Duration = Duration::from_millis(300);
 
-/// The method in all its versions: one of its files when the method was made, and one for each change of the files
-/// since then.
+/// The method in all its versions: one for its files as they were when the method was made, and one for each change of
+/// the files since then.
 pub struct CustomMethod {
     first: Version,
     reload: Option<Reload>,
@@ -46,9 +46,9 @@ struct Reload {
     folder: PathBuf,
     setup: Setup,
     hits: bool,
-    /// The time of the last look at the files.
+    /// The time of the last check of the files.
     looked: Cell<Instant>,
-    /// When each file had been written, at the last look.
+    /// When each file had been written, as the last check found it.
     seen: RefCell<Vec<Option<SystemTime>>>,
 }
 
@@ -96,21 +96,21 @@ impl Method for CustomMethod {
 }
 
 impl Reload {
-    /// Makes the method anew if its files changed since the last look; `None` if they did not, or have a fault. Parameters stay as they
-    /// were declared.
-    fn changed(&self, now: &RunningVersion) -> Option<RunningVersion> {
+    /// Makes the method anew if its files changed since the last check; `None` if they did not, or have a fault. The
+    /// parameters are those that were declared when the method was made.
+    fn changed(&self, running: &RunningVersion) -> Option<RunningVersion> {
         if self.looked.get().elapsed() < PERIOD {
             return None;
         }
         self.looked.set(Instant::now());
-        let seen = stamps(&now.files);
-        if *self.seen.borrow() == seen {
+        let written = stamps(&running.files);
+        if *self.seen.borrow() == written {
             return None;
         }
-        *self.seen.borrow_mut() = seen;
-        let made = Manifest::read(&self.folder)
-            .map_err(Error::from)
-            .and_then(|manifest| RunningVersion::new(&self.gpu, &manifest, &now.parameters, &self.setup, self.hits));
+        *self.seen.borrow_mut() = written;
+        let made = Manifest::read(&self.folder).map_err(Error::from).and_then(|manifest| {
+            RunningVersion::new(&self.gpu, &manifest, &running.parameters, &self.setup, self.hits)
+        });
         match made {
             Ok(running) => {
                 *self.seen.borrow_mut() = stamps(&running.files);
@@ -124,7 +124,7 @@ impl Reload {
     }
 }
 
-/// The time at which each file was last written; `None` if it is not known.
+/// Returns the time at which each file was last written; `None` if it is not known.
 fn stamps(files: &[PathBuf]) -> Vec<Option<SystemTime>> {
     files.iter().map(|file| std::fs::metadata(file).and_then(|m| m.modified()).ok()).collect()
 }
@@ -151,7 +151,7 @@ struct RunningVersion {
     before: Cell<Option<Camera>>,
 }
 
-/// An image of the method's own: one, or two that take turns.
+/// An image of the method's own. With a history, it is two images, one of which each frame writes in turn.
 struct OwnImage {
     images: Vec<Image>,
     clear: Option<f32>,
@@ -184,7 +184,7 @@ impl RunningVersion {
             buffers.insert(name.clone(), (Buffer::new(gpu, name, bytes, usage, MemoryPlace::Device)?, section.fill));
         }
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, Default::default(), 1.0);
-        let still = FrameState {
+        let initial_state = FrameState {
             camera: &camera,
             before: &camera,
             extent,
@@ -218,7 +218,7 @@ impl RunningVersion {
                     return Err(manifest.error(&pass.span, message).into());
                 }
             }
-            let constants = bindings::constants(pass, &made, &still);
+            let constants = bindings::constants(pass, &made, &initial_state);
             let program = match pass.stage {
                 PassStage::Compute => LooseProgram::compute(gpu, made.shader, &constants)?,
                 PassStage::Fragment => {
@@ -260,7 +260,8 @@ impl RunningVersion {
         })
     }
 
-    /// The method's own image of a name. An image with a history exists twice, and `turn` chooses one of the two.
+    /// Returns the method's own image with a name. An image with a history exists twice, and `turn` chooses one of the
+    /// two.
     fn own(&self, name: &str, turn: usize) -> &Image {
         let images = &self.images[name].images;
         &images[turn % images.len()]
@@ -277,11 +278,11 @@ impl RunningVersion {
         }
         for (name, image) in &self.images {
             // The first frame clears both copies of an image with a history.
-            let fresh = before.is_none() && image.images.len() > 1;
-            for (k, held) in image.images.iter().enumerate() {
-                let this_frame = image.clear.filter(|_| k == turn % image.images.len());
-                if let Some(number) = this_frame.or(fresh.then_some(0.0)) {
-                    frame.clear(&format!("clear {name}"), held.all(), [number; 4])?;
+            let clears_all = before.is_none() && image.images.len() > 1;
+            for (index, copy) in image.images.iter().enumerate() {
+                let this_frame = image.clear.filter(|_| index == turn % image.images.len());
+                if let Some(number) = this_frame.or(clears_all.then_some(0.0)) {
+                    frame.clear(&format!("clear {name}"), copy.all(), [number; 4])?;
                 }
             }
         }
@@ -311,11 +312,11 @@ impl RunningVersion {
             parameters: &self.parameters,
         };
         // Interleaved passes are recorded together, level by level.
-        for together in self.passes.chunk_by(|_, next| next.pass.interleaved) {
-            let [first, last] = together[0].pass.levels.unwrap_or([0, 0]);
+        for interleaved in self.passes.chunk_by(|_, next| next.pass.interleaved) {
+            let [first, last] = interleaved[0].pass.levels.unwrap_or([0, 0]);
             'levels: for level in first..=last {
-                for recorded in together {
-                    if !self.record_level(frame, input, recorded, (level, turn), &state)? {
+                for pass in interleaved {
+                    if !self.record_level(frame, input, pass, (level, turn), &state)? {
                         break 'levels;
                     }
                 }
@@ -333,9 +334,10 @@ impl RunningVersion {
             content(image.format()).map(|content| Intermediate { name, content, image })
         };
         let own = self.names.iter().zip(self.images.values()).filter_map(shown);
-        // If an own image and a source have the same name, only the own image is shown: the author of the method looks for that image.
-        let read = self.inputs.made(extent).filter(|made| !self.images.contains_key(made.name));
-        let intermediates = read.chain(own).collect();
+        // If an own image and a source have the same name, only the own image is shown, since the author of the method
+        // means it.
+        let sources = self.inputs.made(extent).filter(|made| !self.images.contains_key(made.name));
+        let intermediates = sources.chain(own).collect();
         Ok(MethodOutput { hits: hits.map(Hits), intermediates, ..MethodOutput::new(Reflection(reflection)) })
     }
 
@@ -441,8 +443,8 @@ impl RunningVersion {
         Ok(true)
     }
 
-    /// Returns false for a pass over levels, which ends at the first level that an image lacks; for any other pass it
-    /// is an error.
+    /// Decides what happens if `image` lacks the level that a pass needs. A pass over levels ends there, and false is
+    /// returned; for any other pass it is an error.
     fn skip_or_fail(&self, pass: &Pass, image: &str) -> Result<bool> {
         if pass.levels.is_some() {
             return Ok(false);
@@ -454,7 +456,7 @@ impl RunningVersion {
     }
 }
 
-/// True if an image exists for hits alone, and hits are not wanted: then no pass draws to the image.
+/// True if an image exists only for hits, and hits are not wanted. Then no pass draws to the image.
 fn is_unwanted(manifest: &Manifest, image: &str, hits: bool) -> bool {
     let reads = |source: &ImageSource| match source {
         ImageSource::Own(name) => name == image,
@@ -468,7 +470,7 @@ fn is_unwanted(manifest: &Manifest, image: &str, hits: bool) -> bool {
     !hits && manifest.output.hits.as_deref() == Some(image) && !is_read
 }
 
-/// The content as which an image of a format can be shown: a colour, or one number; `None` for whole numbers and for pairs.
+/// Returns how an image of a format is shown: as a colour, or as one number; `None` for whole numbers and for pairs.
 fn content(format: vk::Format) -> Option<Content> {
     use vk::Format as F;
     match format {
@@ -480,6 +482,7 @@ fn content(format: vk::Format) -> Option<Content> {
 }
 
 impl OwnImage {
+    /// Makes the image of a section of the manifest, for a frame of `extent` pixels.
     fn new(gpu: &Gpu, name: &str, section: &ImageSection, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let extent = extent.map(|v| ((v as f32 * section.scale).ceil() as u32).max(1));

@@ -1,4 +1,5 @@
-//! Blue noise, by void and cluster (Ulichney 1993): a tile of ranks in which the texels below any threshold are spread evenly.
+//! Makes blue noise by void and cluster (Ulichney 1993): a tile of ranks in which the texels below any threshold are
+//! spread evenly.
 
 use ssct_ground::math::random::Stream;
 
@@ -8,23 +9,25 @@ pub const RANKS_ACROSS: usize = 64;
 /// Standard deviation of the Gaussian that says how crowded a place is, in texels.
 const SIGMA: f64 = 1.9;
 
-/// A tile of ranks as bytes, 0…255, each as often as any other; it repeats without seams.
+/// Makes a tile of ranks, row by row: the bytes from 0 to 255, each as often as any other. The tile repeats without
+/// seams.
 pub fn tile() -> Vec<u8> {
-    let all = RANKS_ACROSS * RANKS_ACROSS;
-    let kernel: Vec<f64> = (0..all)
-        .map(|k| {
+    let texels = RANKS_ACROSS * RANKS_ACROSS;
+    let kernel: Vec<f64> = (0..texels)
+        .map(|texel| {
             let wrapped = |d: usize| d.min(RANKS_ACROSS - d) as f64;
-            let (x, y) = (wrapped(k % RANKS_ACROSS), wrapped(k / RANKS_ACROSS));
+            let (x, y) = (wrapped(texel % RANKS_ACROSS), wrapped(texel / RANKS_ACROSS));
             (-(x * x + y * y) / (2.0 * SIGMA * SIGMA)).exp()
         })
         .collect();
-    let mut tile = Pattern { kernel, set: vec![false; all], energy: vec![0.0; all] };
+    let mut tile = Pattern { kernel, set: vec![false; texels], energy: vec![0.0; texels] };
+    // The pattern begins with a tenth of the texels, at random places.
     let (random, mut drawn) = (Stream::new(1, 0), 0);
-    while tile.count() < all / 10 {
-        tile.change((random.uniform(drawn) * all as f64) as usize % all, true);
+    while tile.count() < texels / 10 {
+        tile.change((random.uniform(drawn) * texels as f64) as usize % texels, true);
         drawn += 1;
     }
-    // The most crowded set texel moves to the emptiest place, until it would move back to its own place.
+    // The most crowded set texel moves to the emptiest place, again and again, until that is its own place.
     loop {
         let crowded = tile.extreme(true);
         tile.change(crowded, false);
@@ -34,35 +37,38 @@ pub fn tile() -> Vec<u8> {
             break;
         }
     }
-    let mut rank = vec![0_usize; all];
+    let mut rank = vec![0_usize; texels];
     let first = tile.count();
-    // The set texels have the lower ranks: the most crowded texel is taken away first, and has the highest of these
-    // ranks.
+    // The set texels get the lower ranks. They are taken away one by one, the most crowded first, which gets the
+    // highest of these ranks.
     let mut thinned = Pattern { kernel: tile.kernel.clone(), set: tile.set.clone(), energy: tile.energy.clone() };
     for n in (0..first).rev() {
         let crowded = thinned.extreme(true);
         thinned.change(crowded, false);
         rank[crowded] = n;
     }
-    // The other texels have the higher ranks: the emptiest place is filled first, and has the lowest of these ranks.
-    for n in first..all {
+    // The other texels get the higher ranks. They are filled one by one, the emptiest place first, which gets the
+    // lowest of these ranks.
+    for n in first..texels {
         let void = tile.extreme(false);
         tile.change(void, true);
         rank[void] = n;
     }
-    rank.into_iter().map(|n| (n * 256 / all) as u8).collect()
+    rank.into_iter().map(|n| (n * 256 / texels) as u8).collect()
 }
 
 /// The texels that are set, and how crowded each place is by set texels.
 struct Pattern {
     /// By how much a set texel at the origin crowds each place.
     kernel: Vec<f64>,
+    /// True for each texel that is set.
     set: Vec<bool>,
     /// How crowded each place is.
     energy: Vec<f64>,
 }
 
 impl Pattern {
+    /// The number of set texels.
     fn count(&self) -> usize {
         self.set.iter().filter(|set| **set).count()
     }
@@ -74,17 +80,17 @@ impl Pattern {
         }
         self.set[texel] = set;
         let sign = if set { 1.0 } else { -1.0 };
-        for (k, energy) in self.energy.iter_mut().enumerate() {
-            let dx = (k % RANKS_ACROSS + RANKS_ACROSS - texel % RANKS_ACROSS) % RANKS_ACROSS;
-            let dy = (k / RANKS_ACROSS + RANKS_ACROSS - texel / RANKS_ACROSS) % RANKS_ACROSS;
+        for (place, energy) in self.energy.iter_mut().enumerate() {
+            let dx = (place % RANKS_ACROSS + RANKS_ACROSS - texel % RANKS_ACROSS) % RANKS_ACROSS;
+            let dy = (place / RANKS_ACROSS + RANKS_ACROSS - texel / RANKS_ACROSS) % RANKS_ACROSS;
             *energy += sign * self.kernel[dy * RANKS_ACROSS + dx];
         }
     }
 
-    /// The most crowded of the set texels, or the emptiest of the unset texels.
+    /// Returns the most crowded of the set texels if `set` is true, or else the emptiest of the unset texels.
     fn extreme(&self, set: bool) -> usize {
-        let places = (0..self.set.len()).filter(|k| self.set[*k] == set);
-        let energy = |k: &usize| if set { -self.energy[*k] } else { self.energy[*k] };
+        let places = (0..self.set.len()).filter(|place| self.set[*place] == set);
+        let energy = |place: &usize| if set { -self.energy[*place] } else { self.energy[*place] };
         places.min_by(|a, b| energy(a).total_cmp(&energy(b))).unwrap_or(0)
     }
 }

@@ -1,5 +1,5 @@
-//! Finds GLSL that Vulkan's compiler does not take, before that compiler is asked: the messages of the compiler do not
-//! say what to write instead.
+//! Finds GLSL that Vulkan's compiler does not take, before that compiler runs, since its messages do not say what to
+//! write instead.
 
 use ssct_ground::{Error, Result};
 use std::path::Path;
@@ -27,8 +27,8 @@ pub const NAMES: [(&str, &str); 11] = [
 pub fn check(path: &Path, source: &str) -> Result<()> {
     let text = without_comments(source);
     let wrong = |line: Option<usize>, message: String| Err(Error::malformed(path, line, message));
-    let is_there = |name: &str| words(&text).any(|word| word == name);
-    if is_there("mainImage") && !is_there("main") {
+    let has_word = |name: &str| words(&text).any(|word| word == name);
+    if has_word("mainImage") && !has_word("main") {
         return wrong(
             None,
             "has mainImage and no main: begin with `#version 330`, `in vec2 uv;` and `out vec4 shown;`, and end with \
@@ -36,11 +36,10 @@ pub fn check(path: &Path, source: &str) -> Result<()> {
                 .to_owned(),
         );
     }
-    let Some((line, version)) = version(&text) else {
+    let Some((line, (number, is_es))) = version(&text) else {
         let message = format!("has no #version; begin with `#version 330`{}", replacements(&text));
         return wrong(None, message);
     };
-    let (number, is_es) = version;
     let least = if is_es { 310 } else { 140 };
     if number >= least {
         return Ok(());
@@ -51,14 +50,14 @@ pub fn check(path: &Path, source: &str) -> Result<()> {
     wrong(Some(line), message)
 }
 
-/// Advice on each old name that a text has.
+/// Returns advice on each old name that a text has, as the end of a sentence; empty if it has none.
 fn replacements(text: &str) -> String {
-    let is_there = |name: &&(&str, &str)| words(text).any(|word| word == name.0);
-    NAMES.iter().filter(is_there).map(|(name, instead)| format!("; for {name}, {instead}")).collect()
+    let has_name = |(name, _): &&(&str, &str)| words(text).any(|word| word == *name);
+    NAMES.iter().filter(has_name).map(|(name, instead)| format!("; for {name}, {instead}")).collect()
 }
 
-/// The line of `#version`, with the version's number and whether the version is of GLSL ES; `None` if the text states
-/// no number.
+/// Returns the number of the line with `#version`, and the version: its number, and whether it is of GLSL ES. `None` if
+/// the text states no number.
 fn version(text: &str) -> Option<(usize, (u32, bool))> {
     let stated = |(index, line): (usize, &str)| {
         let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("version")?;
@@ -68,12 +67,12 @@ fn version(text: &str) -> Option<(usize, (u32, bool))> {
     text.lines().enumerate().find_map(stated)
 }
 
-/// Names and numbers of a text.
+/// Returns the words of a text: its names and numbers.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|word| !word.is_empty())
 }
 
-/// The text with blanks in the place of comments; lines stay where they are.
+/// Returns the text with blanks in place of comments. Line breaks are kept, so that lines have the same numbers.
 fn without_comments(source: &str) -> String {
     let mut text = String::with_capacity(source.len());
     let mut rest = source;
@@ -82,6 +81,7 @@ fn without_comments(source: &str) -> String {
         text.push_str(before);
         let end = match comment.starts_with("//") {
             true => comment.find('\n').unwrap_or(comment.len()),
+            // The offset counts from behind the two characters `/*`, and `*/` has two more.
             false => comment[2..].find("*/").map_or(comment.len(), |end| end + 4),
         };
         text.extend(comment[..end].chars().map(|c| if c == '\n' { '\n' } else { ' ' }));

@@ -1,7 +1,7 @@
-//! Initial values of uniforms: expressions of numbers, in which the compiler has already replaced macros.
+//! Evaluates the initial values of uniforms: expressions of numbers, in which the compiler has already replaced macros.
 
-/// The numbers of an expression that initializes a uniform of the type `kind`: column by column for matrices, and
-/// element by element for arrays. `None` for an expression that has more than numbers, constructors and arithmetic.
+/// Returns the numbers of an expression that initializes a uniform of the type `kind`: column by column for matrices,
+/// and element by element for arrays. `None` for an expression that has more than numbers, constructors and arithmetic.
 pub fn evaluate(expression: &str, kind: &str) -> Option<Vec<f64>> {
     let mut parser = Parser { text: expression.trim() };
     let numbers = parser.sum()?;
@@ -11,7 +11,8 @@ pub fn evaluate(expression: &str, kind: &str) -> Option<Vec<f64>> {
     Some(constructed(kind, numbers))
 }
 
-/// The numbers that a constructor of a type makes: one number fills a vector, and the diagonal of a matrix.
+/// Returns the numbers that the constructor of a type makes of its arguments. One number alone fills a vector, or the
+/// diagonal of a matrix.
 fn constructed(kind: &str, numbers: Vec<f64>) -> Vec<f64> {
     let digit = |index: usize| kind.chars().nth(index).and_then(|c| c.to_digit(10)).map(|d| d as usize);
     let [number] = numbers[..] else { return numbers };
@@ -19,17 +20,19 @@ fn constructed(kind: &str, numbers: Vec<f64>) -> Vec<f64> {
     match (vector, kind.strip_prefix("mat")) {
         (Some(bare), _) => vec![number; digit(bare.len()).unwrap_or(1)],
         (None, Some(_)) => {
+            // The sizes in `mat3` and `mat2x3` stand behind `mat` and `x`.
             let columns = digit(3).unwrap_or(1);
             let rows = digit(5).unwrap_or(columns);
-            let place = |k: usize| if k / rows == k % rows { number } else { 0.0 };
-            (0..columns * rows).map(place).collect()
+            let entry = |n: usize| if n / rows == n % rows { number } else { 0.0 };
+            (0..columns * rows).map(entry).collect()
         }
         _ => numbers,
     }
 }
 
-/// A parser by recursive descent; `text` is the part that is still to be read.
+/// A parser by recursive descent.
 struct Parser<'a> {
+    /// The part of the expression that is still to be read.
     text: &'a str,
 }
 
@@ -167,26 +170,26 @@ mod tests {
 
     #[test]
     fn expressions_of_numbers_have_their_values() {
-        let is = |text: &str, kind: &str, value: &[f64]| {
+        let check = |text: &str, kind: &str, value: &[f64]| {
             assert_eq!(evaluate(text, kind).as_deref(), Some(value), "{kind} {text}");
         };
-        is("0.5", "float", &[0.5]);
-        is("1.0f / 4", "float", &[0.25]);
-        is("-(1.5e-1 + .5) * 2.0", "float", &[-1.3]);
-        is("1 - 2 - 3", "int", &[-4.0]);
-        is("0x1F", "int", &[31.0]);
-        is("7u", "uint", &[7.0]);
-        is("true", "bool", &[1.0]);
-        is("vec3(1, 2.0, 3)", "vec3", &[1.0, 2.0, 3.0]);
-        is("vec3(0.5)", "vec3", &[0.5; 3]);
-        is("vec4(vec2(1.0), 2, 3)", "vec4", &[1.0, 1.0, 2.0, 3.0]);
-        is("vec2(1.0, 2.0) * 0.5", "vec2", &[0.5, 1.0]);
-        is("mat2(1.0)", "mat2", &[1.0, 0.0, 0.0, 1.0]);
-        is("mat2x3(2)", "mat2x3", &[2.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
-        is("float[](1.0, 2.0)", "float", &[1.0, 2.0]);
-        is("float[2](1.0, 2.0)", "float", &[1.0, 2.0]);
-        is("{ 1.0, 2.0 }", "float", &[1.0, 2.0]);
-        is("vec2[](vec2(1), vec2(2))", "vec2", &[1.0, 1.0, 2.0, 2.0]);
+        check("0.5", "float", &[0.5]);
+        check("1.0f / 4", "float", &[0.25]);
+        check("-(1.5e-1 + .5) * 2.0", "float", &[-1.3]);
+        check("1 - 2 - 3", "int", &[-4.0]);
+        check("0x1F", "int", &[31.0]);
+        check("7u", "uint", &[7.0]);
+        check("true", "bool", &[1.0]);
+        check("vec3(1, 2.0, 3)", "vec3", &[1.0, 2.0, 3.0]);
+        check("vec3(0.5)", "vec3", &[0.5; 3]);
+        check("vec4(vec2(1.0), 2, 3)", "vec4", &[1.0, 1.0, 2.0, 3.0]);
+        check("vec2(1.0, 2.0) * 0.5", "vec2", &[0.5, 1.0]);
+        check("mat2(1.0)", "mat2", &[1.0, 0.0, 0.0, 1.0]);
+        check("mat2x3(2)", "mat2x3", &[2.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
+        check("float[](1.0, 2.0)", "float", &[1.0, 2.0]);
+        check("float[2](1.0, 2.0)", "float", &[1.0, 2.0]);
+        check("{ 1.0, 2.0 }", "float", &[1.0, 2.0]);
+        check("vec2[](vec2(1), vec2(2))", "vec2", &[1.0, 1.0, 2.0, 2.0]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Sources that feed the fields of the project's own shaders, for the message about a manifest that leaves fields out.
+//! Says what feeds the fields of the project's own shaders, for the message about a manifest that leaves fields out.
 //! The message names the field's option with its published value, or the name of a value that every method has.
 
 use ssct::methods;
@@ -107,7 +107,8 @@ pub fn hint(block: &str, field: &str) -> Option<String> {
     }
 }
 
-/// The published value as a shader takes it: a choice is given by its number, counted from 0.
+/// Returns the published value of a parameter as a shader takes it: 1 or 0 for a switch, and for a choice its number,
+/// counted from 0.
 fn published_number(parameter: &Parameter) -> String {
     match (parameter.published, &parameter.domain) {
         (Value::Switch(on), _) => u8::from(on).to_string(),

@@ -1,10 +1,9 @@
-//! Reads the interface of a user's SPIR-V: each variable with its kind of image or its block, the variables between stages and to targets,
-//! constants, and demands on a device.
-//! The interface is checked against the manifest before any driver sees the code, since a driver may do anything with a shader that does
-//! not fit.
+//! Reads the interface of a user's SPIR-V: each variable with its kind of image or its block, the variables between
+//! stages and to targets, constants, and demands on a device. The interface is checked against the manifest before any
+//! driver sees the code, since a driver may do anything with a shader that does not fit.
 //!
-//! `code` reads the words, and `blocks` finds the place of each number in a block. OpenGL counts the bindings of samplers, images and
-//! blocks apart, and Vulkan counts them together, so that each variable gets a new binding here.
+//! `code` reads the words, and `blocks` finds the place of each number in a block. Each variable gets a new binding
+//! here, since OpenGL counts the bindings of samplers, images and blocks apart, and Vulkan counts them together.
 
 mod blocks;
 mod code;
@@ -61,7 +60,7 @@ const CAPABILITIES: [Capability; 27] = [
     Capability::GroupNonUniformQuad,
 ];
 
-/// Names of other capabilities that shaders of engines ask for.
+/// Other capabilities that shaders of engines ask for, with their names in messages.
 const NAMES: [(Capability, &str); 14] = [
     (Capability::Geometry, "geometry shaders"),
     (Capability::Tessellation, "tessellation"),
@@ -103,7 +102,7 @@ pub struct ImageKind {
 /// The name that is given to a push-constant block without a name of its own.
 const NAMELESS_PUSH: &str = "push";
 
-/// Explains a name that consists of set and binding, for messages.
+/// Returns a clause for messages that explains a name which consists of set and binding.
 pub fn nameless(name: &str) -> String {
     format!("the module has no names, and {name:?} is set and binding; a compiler keeps names with -g")
 }
@@ -137,19 +136,25 @@ pub struct Variable {
     pub kind: VariableKind,
 }
 
+/// The kind of a variable with a binding.
 #[derive(Debug, Clone)]
 pub enum VariableKind {
+    /// An image with a sampler.
     Sampled(ImageKind),
+    /// A storage image.
     Stored(ImageKind),
+    /// A uniform block.
     Uniform(BlockLayout),
     /// A storage block, with its least number of bytes.
     Storage(u32),
 }
 
-/// A variable between stages, or to a target.
+/// An input from another stage, or an output to a target.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StageVariable {
+    /// The name of the variable.
     pub name: String,
+    /// The location of the variable.
     pub location: u32,
     /// The type of the numbers; `None` for a variable that is neither a number nor a vector.
     pub component: Option<Component>,
@@ -170,7 +175,9 @@ pub struct ShaderInterface {
     pub inputs: Vec<StageVariable>,
     /// The outputs in the order of their locations.
     pub outputs: Vec<StageVariable>,
+    /// The specialization constants.
     pub constants: Vec<Constant>,
+    /// Threads of a workgroup along each axis.
     pub local_size: [u32; 3],
     /// Bytes that a workgroup shares.
     pub shared_bytes: u64,
@@ -201,7 +208,8 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
         local_size: code.local_size()?,
         shared_bytes: 0,
     };
-    let mut bound = Vec::new();
+    // The variables that descriptors bind: set and binding, id, and variable.
+    let mut resources = Vec::new();
     for variable in code.all(op::VARIABLE) {
         let (pointer, id, class) = (variable.word(0), variable.word(1), variable.word(2));
         let pointee = code.pointee(pointer).ok_or("has a variable without a type")?;
@@ -209,7 +217,7 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
             class::UNIFORM_CONSTANT | class::UNIFORM | class::STORAGE_BUFFER => {
                 let place = [decoration::SET, decoration::BINDING].map(|d| code.decoration(id, d).unwrap_or(0));
                 let variable = resource(&code, (id, class, pointee), place)?;
-                bound.push((place, id, variable));
+                resources.push((place, id, variable));
             }
             class::PUSH_CONSTANT => {
                 let layout = BlockLayout::from_type(&code, pointee, id)?;
@@ -223,24 +231,25 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
         }
     }
     found.outputs.sort_by_key(|output| output.location);
-    bound.sort_by_key(|(place, id, _)| (*place, *id));
-    let mut numbers = BTreeMap::new();
-    for (number, (_, id, mut variable)) in (0..).zip(bound) {
-        variable.binding = number;
-        numbers.insert(id, number);
+    resources.sort_by_key(|(place, id, _)| (*place, *id));
+    let mut bindings = BTreeMap::new();
+    for (binding, (_, id, mut variable)) in (0..).zip(resources) {
+        variable.binding = binding;
+        bindings.insert(id, binding);
         found.variables.push(variable);
     }
-    found.words = code.with_places(&numbers, input_place(&code, &found.inputs));
+    found.words = code.with_places(&bindings, input_place(&code, &found.inputs));
     Ok(found)
 }
 
-/// The id of the only input that a fragment shader reads; this input is moved to location 0, at which texture coordinates arrive.
+/// Returns the id of the input that a fragment shader reads, if it reads only one. The input is moved to location 0, at
+/// which texture coordinates arrive.
 fn input_place(code: &SpirvCode, inputs: &[StageVariable]) -> Option<u32> {
     let [only] = inputs else { return None };
-    let is_it =
+    let is_only_input =
         |id: u32| code.name(id) == only.name && code.decoration(id, decoration::LOCATION) == Some(only.location);
     let mut ids = code.all(op::VARIABLE).filter(|v| v.word(2) == class::INPUT).map(|v| v.word(1));
-    ids.find(|id| is_it(*id))
+    ids.find(|id| is_only_input(*id))
 }
 
 /// Checks that the module has an entry point `main`, and that its stage is the wanted one.
@@ -259,17 +268,18 @@ fn check_entry(code: &SpirvCode, is_fragment: bool) -> Result<(), String> {
     }
 }
 
-/// Reads a variable that a descriptor binds.
+/// Reads a variable that a descriptor binds: from its id, its storage class, the type that it points to, and its set
+/// and binding in the module. Its new binding is still 0.
 fn resource(
     code: &SpirvCode,
     (id, class, pointee): (u32, u32, u32),
     [set, binding]: [u32; 2],
 ) -> Result<Variable, String> {
-    let own = code.name(id);
+    let own_name = code.name(id);
     let (element, count) = code.element(pointee);
-    let is_nameless = own.is_empty() && code.name(element).is_empty();
+    let is_nameless = own_name.is_empty() && code.name(element).is_empty();
     let block = if is_nameless { format!("{set}.{binding}") } else { code.name(element).to_owned() };
-    let name = if own.is_empty() { block.clone() } else { own.to_owned() };
+    let name = if own_name.is_empty() { block.clone() } else { own_name.to_owned() };
     let is_storage = class == class::STORAGE_BUFFER || code.decoration(element, decoration::BUFFER_BLOCK).is_some();
     let separate = || {
         let why = if is_nameless { format!(" ({})", nameless(&name)) } else { String::new() };
@@ -279,6 +289,7 @@ fn resource(
         Some((op::TYPE_SAMPLED_IMAGE, definition)) => {
             VariableKind::Sampled(image(code, definition.word(1)).ok_or_else(separate)?)
         }
+        // Operand 6 of an image's type is 2 for a storage image.
         Some((op::TYPE_IMAGE, definition)) => match (image(code, element), definition.word(6)) {
             (Some(kind), 2) => VariableKind::Stored(kind),
             // A buffer of texels has no sampler.
@@ -296,7 +307,7 @@ fn resource(
     Ok(Variable { binding: 0, name, is_nameless, block, count, read_only: code.is_read_only(id, element), kind })
 }
 
-/// The kind of image that the type `id` is; `None` for another type, and for texels that are no 32-bit numbers.
+/// Returns the kind of image that the type `id` is; `None` for another type, and for texels that are no 32-bit numbers.
 fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
     let definition = code.definition(id).filter(|d| d.opcode == op::TYPE_IMAGE)?;
     let dim = match definition.word(2) {
@@ -309,11 +320,12 @@ fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
         _ => return None,
     };
     let (component, _) = code.numbers(definition.word(1))?;
-    let [shadow, arrayed, multisampled] = [3, 4, 5].map(|k| definition.word(k) == 1);
+    // Operands 3 to 5 of an image's type are flags, and operand 7 is its format.
+    let [shadow, arrayed, multisampled] = [3, 4, 5].map(|operand| definition.word(operand) == 1);
     Some(ImageKind { dim, arrayed, multisampled, shadow, component, format: definition.word(7) })
 }
 
-/// A variable between stages; `None` for a built-in variable of the stage.
+/// Reads the input or output with the id `id` and the type `pointee`; `None` for a built-in variable of the stage.
 fn stage_variable(code: &SpirvCode, id: u32, pointee: u32) -> Option<StageVariable> {
     if code.decoration(id, decoration::BUILT_IN).is_some() || code.has_built_in_members(pointee) {
         return None;
@@ -327,21 +339,22 @@ fn stage_variable(code: &SpirvCode, id: u32, pointee: u32) -> Option<StageVariab
     })
 }
 
-/// The specialization constants, by id.
+/// Reads the specialization constants, sorted by id.
 fn constants(code: &SpirvCode) -> Vec<Constant> {
     let mut found = Vec::new();
-    for made in
+    for definition in
         [op::SPEC_CONSTANT, op::SPEC_CONSTANT_TRUE, op::SPEC_CONSTANT_FALSE].into_iter().flat_map(|o| code.all(o))
     {
-        let Some(id) = code.decoration(made.word(1), decoration::SPEC_ID) else { continue };
-        let ty = match code.numbers(made.word(0)) {
-            _ if made.opcode != op::SPEC_CONSTANT => "bool",
+        let Some(id) = code.decoration(definition.word(1), decoration::SPEC_ID) else { continue };
+        let ty = match code.numbers(definition.word(0)) {
+            _ if definition.opcode != op::SPEC_CONSTANT => "bool",
             Some((Component::Float, _)) => "f32",
             Some((Component::Int, _)) => "i32",
             _ => "u32",
         };
-        let default = if ty == "bool" { u32::from(made.opcode == op::SPEC_CONSTANT_TRUE) } else { made.word(2) };
-        found.push(Constant { id, name: code.name(made.word(1)).to_owned(), ty, default });
+        let is_true = definition.opcode == op::SPEC_CONSTANT_TRUE;
+        let default = if ty == "bool" { u32::from(is_true) } else { definition.word(2) };
+        found.push(Constant { id, name: code.name(definition.word(1)).to_owned(), ty, default });
     }
     found.sort();
     found

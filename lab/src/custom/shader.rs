@@ -1,5 +1,5 @@
-//! Compiles a user's shader and finds its bindings. GLSL for OpenGL is accepted, too: names get bindings and locations, and loose uniforms
-//! are put into a block.
+//! Compiles a user's shader and finds its bindings. GLSL for OpenGL is accepted, too: variables get bindings and
+//! locations, and loose uniforms are put into a block.
 
 use super::built_in;
 use super::includes::{self, Includes, MAX_BYTES};
@@ -22,15 +22,19 @@ use std::sync::LazyLock;
 
 /// A compiled stage, its interface, and the files that it was made of.
 pub struct CompiledPass {
+    /// The code for pipelines.
     pub shader: &'static Shader,
+    /// The interface of the code.
     pub interface: ShaderInterface,
-    /// Names of uniforms with their initial values; `None` for a value that is no plain number.
+    /// Names of uniforms with their initial values; `None` for a value that does not consist of numbers alone.
     pub own: Vec<(String, Option<Vec<f64>>)>,
+    /// The files that the shader was made of, and paths at which new files would change it.
     pub files: Vec<PathBuf>,
 }
 
-/// Code before it is reflected.
+/// Code whose interface is not read yet; fields as in [`CompiledPass`].
 struct CompiledCode {
+    /// The words of the SPIR-V module.
     words: Vec<u32>,
     own: Vec<(String, Option<Vec<f64>>)>,
     files: Vec<PathBuf>,
@@ -57,7 +61,7 @@ pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
     Ok(CompiledPass { shader, interface, own: compiled.own, files: compiled.files })
 }
 
-/// The part of an interface that a pipeline needs.
+/// Returns the part of an interface that a pipeline needs.
 fn bound(interface: &ShaderInterface) -> Interface {
     let bindings = interface.variables.iter().map(|v| StageBinding {
         binding: v.binding,
@@ -99,12 +103,14 @@ fn binary(path: &Path) -> Result<CompiledCode> {
     Ok(CompiledCode { words, own: Vec::new(), files: vec![path.to_path_buf()] })
 }
 
-/// The one compiler of the process. When the last compiler is dropped, GLSL's built-in functions are forgotten, and the next one reads them
-/// again, which takes far longer than compiling a shader (findings/shaderc-forgets-what-it-knows.sh).
+/// The one compiler of the process. It is never dropped: without any compiler, GLSL's built-in functions are forgotten,
+/// and the next compiler reads them again. That takes far longer than compiling a shader
+/// (findings/shaderc-forgets-what-it-knows.sh).
 static COMPILER: LazyLock<std::result::Result<Compiler, shaderc::Error>> = LazyLock::new(Compiler::new);
 
-/// Compiles GLSL in two steps. The compiler's preprocessor removes comments, macros, includes and lines that are switched off, so that
-/// loose uniforms can be told by their tokens. Then the text with these uniforms in blocks becomes code.
+/// Compiles GLSL in two steps. The compiler's preprocessor removes comments, macros, includes and lines that are
+/// switched off, so that loose uniforms can be recognised by their tokens. Then the text with these uniforms in blocks
+/// is compiled.
 fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
     let path = &pass.shader;
     let source = match built_in::text(path) {
@@ -142,42 +148,44 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
         PassStage::Compute => ShaderKind::Compute,
     };
     let label = path.to_string_lossy();
-    let says =
+    let failed =
         |e: shaderc::Error| match (first_compiler_error(path, &e.to_string()), included.borrow_mut().refused.take()) {
-            // The reason why an include was refused stands alone, since the compiler's words around it would hide it.
+            // If an include was refused, the message is only the reason, without the compiler's words around it.
             (Error::Malformed { path, line, .. }, Some(message)) => Error::Malformed { path, line, message },
             (error, _) => error,
         };
-    let plain = compiler.preprocess(&source, &label, "main", Some(&options)).map_err(says)?.as_text();
+    let plain = compiler.preprocess(&source, &label, "main", Some(&options)).map_err(failed)?.as_text();
     let HoistedUniforms { text, own } = loose_uniforms::hoisted(&plain);
-    let made = compiler.compile_into_spirv(&text, kind, &label, "main", Some(&options)).map_err(says)?;
-    let words = made.as_binary().to_vec();
+    let artifact = compiler.compile_into_spirv(&text, kind, &label, "main", Some(&options)).map_err(failed)?;
+    let words = artifact.as_binary().to_vec();
     drop(options);
     let awaited = pass.awaited.iter().cloned();
     Ok(CompiledCode { words, own, files: included.into_inner().watched().into_iter().chain(awaited).collect() })
 }
 
-/// An error with the first of the compiler's messages, and with the file and line that this message is about.
+/// Makes an error of the first message in the compiler's output `text`, with the file and line that the message is
+/// about. Without any message, the error is about the file `path` and has the whole output.
 fn first_compiler_error(path: &Path, text: &str) -> Error {
     for line in text.lines() {
-        // FILE:LINE: error: what
-        let Some((place, what)) = line.split_once(": error: ") else { continue };
+        // A line of the output has the form FILE:LINE: error: MESSAGE.
+        let Some((place, message)) = line.split_once(": error: ") else { continue };
         let Some((file, number)) = place.rsplit_once(':') else { continue };
-        // In Vulkan's GLSL, `texture2D` is a type that cannot be constructed, and the message does not name it; the line does.
-        let blamed = match number.parse::<usize>() {
-            Ok(number) if what.contains("cannot construct this type") => line_of(Path::new(file), number),
+        // In Vulkan's GLSL, `texture2D` is a type that cannot be constructed. The message does not name it, but the
+        // line of the file does.
+        let source_line = match number.parse::<usize>() {
+            Ok(number) if message.contains("cannot construct this type") => line_of(Path::new(file), number),
             _ => None,
         };
-        let is_named = |name: &str| match &blamed {
+        let is_named = |name: &str| match &source_line {
             Some(line) => line.contains(&format!("{name}(")) || line.contains(&format!("{name} (")),
-            None => what.contains(&format!("'{name}'")),
+            None => message.contains(&format!("'{name}'")),
         };
         let old = old_glsl::NAMES.iter().find(|(name, _)| is_named(name));
-        let what = match old {
+        let message = match old {
             Some((name, instead)) => format!("{name} is old GLSL; {instead}"),
-            None => what.trim().to_owned(),
+            None => message.trim().to_owned(),
         };
-        return Error::malformed(Path::new(file), number.parse().ok(), what);
+        return Error::malformed(Path::new(file), number.parse().ok(), message);
     }
     Error::malformed(path, None, text.trim().replace('\n', "; "))
 }

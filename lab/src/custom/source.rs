@@ -97,6 +97,7 @@ const ENCODINGS: [(&str, NormalEncoding); 4] = [
 ];
 
 impl Depth {
+    /// Returns the kind of depth with a name in a manifest.
     fn named(name: &str) -> Option<Self> {
         [("reversed", Self::Reversed), ("standard", Self::Standard), ("linear", Self::Linear)]
             .into_iter()

@@ -106,23 +106,33 @@ impl Feed {
 
 /// The data of a frame from which values are made.
 pub struct FrameState<'a> {
+    /// The camera of the frame.
     pub camera: &'a Camera,
     /// The camera of the frame before.
     pub before: &'a Camera,
+    /// Width and height in pixels of the frame.
     pub extent: [u32; 2],
     /// Width and height in pixels of what the pass writes.
     pub pass_extent: [u32; 2],
+    /// The level that the pass is recorded for.
     pub level: u32,
+    /// The number of frames before this one.
     pub frame: u32,
+    /// True in the first frame, whose history is empty.
     pub is_first: bool,
     /// The greatest roughness of the scene's materials.
     pub roughness: f32,
+    /// True if reflections fade at the screen's border.
     pub fade: bool,
+    /// True if hits are wanted.
     pub hits: bool,
     /// The places of the captures in this program's world space, in metres.
     pub captures: &'a [Vec3],
+    /// The conventions of the method's shaders.
     pub conventions: Conventions,
+    /// The values of the method's parameters.
     pub values: &'a Values,
+    /// The method's parameters.
     pub parameters: &'a [Parameter],
 }
 
@@ -165,15 +175,15 @@ impl FilledField {
         if fits { Ok(()) } else { Err(format!("the field has {numbers} numbers, and what feeds it has others")) }
     }
 
-    /// Writes the field into its block.
+    /// Writes the field's numbers into `bytes`, the bytes of its block.
     pub fn write(&self, bytes: &mut [u8], state: &FrameState) {
         let mut numbers = self.given.numbers(state, self.field.places.len());
         if let (Feed::Named(name), [_, columns, rows]) = (&self.given, self.field.shape)
             && is_matrix(name)
         {
-            // A smaller matrix takes the first rows and columns of the matrix of four.
-            let of_four = |k: u32| numbers.get(((k / rows) * 4 + k % rows) as usize).copied().unwrap_or(0.0);
-            numbers = (0..columns * rows).map(of_four).collect();
+            // A smaller matrix takes the first rows and columns of the matrix of four rows and columns.
+            let entry = |n: u32| numbers.get(((n / rows) * 4 + n % rows) as usize).copied().unwrap_or(0.0);
+            numbers = (0..columns * rows).map(entry).collect();
         }
         numbers.resize(self.field.places.len(), 0.0);
         for (place, number) in self.field.places.iter().zip(numbers) {
@@ -194,7 +204,7 @@ fn is_matrix(name: &str) -> bool {
 }
 
 impl Feed {
-    /// The numbers of the value, for a field of `wanted` numbers.
+    /// Returns the numbers of the value in a frame, for a field of `wanted` numbers. They may be more than that.
     pub fn numbers(&self, state: &FrameState, wanted: usize) -> Vec<f64> {
         let [width, height] = state.extent.map(f64::from);
         let [pass_width, pass_height] = state.pass_extent.map(f64::from);
@@ -257,11 +267,12 @@ impl FrameState<'_> {
         }
     }
 
-    /// A place in the shader's world space, from its place in this program's world space.
+    /// Converts a place in this program's world space into the shader's world space.
     fn world(&self, place: DVec3) -> DVec3 {
         axes(self.conventions.world).transform_vector3(place)
     }
 
+    /// The place of the camera in the shader's world space.
     fn eye(&self) -> DVec3 {
         self.world(self.camera.eye().as_dvec3())
     }
@@ -277,12 +288,13 @@ impl FrameState<'_> {
         self.view_to_clip_with(camera, self.conventions.clip_depth)
     }
 
-    /// The matrix of `view_to_clip`, with a given kind of depth in clip space.
+    /// The matrix from view to clip space of a camera, in the shader's spaces, but with the given kind of depth in clip
+    /// space.
     fn view_to_clip_with(&self, camera: &Camera, depth: ClipDepth) -> DMat4 {
         let to_clip = match depth {
             ClipDepth::Reversed => camera.view_to_clip_reversed().as_dmat4(),
             ClipDepth::Standard => camera.view_to_clip().as_dmat4(),
-            // z' = 2 z − w
+            // z' = 2 z − w maps depths from 0…1 to −1…1.
             ClipDepth::MinusOneToOne => {
                 let mut stretched = DMat4::from_scale(DVec3::new(1.0, 1.0, 2.0));
                 stretched.w_axis.z = -1.0;
@@ -296,7 +308,7 @@ impl FrameState<'_> {
         }
     }
 
-    /// The 16 numbers of the matrix of a name, in the order of the shader's convention.
+    /// Returns the 16 numbers of the matrix with a name of [`NAMES`], in the order of the shader's convention.
     fn matrix(&self, name: &str) -> Vec<f64> {
         let camera = if name.starts_with("previous-") { self.before } else { self.camera };
         let (view, clip) = (self.world_to_view(camera), self.view_to_clip(camera));
@@ -309,6 +321,7 @@ impl FrameState<'_> {
             "view-to-world" => view.inverse(),
             "world-to-clip" => clip * view,
             "clip-to-world" => (clip * view).inverse(),
+            // `view-to-pixels`: x and y of clip space from −1…1 to pixels, y downwards.
             _ => {
                 let [width, height] = self.extent.map(|v| 0.5 * f64::from(v));
                 let down = if self.conventions.clip_y == ClipY::Up { -height } else { height };
@@ -322,14 +335,14 @@ impl FrameState<'_> {
     }
 }
 
-/// The factors of a camera's projection on x and on y, M_00 and M_11; in a perspective, one over the tangents of half
-/// the angles of view.
+/// Returns the factors of a camera's projection on x and on y, M_00 and M_11. In a perspective, they are one over the
+/// tangents of half the horizontal and half the vertical angle of view.
 fn scale(camera: &Camera) -> [f64; 2] {
     let projection = camera.view_to_clip().as_dmat4();
     [projection.x_axis.x, projection.y_axis.y]
 }
 
-/// The matrix from this program's axes, which are left-handed with y up, to the axes of a shader.
+/// Returns the matrix from this program's axes, which are left-handed with y up, to the axes `to`.
 pub fn axes(to: Axes) -> DMat4 {
     DMat4::from_mat3(to.to_ours().transpose())
 }

@@ -44,13 +44,13 @@ pub fn records(scene: &str, placement: &Placement) -> Vec<CaptureRecord> {
     placement.captures.iter().zip(&placement.seen).enumerate().map(record).collect()
 }
 
-/// A table as text, with one row for each capture.
+/// Returns a table as text, with one row for each capture.
 pub fn text(records: &[CaptureRecord]) -> String {
     let mut rows = vec![["capture", "place", "near", "resolution", "from", "seen so far"].map(str::to_owned).to_vec()];
-    rows.extend(records.iter().enumerate().map(|(k, r)| {
+    rows.extend(records.iter().enumerate().map(|(index, r)| {
         let [x, y, z] = r.place;
         vec![
-            (k + 1).to_string(),
+            (index + 1).to_string(),
             format!("{x:.2}, {y:.2}, {z:.2}"),
             format!("{} m", r.near_m),
             format!("6 x {0}x{0}", r.resolution),
@@ -64,8 +64,8 @@ pub fn text(records: &[CaptureRecord]) -> String {
 /// The longer side of a map's drawing, in pixels, and the empty border around it.
 const MAP: [f32; 2] = [800.0, 24.0];
 
-/// A map as SVG: the places where people stand, seen from above, coloured by the height of their floor, and the
-/// captures with their numbers. x runs to the right, z up.
+/// Draws a map as SVG: the places where people can stand, seen from above and coloured by the height of their floor,
+/// and the captures with their numbers. x runs to the right, z up.
 pub fn map(placement: &Placement) -> String {
     let stands = || placement.stands.iter().copied();
     let all = || stands().chain(placement.captures.iter().map(|c| c.position));
@@ -80,10 +80,10 @@ pub fn map(placement: &Placement) -> String {
         let color = COLORS[(2.0 * (stand.y - min.y)).round() as usize % COLORS.len()];
         svg.circle(point(stand), Vec2::splat(2.0), &format!("fill=\"{color}\" fill-opacity=\"0.5\""));
     }
-    for (k, capture) in placement.captures.iter().enumerate() {
+    for (index, capture) in placement.captures.iter().enumerate() {
         let centre = point(capture.position);
         svg.circle(centre, Vec2::splat(11.0), "fill=\"#fff\" stroke=\"#000\" stroke-width=\"2\"");
-        svg.text(centre + Vec2::new(0.0, 5.0), 14.0, "text-anchor=\"middle\"", &(k + 1).to_string());
+        svg.text(centre + Vec2::new(0.0, 5.0), 14.0, "text-anchor=\"middle\"", &(index + 1).to_string());
         let height = format!("y {:.1} m", capture.position.y);
         svg.text(centre + Vec2::new(0.0, 24.0), 11.0, "text-anchor=\"middle\"", &height);
     }
@@ -96,8 +96,8 @@ const PICTURE_SIDE: u32 = 512;
 /// Columns and rows of a cube that is laid open as a cross.
 pub const CROSS: [u32; 2] = [4, 3];
 
-/// Column and row of each face in the cross, in Vulkan's order. The four sides are beside each other with +z in the second place, and +y is
-/// above +z and −y below it.
+/// Column and row of each face in the cross, in Vulkan's order: +x, −x, +y, −y, +z, −z. The four sides stand in one
+/// row, with +z in the second place; +y is above +z, and −y below it.
 pub const FACES_IN_CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
 
 /// The grey of a cross where no face lies.
@@ -116,6 +116,8 @@ impl CubePictures {
     pub fn add(&mut self, face: usize, data: &GBufferData) {
         let step = data.width.div_ceil(PICTURE_SIDE);
         let side = data.width / step;
+        // Column and row in the face of each texel of the pictures, from the middle of its square of `step` texels a
+        // side.
         let texels = || (0..side * side).map(|i| [i % side * step + step / 2, i / side * step + step / 2]);
         let color = |[x, y]: [u32; 2]| {
             let i = data.index(x, y);
@@ -133,7 +135,7 @@ impl CubePictures {
         self.faces.push((face, [colors, picture(Content::ReversedDepth, &depths, &data.camera.lens)]));
     }
 
-    /// The cube laid open as a cross: its colour, and its depth, near bright and sky black.
+    /// Lays the cube open as a cross; returns a picture of its colour, and one of its depth (near bright, sky black).
     pub fn crosses(self) -> [Rgb; 2] {
         [0, 1].map(|kind| {
             let side = self.faces.first().map_or(1, |(_, pictures)| pictures[kind].width);

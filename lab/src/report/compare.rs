@@ -1,4 +1,4 @@
-//! Comparisons as text and files.
+//! Writes comparisons of runs and of images as text and files.
 
 use super::images::{Rgb, write_exr};
 use super::legend::scale;
@@ -64,7 +64,7 @@ pub fn times(records: &[TimeComparison], all: bool) -> String {
     text + &format!("\nTotals: {}\n", counts.join(", "))
 }
 
-/// The two runs with their devices.
+/// Returns two lines of text: the name of each run, with its device.
 fn sides(first: &TimeComparison) -> String {
     let device = |d: &Option<DeviceInfo>| {
         let known = |d: &DeviceInfo| format!("{}, {}, {}", d.name, d.kind, d.driver);
@@ -74,7 +74,7 @@ fn sides(first: &TimeComparison) -> String {
     a + &format!("B  {} ({})\n", first.head.b, device(&first.device_b))
 }
 
-/// How the intervals were found, and what the verdicts mean.
+/// Returns the text that says how the intervals were found, and what the verdicts mean.
 fn interval_method_text(first: &TimeComparison) -> String {
     let how = &first.judgement;
     let (share, resamples, seed) = (how.confidence * 100.0, how.resamples, how.seed);
@@ -96,7 +96,7 @@ fn interval_method_text(first: &TimeComparison) -> String {
     )
 }
 
-/// The passes that only one run has.
+/// Returns the list of passes that only one run has. With `all`, the parts of groups are listed, too.
 fn only_in_one(records: &[TimeComparison], all: bool) -> String {
     let mut text = String::new();
     for (side, name) in [(Side::A, "A"), (Side::B, "B")] {
@@ -114,13 +114,13 @@ fn only_in_one(records: &[TimeComparison], all: bool) -> String {
     text
 }
 
-/// A share as a percentage, rounded to four digits behind the point, since 0.07 · 100 is not exactly 7.
+/// Returns a share as a percentage, rounded to four digits behind the point, since 0.07 · 100 is not exactly 7.
 fn percent(share: f64) -> f64 {
     (share * 1e6).round() / 1e4
 }
 
-/// A difference with six digits behind the point. A difference of 0 is called identical, and one below 0.000001 is
-/// written with an exponent.
+/// Returns the text of a difference, with six digits behind the point. A difference of 0 is called identical, and one
+/// below 0.000001 is written with an exponent.
 fn number(value: f64) -> String {
     match value {
         0.0 => "identical".to_owned(),
@@ -129,7 +129,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The figures of a comparison of two images, as text.
+/// Returns the figures of a comparison of two images as text.
 pub fn images(found: &ImageComparison) -> String {
     let [x, y] = found.greatest_at;
     let mut rows = vec![

@@ -1,5 +1,5 @@
-//! Copies files of runs into the folder of the merged run. A run may come from a stranger, so that only pictures in its folder are copied,
-//! under names without a path.
+//! Copies files of runs into the folder of the merged run. A run may come from a stranger, so only pictures in its
+//! folder are copied, under names without a path.
 
 use crate::study::names::safe_word;
 use ssct_ground::{Error, Result};
@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 /// The endings of the pictures that measurements make beside records.
 const PICTURES: [&str; 4] = ["png", "exr", "webp", "svg"];
 
-/// Elements of the drawings that this program makes. Other elements, such as a script, could do more than be seen.
+/// Elements of the drawings that this program makes. Any other element, such as a script, is refused, since it could do
+/// more than show something.
 const DRAWN: [&str; 14] = [
     "svg", "g", "path", "line", "polyline", "polygon", "rect", "circle", "ellipse", "text", "tspan", "title", "desc",
     "defs",
@@ -51,6 +52,7 @@ pub fn check_file(place: &PathInFolder) -> Result<()> {
     if is_drawing(place) { read_checked(place).map(drop) } else { place.open().map(drop) }
 }
 
+/// True if a file is an SVG drawing, by its name.
 fn is_drawing(place: &PathInFolder) -> bool {
     place.path().extension().is_some_and(|e| e == "svg")
 }
@@ -85,7 +87,7 @@ fn check_drawing(svg: &[u8], place: &PathInFolder) -> Result<()> {
     Ok(())
 }
 
-/// The part of a tag before the `>` that ends it; a `>` inside quotes does not end the tag.
+/// Returns the part of a tag before the `>` that ends the tag; a `>` inside quotes does not end it.
 fn attributes(tag: &str) -> &str {
     let mut quote = None;
     let end = tag.find(|c: char| {
@@ -185,7 +187,7 @@ mod tests {
             ("<svg><path xlink:href='x'/></svg>", "\"xlink:href\""),
             ("<!DOCTYPE svg [<!ENTITY x 'y'>]><svg/>", "\"\""),
         ] {
-            assert!(check(bad).is_err_and(|said| said.contains(what)), "{bad}: {:?}", check(bad));
+            assert!(check(bad).is_err_and(|message| message.contains(what)), "{bad}: {:?}", check(bad));
         }
     }
 }

@@ -4,16 +4,16 @@
 use crate::study::names::one_line;
 use ssct::gpu::DeviceInfo;
 
-/// Groups records by their devices, in the order in which the devices appear.
+/// Groups records by their devices, in the order in which the devices appear. `device` returns the device of a record.
 pub fn by_device<T: Clone>(records: &[T], device: impl Fn(&T) -> &DeviceInfo) -> Vec<(DeviceInfo, Vec<T>)> {
-    let mut apart: Vec<(DeviceInfo, Vec<T>)> = Vec::new();
+    let mut groups: Vec<(DeviceInfo, Vec<T>)> = Vec::new();
     for record in records {
-        match apart.iter_mut().find(|(known, _)| known == device(record)) {
+        match groups.iter_mut().find(|(known, _)| known == device(record)) {
             Some((_, records)) => records.push(record.clone()),
-            None => apart.push((device(record).clone(), vec![record.clone()])),
+            None => groups.push((device(record).clone(), vec![record.clone()])),
         }
     }
-    apart
+    groups
 }
 
 /// The name of a device in a report on several devices, in one line.

@@ -14,7 +14,7 @@ use super::svg::Svg;
 pub(super) const COLORS: [&str; 9] =
     ["#4c78a8", "#f58518", "#54a24b", "#e45756", "#72b7b2", "#b279a2", "#eeca3b", "#9d755d", "#ff9da6"];
 
-/// A depth below 1 as the text of a cell: three digits behind the point, and no 0 before it.
+/// Returns a depth below 1 as the text of a cell, with three digits behind the point and no 0 before it.
 fn depth_text(z: f32) -> String {
     let text = format!("{z:.3}");
     text.strip_prefix('0').unwrap_or(&text).to_owned()

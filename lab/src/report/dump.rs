@@ -59,7 +59,8 @@ impl Dump<'_> {
         Ok(write_exr(folder.join("fade.exr"), &fade, &["fade"])?)
     }
 
-    /// Writes the verdicts as colours with a legend, and as their rows in [`VERDICT_COLORS`].
+    /// Writes the verdicts as a picture in the colours of [`VERDICT_COLORS`], with a legend, and as an EXR whose
+    /// numbers are the rows of the verdicts in that table.
     fn write_verdicts(&self, folder: &PathInFolder) -> Result<()> {
         let Pixels { width, height, .. } = *self.reflection;
         let row = |verdict: &PixelVerdict| VERDICT_COLORS.iter().position(|(known, ..)| known == verdict).unwrap_or(0);
@@ -70,7 +71,7 @@ impl Dump<'_> {
         write_exr(folder.join("verdict.exr"), &Pixels { width, height, channels: 1, values }, &["verdict"])?;
         let count = |n: usize| rows.iter().filter(|row| **row == n).count();
         let entries: Vec<_> =
-            VERDICT_COLORS.iter().enumerate().map(|(n, (_, color, said))| (*color, *said, count(n))).collect();
+            VERDICT_COLORS.iter().enumerate().map(|(n, (_, color, meaning))| (*color, *meaning, count(n))).collect();
         Ok(files::write(folder.join("verdict-legend.svg"), legend("verdict.png", &entries).as_bytes())?)
     }
 }
@@ -92,13 +93,13 @@ fn channels(content: Content) -> &'static [&'static str] {
     }
 }
 
-/// The legend of paths.png: the colours that occur, with how many pixels have them.
+/// Returns the legend of paths.png as SVG: the colours that occur, with the number of pixels that have each.
 fn path_legend(hits: &Pixels) -> String {
     let codes: Vec<_> = hits.texels().filter_map(|texel| PathCode::from_channel(texel[3])).collect();
     let count = |paths: &[PathCode]| codes.iter().filter(|code| paths.contains(code)).count();
     let entries: Vec<_> = PATH_COLORS
         .iter()
-        .map(|(color, paths, said)| (*color, *said, count(paths)))
+        .map(|(color, paths, meaning)| (*color, *meaning, count(paths)))
         .filter(|(.., count)| *count > 0)
         .collect();
     legend("paths.png", &entries)

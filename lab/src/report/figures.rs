@@ -1,5 +1,5 @@
-//! Figures of the thesis from intermediates: 4.4 (visibility chain), 4.5 (Hi-Z and linear rays), 4.9 and
-//! 4.10 (the chains of SSLR); and the poster's figure 2, which is the image under three set-ups.
+//! Draws figures of the thesis from intermediate images: 4.4 (visibility chain), 4.5 (Hi-Z and linear rays), 4.9 and
+//! 4.10 (the chains of SSLR). Also draws the poster's figure 2, which is the image under three setups.
 
 use super::images::{Rgb, display, paths, picture};
 use super::sheet::{blank, paste};
@@ -43,7 +43,7 @@ impl Figure {
         }
     }
 
-    /// The setup of the method for the figure.
+    /// Returns `setup` with the parameters that the figure fixes.
     pub fn setup(self, setup: &Setup) -> Setup {
         let poster_setup = |filter, fade| {
             let setup = setup.with(|p: &mut PosterParams| p.poster_filter = filter);
@@ -77,21 +77,22 @@ pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
     }
 }
 
-/// The intermediate image with a stem and a content.
-fn find<'a>(all: &'a Intermediates, kind: Content, stem: &str) -> Result<&'a Pixels> {
+/// Returns the pixels of the intermediate image with a stem and a content.
+fn find<'a>(all: &'a Intermediates, wanted: Content, stem: &str) -> Result<&'a Pixels> {
     all.iter()
-        .find(|(s, k, _)| s == stem && *k == kind)
-        .map(|(_, _, p)| p)
+        .find(|(name, content, _)| name == stem && *content == wanted)
+        .map(|(.., pixels)| pixels)
         .ok_or_else(|| Error::usage(format!("this method has no {stem} to make the figure of")))
 }
 
-/// Some levels of a chain, arranged as in the thesis: the first at the left, the smaller ones stacked at its right.
+/// Draws the levels `wanted` of the chain `name`, arranged as in the thesis: the first at the left, the smaller ones
+/// stacked at its right. The levels' images have the stems `name-0`, `name-1` and so on.
 fn chain(all: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> Result<Rgb> {
-    let level = |stem: &str| stem.strip_prefix(name)?.strip_prefix('-')?.parse().ok();
+    let level_of = |stem: &str| stem.strip_prefix(name)?.strip_prefix('-')?.parse().ok();
     let levels: Vec<Rgb> = all
         .iter()
-        .filter(|(stem, ..)| level(stem).is_some_and(|l: usize| wanted.contains(&l)))
-        .map(|(_, kind, pixels)| picture(*kind, pixels, lens))
+        .filter(|(stem, ..)| level_of(stem).is_some_and(|level: usize| wanted.contains(&level)))
+        .map(|(_, content, pixels)| picture(*content, pixels, lens))
         .collect();
     let Some(first) = levels.first() else {
         let least = wanted.start + 1;
@@ -110,16 +111,20 @@ fn chain(all: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> 
     Ok(sheet)
 }
 
-/// The lit scene; pixels with a coloured path code are mixed half and half with the colour of the code.
+/// Draws the lit scene, in which each pixel whose path code is not black in [`paths`] is mixed half and half with the
+/// colour of the code.
 fn ray_split(all: &Intermediates) -> Result<Rgb> {
     let lit = display(find(all, Content::Color, "color-0").or_else(|_| find(all, Content::Color, "color"))?);
     let split = paths(find(all, Content::Hits, "hits")?);
+    // For each byte of the picture, whether the path code of its pixel has a colour.
+    let has_code = split.bytes.chunks_exact(3).flat_map(|p| [p.iter().any(|v| *v > 0); 3]);
+    let mix = |lit: u8, code: u8| (u16::from(lit) / 2 + u16::from(code) / 2) as u8;
     let bytes = lit
         .bytes
         .iter()
         .zip(&split.bytes)
-        .zip(split.bytes.chunks_exact(3).flat_map(|p| [p.iter().any(|v| *v > 0); 3]))
-        .map(|((l, s), traced)| if traced { (u16::from(*l) / 2 + u16::from(*s) / 2) as u8 } else { *l })
+        .zip(has_code)
+        .map(|((lit, code), has_code)| if has_code { mix(*lit, *code) } else { *lit })
         .collect();
     Ok(Rgb { bytes, ..lit })
 }

@@ -18,14 +18,14 @@ pub fn write(to: impl Into<PathInFolder>, bytes: &[u8]) -> Result<()> {
     to.into().write(bytes)
 }
 
-/// Records as a JSON array, one record a line.
+/// Returns records as a JSON array, with one record a line.
 pub fn json<T: Serialize>(records: &[T]) -> String {
     let lines: Vec<String> =
         records.iter().map(|r| serde_json::to_string(r).unwrap_or_else(|e| e.to_string())).collect();
     json_text(&format!("[{}]\n", lines.join(",\n ")))
 }
 
-/// Rows of cells as CSV.
+/// Returns rows of cells as CSV.
 pub fn csv(cells: &[Vec<String>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in cells {
@@ -35,7 +35,7 @@ pub fn csv(cells: &[Vec<String>]) -> String {
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
 
-/// The records of a study, from the JSON array that it wrote.
+/// Reads the records of a study from the JSON array that it wrote.
 ///
 /// # Errors
 /// [`Io`](ssct_ground::Error::Io) if the file can't be read, [`Malformed`](ssct_ground::Error::Malformed) if it holds other records.
@@ -61,10 +61,10 @@ pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
         let record = record.map_err(|e| Error::malformed(path, line(e.position()), e.to_string()))?;
         let wrong = |message: String| Error::malformed(path, line(record.position()), message);
         let row_subject = subject(&headers, &record, &parameters);
-        // A run has few subjects, and rows of one subject follow each other, so that such rows share one value.
-        let known = rows.last().map(|row: &TimeSample| &row.subject).filter(|known| ***known == row_subject);
+        // A run has few subjects, and rows of one subject follow each other. Such rows share one value, to save memory.
+        let last_subject = rows.last().map(|row: &TimeSample| &row.subject).filter(|last| ***last == row_subject);
         let row = TimeSample {
-            subject: known.cloned().unwrap_or_else(|| Arc::new(row_subject)),
+            subject: last_subject.cloned().unwrap_or_else(|| Arc::new(row_subject)),
             sample: parsed(&headers, &record, "sample").map_err(wrong)?,
             pass: parsed(&headers, &record, "pass").map_err(wrong)?,
             counted: parsed(&headers, &record, "counted").map_err(wrong)?,
@@ -85,7 +85,7 @@ pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
     Ok(rows)
 }
 
-/// Reads the cell of a row in the column `column`; the error says what is wrong with the cell.
+/// Parses the cell of a row in the column with the name `column`. The error says what is wrong with the cell.
 fn parsed<T: FromStr>(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,
@@ -97,28 +97,32 @@ fn parsed<T: FromStr>(
     text.parse().map_err(|_| format!("no sample of a time: {text:?} in the column {column}"))
 }
 
-/// The subject of a row: all its columns that are not measured. Parameters that the method does not have are left out,
-/// since an older file has a value in every column.
+/// Returns the subject of a row: all its columns that are not measured. Parameters that the row's method does not have
+/// are left out, since older files have a value for them, too.
 fn subject(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,
     parameters: &[(Parameter, Vec<&MethodInfo>)],
 ) -> Subject {
     let method = headers.iter().zip(record).find(|(name, _)| *name == "method").map_or("", |(_, method)| method);
-    let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
-    let has = |name: &str| {
+    let effect_parameters: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
+    // False only for a parameter that other methods have, and this method and the effect lack.
+    let concerns_method = |name: &str| {
         let mut entries = parameters.iter().filter(|(p, _)| p.name == name).peekable();
         let is_parameter = entries.peek().is_some();
-        around.contains(&name) || !is_parameter || entries.any(|(_, methods)| methods.iter().any(|m| m.name == method))
+        effect_parameters.contains(&name)
+            || !is_parameter
+            || entries.any(|(_, methods)| methods.iter().any(|m| m.name == method))
     };
-    let known = methods::find(method).is_ok();
-    let columns = headers.iter().zip(record).filter(|(name, _)| !MEASURED.contains(name) && (!known || has(name)));
-    // Numbers are written as today, since an older file has 1 where a newer one has 1.0.
+    let is_known = methods::find(method).is_ok();
+    let columns =
+        headers.iter().zip(record).filter(|(name, _)| !MEASURED.contains(name) && (!is_known || concerns_method(name)));
+    // All files get the same text for a number, since an older file has 1 where a newer one has 1.0.
     let plain = |text: &str| text.parse::<f64>().map_or_else(|_| text.to_owned(), |n| n.to_string());
     Subject(columns.map(|(name, text)| (name.to_owned(), plain(text))).collect())
 }
 
-/// The device of a time.json, from its first record; `None` if there is no such file.
+/// Reads the device of a time.json from its first record; `None` if there is no such file.
 ///
 /// # Errors
 /// [`Io`](ssct_ground::Error::Io) if the file exists and can't be read, [`Malformed`](ssct_ground::Error::Malformed) if it holds no

@@ -9,7 +9,7 @@ use ssct::gpu::Pixels;
 use ssct::passes::Content;
 use ssct_scenes::Camera;
 
-/// The rows of pictures of Schmidt's figure 27, from the intermediates of a frame and its camera: positions and
+/// Makes the rows of pictures of Schmidt's figure 27 from the intermediates of a frame and its camera: positions and
 /// normals in world space; both in view space; albedo and reflectivity; the lit scene.
 ///
 /// Positions span their own range in each picture: black is their least x, y and z, white the greatest.
@@ -17,8 +17,8 @@ use ssct_scenes::Camera;
 /// # Errors
 /// [`Usage`](ssct::Error::Usage) if an intermediate is missing.
 pub fn rows(all: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
-    let find = |stem: &str, kind: Content| {
-        let found = all.iter().find(|(s, k, _)| s == stem && *k == kind).map(|(_, _, p)| p);
+    let find = |stem: &str, wanted: Content| {
+        let found = all.iter().find(|(name, content, _)| name == stem && *content == wanted).map(|(.., pixels)| pixels);
         found.ok_or_else(|| Error::usage(format!("this frame has no {stem} to make the figure of")))
     };
     let (depth, normal) = (find("depth", Content::ReversedDepth)?, find("normal", Content::Normal)?);
@@ -26,18 +26,18 @@ pub fn rows(all: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
     let view: Vec<Option<Vec3>> = positions(depth, camera);
     let to_world = camera.world_to_view.inverse();
     let world: Vec<Option<Vec3>> = view.iter().map(|p| p.map(|p| to_world.transform_point3(p))).collect();
-    let turned = Mat3::from_mat4(to_world);
+    let normals_to_world = Mat3::from_mat4(to_world);
     let size = [depth.width, depth.height];
     let reflectivity = reflectivity(find("material", Content::Material)?);
     Ok(vec![
-        vec![ranged(size, &world), normals(normal, turned)],
+        vec![ranged(size, &world), normals(normal, normals_to_world)],
         vec![ranged(size, &view), normals(normal, Mat3::IDENTITY)],
         vec![display(find("albedo", Content::Color)?), reflectivity],
         vec![display(lit)],
     ])
 }
 
-/// The reflectivity of each pixel of a G-buffer's material: black is 0, and white is 1.
+/// Makes a picture of the reflectivity in a G-buffer's material: black is 0, and white is 1.
 pub fn reflectivity(material: &Pixels) -> Rgb {
     Rgb::from_pixels(material, |c| [unit(c[0]); 3])
 }
@@ -47,19 +47,19 @@ fn unit(v: f32) -> u8 {
     (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
-/// View-space positions; `None` for sky.
+/// Returns the view-space position of each pixel, from its reversed depth; `None` for sky.
 fn positions(depth: &Pixels, camera: &Camera) -> Vec<Option<Vec3>> {
     let clip_to_view = camera.view_to_clip_reversed().inverse();
     let size = Vec2::new(depth.width as f32, depth.height as f32);
-    let place = |(n, z): (usize, &[f32])| {
+    let position = |(n, z): (usize, &[f32])| {
         let pixel = Vec2::new((n as u32 % depth.width) as f32, (n as u32 / depth.width) as f32) + 0.5;
         let ndc = (pixel / size * 2.0 - 1.0) * Vec2::new(1.0, -1.0);
         (z[0] > 0.0).then(|| clip_to_view.project_point3(ndc.extend(z[0])))
     };
-    depth.texels().enumerate().map(place).collect()
+    depth.texels().enumerate().map(position).collect()
 }
 
-/// Positions as colours: black is the least x, y and z of all, white is the greatest, and sky is black.
+/// Makes a picture of positions: black is the least x, y and z of all, white is the greatest, and sky is black.
 fn ranged([width, height]: [u32; 2], positions: &[Option<Vec3>]) -> Rgb {
     let known = positions.iter().flatten();
     let (low, high) = known.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
@@ -68,7 +68,8 @@ fn ranged([width, height]: [u32; 2], positions: &[Option<Vec3>]) -> Rgb {
     Rgb { width, height, bytes: positions.iter().flat_map(color).collect() }
 }
 
-/// Normals as colours after a turn: a coordinate of −1 is 0, and 1 is 255. A pixel without a normal is black.
+/// Makes a picture of normals that are rotated by `turn`: a coordinate of −1 is 0, and 1 is 255. A pixel without a
+/// normal is black.
 fn normals(normal: &Pixels, turn: Mat3) -> Rgb {
     Rgb::from_pixels(normal, |c| {
         let n = Vec3::new(c[0], c[1], c[2]);

@@ -1,4 +1,4 @@
-//! The study of a device as files and a page.
+//! Writes the study of a device as files and a page.
 
 use super::{files, html};
 use crate::study::TimeRecord;
@@ -219,12 +219,12 @@ fn compiled_table(programs: &CompiledPrograms) -> Table {
     }
 }
 
-/// A table that has nothing but the names of its columns so far.
+/// Begins a table with the names of its columns.
 fn header(names: &[&str]) -> Vec<Vec<String>> {
     vec![names.iter().map(|n| (*n).to_owned()).collect()]
 }
 
-/// The cells of a row that say where a time was measured: view, size and roughness.
+/// Returns the cells of a row that say where a time was measured: view, size and roughness.
 fn place(head: &Head) -> Vec<String> {
     vec![
         format!("{} {}", head.scene, head.view),
@@ -238,37 +238,38 @@ const METHOD_TABLES_TEXT: &str = "Median times of the effect at roughness 0.1; t
                            also timed against itself: the floor is how far its time strays from itself, and a smaller \
                            difference means nothing.";
 
-/// The records of a shader stage.
+/// Returns the records that were timed in a shader stage.
 fn in_stage(records: &[TimeRecord], stage: Stage) -> Vec<TimeRecord> {
-    let is_it = |r: &&TimeRecord| r.head.setting(STAGE) == stage.name();
-    records.iter().filter(is_it).cloned().collect()
+    let has_stage = |r: &&TimeRecord| r.head.setting(STAGE) == stage.name();
+    records.iter().filter(has_stage).cloned().collect()
 }
 
 /// The name of the parameter that chooses the shader stage.
 const STAGE: &str = "stage";
 
-/// Methods that were timed in both stages: their totals side by side.
+/// Returns a table of the methods that were timed in both stages, with their total times side by side.
 fn stage_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let [fragment, compute] = [Stage::Fragment, Stage::Compute].map(|stage| in_stage(records, stage));
     let mut rows = header(&["view", "size", "roughness", "method", "fragment ms", "compute ms", "compute / fragment"]);
-    for drawn in &fragment {
-        let apart = |r: &TimeRecord| {
+    for fragment_record in &fragment {
+        // Everything but the stage, by which the two records of a variant are found.
+        let key = |r: &TimeRecord| {
             let mut setup = r.head.setup.clone();
             setup.remove(STAGE);
             (r.head.scene.clone(), r.head.view.clone(), r.head.method.clone(), setup)
         };
-        let Some(stored) = compute.iter().find(|r| apart(r) == apart(drawn)) else { continue };
-        let [one, other] = [drawn, stored].map(|r| r.total.median_ms);
-        let mut row = place(&drawn.head);
-        row.push(drawn.head.method.clone());
-        row.extend([one, other].map(|ms| format!("{ms:.3}")));
-        row.push(if one > 0.0 { format!("{:.2}", other / one) } else { "-".to_owned() });
+        let Some(compute_record) = compute.iter().find(|r| key(r) == key(fragment_record)) else { continue };
+        let [fragment_ms, compute_ms] = [fragment_record, compute_record].map(|r| r.total.median_ms);
+        let mut row = place(&fragment_record.head);
+        row.push(fragment_record.head.method.clone());
+        row.extend([fragment_ms, compute_ms].map(|ms| format!("{ms:.3}")));
+        row.push(if fragment_ms > 0.0 { format!("{:.2}", compute_ms / fragment_ms) } else { "-".to_owned() });
         rows.push(row);
     }
     rows
 }
 
-/// The median time of each method with its spread and its noise floor.
+/// Returns a table with the median time of each method, its spread and its noise floor.
 fn method_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = header(&["view", "size", "roughness", "method", "median ms", "min", "p95", "n", "floor"]);
     rows.extend(records.iter().map(|r| {
@@ -282,7 +283,7 @@ fn method_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// The median time of each pass that counts, with the shader invocations of the pass.
+/// Returns a table with the median time of each pass that counts, and the shader invocations of the pass.
 fn pass_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = header(&["view", "size", "roughness", "method", "pass", "median ms", "fragments", "compute"]);
     for r in records {
@@ -297,8 +298,8 @@ fn pass_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// The passes that two variants of a method have in common, and their totals; in `records`, each record of the first variant is followed by
-/// one of the second.
+/// Returns a table of the passes that two variants of a method have in common, and of their totals. In `records`, each
+/// record of the first variant is followed by one of the second; `one` and `other` name the variants.
 fn pair_cells(records: &[TimeRecord], [one, other]: [&str; 2]) -> Vec<Vec<String>> {
     let [one_ms, other_ms] = [format!("{one} ms"), format!("{other} ms")];
     let mut rows = header(&["view", "size", "roughness", "pass", &one_ms, &other_ms, &format!("{other} / {one}")]);
@@ -307,9 +308,9 @@ fn pair_cells(records: &[TimeRecord], [one, other]: [&str; 2]) -> Vec<Vec<String
         passes.chain([("total".to_owned(), r.total.median_ms)]).collect()
     };
     for (first, second) in records.chunks_exact(2).map(|pair| (&pair[0], &pair[1])) {
-        let beside = medians(second);
+        let second_medians = medians(second);
         for (name, ms) in medians(first) {
-            let Some((_, other_ms)) = beside.iter().find(|(n, _)| *n == name) else { continue };
+            let Some((_, other_ms)) = second_medians.iter().find(|(n, _)| *n == name) else { continue };
             let ratio = if ms > 0.0 { format!("{:.2}", other_ms / ms) } else { "-".to_owned() };
             let mut row = place(&first.head);
             row.extend([name, format!("{ms:.4}"), format!("{other_ms:.4}"), ratio]);
@@ -319,6 +320,7 @@ fn pair_cells(records: &[TimeRecord], [one, other]: [&str; 2]) -> Vec<Vec<String
     rows
 }
 
+/// Returns a table of the messages of the validation layers, or the reason why the layers could not be asked.
 fn validation_cells(messages: &LayerMessages) -> Vec<Vec<String>> {
     let mut rows = header(&["message", "text"]);
     match messages {

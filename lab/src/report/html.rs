@@ -88,7 +88,7 @@ const PARTS: [(&str, &str); 8] = [
 ];
 
 impl Page<'_> {
-    /// The whole page; its pictures are read from the folder in which the page will lie.
+    /// Returns the whole page as HTML. Its pictures are read from `folder`, in which the page will lie.
     pub fn render(&self, folder: &PictureFolder) -> Result<String> {
         let [views, figures, table, stages, error, passes, drivers, records] = PARTS.map(heading);
         let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
@@ -133,7 +133,7 @@ impl Page<'_> {
     }
 }
 
-/// A page of tables.
+/// Returns a page of tables, each under a heading with its title.
 pub fn tables_page(title: &str, device: Option<&DeviceInfo>, command: &str, tables: &[Table]) -> String {
     let ids: Vec<_> = tables.iter().map(|table| (table.id.to_owned(), table.title.as_str())).collect();
     let body = html! {
@@ -145,7 +145,7 @@ pub fn tables_page(title: &str, device: Option<&DeviceInfo>, command: &str, tabl
     frame(title, &page_header(title, device, DEFINITIONS, command, &ids), &body)
 }
 
-/// The frame of every page: its head, its header, and its body.
+/// Puts a page together from its title, its header and its body. Characters that a terminal would obey are removed.
 fn frame(title: &str, header: &Markup, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
@@ -221,7 +221,7 @@ fn missing_cells(missing: &[String]) -> Markup {
     }
 }
 
-/// A page of a study, to which a list of its missing cells is added below the header.
+/// Adds a list of missing cells to the page of a study, below the header.
 pub fn with_missing_cells(page: &str, missing: &[String]) -> String {
     const END: &str = "</header>";
     let header_end = page.find(END).map_or(0, |offset| offset + END.len());
@@ -238,7 +238,7 @@ pub struct DeviceText {
     pub folder: PathBuf,
 }
 
-/// A page with the results of several devices.
+/// Returns a page with the results of several devices, each under a heading with the device's name.
 pub fn devices_page(
     title: &str,
     definitions: u32,
@@ -259,10 +259,12 @@ pub fn devices_page(
     frame(title, &page_header(title, None, definitions, command, &ids), &body)
 }
 
+/// Returns the heading of a part of a page, to which links lead by its id.
 fn heading((id, title): (&str, &str)) -> Markup {
     html! { h2 id=(id) { (title) } }
 }
 
+/// Returns galleries as HTML, one below the other.
 fn galleries(all: &[Gallery], folder: &PictureFolder) -> Result<Markup> {
     let galleries = all.iter().map(|g| gallery::gallery(g, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! { @for gallery in galleries { (gallery) } })

@@ -37,11 +37,12 @@ impl Rgb {
     }
 }
 
-/// Writes 8-bit RGBA without a change, rows from the top.
+/// Writes an 8-bit RGBA image as a PNG, without any conversion, rows from the top.
 pub fn write_rgba_png(to: impl Into<PathInFolder>, extent: [u32; 2], rgba: &[u8]) -> Result<()> {
     write_png(&to.into(), extent, rgba, image::ExtendedColorType::Rgba8)
 }
 
+/// Writes the bytes of an image as a PNG; `kind` says which channels the bytes are.
 fn write_png(to: &PathInFolder, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
     let mut encoded = Cursor::new(Vec::new());
     image::write_buffer_with_format(&mut encoded, bytes, width, height, kind, image::ImageFormat::Png)
@@ -49,12 +50,13 @@ fn write_png(to: &PathInFolder, [width, height]: [u32; 2], bytes: &[u8], kind: i
     to.write(encoded.get_ref())
 }
 
-/// The display image: clamped, sRGB-encoded, no tone mapping.
+/// Returns the display image of linear colours: clamped to 0…1, sRGB-encoded, without tone mapping.
 pub fn display(pixels: &Pixels) -> Rgb {
     Rgb::from_pixels(pixels, |c| [display_byte(c[0]), display_byte(c[1]), display_byte(c[2])])
 }
 
-/// Fails unless a path has an extension that [`write_image`] writes. The check comes before the work, so that no work is lost.
+/// Fails unless a path has an extension that [`write_image`] writes. Commands call it before their work, so that no
+/// work is lost.
 pub fn check_extension(path: &Path) -> Result<()> {
     if is(path, "png") || is(path, "exr") {
         return Ok(());
@@ -74,7 +76,7 @@ fn is(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// Writes every channel as 32-bit floats, under the names given.
+/// Writes an image as OpenEXR, with every channel as 32-bit floats. `names` are the channels' names, in their order.
 pub fn write_exr(to: impl Into<PathInFolder>, pixels: &Pixels, names: &[&str]) -> Result<()> {
     use exr::prelude::{
         AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage,
@@ -129,14 +131,14 @@ fn check_pixels([width, height]: [u32; 2], path: &Path) -> Result<()> {
     Err(Error::malformed(path, None, message))
 }
 
-/// The channels R, G and B of the first layer that has them.
+/// Reads the channels R, G and B of the first layer that has them.
 fn read_exr(path: &Path) -> Result<LinearImage> {
     let Pixels { width, height, values, .. } = read_exr_channels(path, ["R", "G", "B"], None)?;
     Ok(LinearImage { width, height, rgb: values.chunks_exact(4).map(|t| [t[0], t[1], t[2]]).collect() })
 }
 
-/// Reads the first layer that has three channels, and a fourth channel if it is named. The image has four channels, and the last is 0
-/// without a fourth name.
+/// Reads the first layer that has the three channels `names`, and its channel `fourth` if that is given. The image has
+/// four channels, in this order; the last is 0 if `fourth` is `None`.
 ///
 /// # Errors
 /// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, lacks
@@ -180,6 +182,7 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
         .required(names[1])
         .required(names[2])
         .optional(fourth.unwrap_or_default(), 0.0)
+        // The reader fills a pair: the width of the image, and the values of all its pixels.
         .collect_pixels(
             |size, _| (size.0, vec![0.0; 4 * size.0 * size.1]),
             |(width, values), position, (r, g, b, a): (f32, f32, f32, f32)| {
@@ -192,12 +195,12 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
         .from_buffered(Cursor::new(bytes))
         .map_err(unreadable)?
         .layer_data;
-    // Both sides are at most MAX_EXTENT, so that they fit in 32 bits.
+    // Both sides are at most MAX_EXTENT, so they fit in 32 bits.
     let (width, height) = (layer.size.0 as u32, layer.size.1 as u32);
     Ok(Pixels { width, height, channels: 4, values: layer.channel_data.pixels.1 })
 }
 
-/// An image of a frame as a picture to look at; `kind` says what the numbers of the image mean.
+/// Makes a picture to look at of an image of a frame; `kind` says what the numbers of the image mean.
 pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
     let unit = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     match kind {
@@ -213,7 +216,7 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
         }
         Content::LinearDepth => Rgb::from_pixels(pixels, |c| [distance_shade(c[0], lens); 3]),
         Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
-        // Fronts and backs of cells with geometry. In a cell without geometry, the front is below every depth.
+        // Red is the front of a cell, and green its back. A cell without geometry has a negative front and is black.
         Content::Pyramid(_) => Rgb::from_pixels(pixels, |c| {
             if c[0] < 0.0 { [0; 3] } else { [depth_shade(c[0], lens), depth_shade(c[1], lens), 0] }
         }),
@@ -233,7 +236,8 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
     }
 }
 
-/// The colours of path codes, with what they mean. Hi-Z is green and the linear march red, as in figure 4.5.
+/// Colours, each with the path codes that it stands for and their meaning. Hi-Z is green and the linear march red, as
+/// in figure 4.5 of the thesis.
 pub const PATH_COLORS: &[(Color, &[PathCode], &str)] = &[
     ([0; 3], &[PathCode::None], "does not reflect"),
     ([0, 200, 0], &[PathCode::HiZ], "hit by the Hi-Z traversal"),
@@ -255,14 +259,14 @@ pub const PATH_COLORS: &[(Color, &[PathCode], &str)] = &[
 /// Red, green and blue of a display image.
 pub type Color = [u8; 3];
 
-/// The path that each ray took, in the colours of [`PATH_COLORS`].
+/// Makes a picture of the path codes of all pixels, in the colours of [`PATH_COLORS`].
 pub fn paths(hits: &Pixels) -> Rgb {
     let color =
         |code: PathCode| PATH_COLORS.iter().find(|(_, codes, _)| codes.contains(&code)).map(|(color, ..)| *color);
     Rgb::from_pixels(hits, |c| PathCode::from_channel(c[3]).and_then(color).unwrap_or_default())
 }
 
-/// Brightness of a reversed depth; the sky is black.
+/// Returns the brightness that shows a reversed depth, as a byte; the sky is black.
 fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
     if reversed <= 0.0 {
         return 0;
@@ -274,8 +278,9 @@ fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
     distance_shade(lens.near_m * lens.far_m / (lens.near_m + reversed * (lens.far_m - lens.near_m)), lens)
 }
 
-/// Brightness of a view-space z: near is bright. The logarithm spreads distances that a perspective depth compresses; a hundred times the
-/// near distance is mid-grey. An orthographic projection compresses nothing.
+/// Returns the brightness that shows a view-space z in metres, as a byte; near is bright. For a perspective, the
+/// logarithm spreads far distances, which its depth compresses; a hundred times the near distance is mid-grey. The
+/// depth of an orthographic projection compresses nothing.
 fn distance_shade(z: f32, lens: &Lens) -> u8 {
     if lens.kind().is_orthographic() {
         return shade((lens.far_m - z) / (lens.far_m - lens.near_m));
@@ -283,7 +288,7 @@ fn distance_shade(z: f32, lens: &Lens) -> u8 {
     shade(1.0 - (z / lens.near_m).ln() / (1e4_f32).ln())
 }
 
-/// A share from 0 to 1 as a byte that is encoded as sRGB.
+/// Encodes a share from 0 to 1 as a byte of sRGB.
 fn shade(share: f32) -> u8 {
     (linear_to_srgb(share.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
 }

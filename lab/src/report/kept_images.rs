@@ -10,14 +10,18 @@ use ssct_ground::{Error, Result};
 use ssct_scenes::inside::PathInFolder;
 use ssct_scenes::{GBufferData, gbuffer_file};
 
-// The names of channels in the files of reflections and of hits.
+/// The names of channels in the files of reflections.
 const COLOR: [&str; 4] = ["R", "G", "B", "A"];
+/// The names of channels in the files of hits.
 const HITS: [&str; 4] = ["X", "Y", "Z", "W"];
 
+/// The file of a G-buffer.
 fn gbuffer_path(folder: &PathInFolder, stem: &str) -> PathInFolder {
     folder.join(format!("gbuffer-{stem}.exr"))
 }
 
+/// The file of an image that a method made of the G-buffer `stem`; `what` is `-hits` for hits, and empty for
+/// reflections.
 fn image_path(folder: &PathInFolder, method: &str, stem: &str, what: &str) -> PathInFolder {
     folder.join(format!("{method}-{stem}{what}.exr"))
 }

@@ -6,20 +6,23 @@ use crate::study::names::counted;
 use glam::Vec2;
 use ssct_ground::math::display_byte;
 
-// In pixels: the height of a row, the border around the drawing, and the height of text.
+/// Height of a row in pixels.
 const ROW: f32 = 22.0;
+/// Width in pixels of the border around the drawing.
 const MARGIN: f32 = 12.0;
+/// Height of text in pixels.
 const TEXT: f32 = 13.0;
 /// Width in pixels that a text gets for each of its characters: more than any font takes.
 const CHARACTER: f32 = 7.5;
+/// The SVG attribute of the edge of a colour's square.
 const EDGE: &str = r##"stroke="#888""##;
 
-/// The legend of a picture: the meaning of each colour, and how many pixels have it.
+/// Returns the legend of a picture as SVG. Each entry is a colour, its meaning, and how many pixels have it.
 pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
     let all: usize = entries.iter().map(|(.., count)| count).sum();
-    let line = |(_, said, count): &(Color, &str, usize)| {
-        let share = if all == 0 { 0.0 } else { 100.0 * *count as f64 / all as f64 };
-        format!("{said}, {}, {share:.1} %", counted(*count, "pixel"))
+    let line = |(_, meaning, count): &(Color, &str, usize)| {
+        let percent = if all == 0 { 0.0 } else { 100.0 * *count as f64 / all as f64 };
+        format!("{meaning}, {}, {percent:.1} %", counted(*count, "pixel"))
     };
     let lines: Vec<String> = entries.iter().map(line).collect();
     let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0).max(picture.len());
@@ -34,8 +37,8 @@ pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
     svg.finish()
 }
 
-/// The scale of a picture whose greys are numbers from 0 to 1, encoded as sRGB. A mark and a text show the greatest
-/// number of the picture; `shown` is this number as text.
+/// Returns the scale, as SVG, of a picture whose greys are numbers from 0 to 1, encoded as sRGB; `what` names the
+/// numbers. A mark shows the greatest number of the picture, and a text below has this number as `shown`.
 pub fn scale(picture: &str, what: &str, (greatest, shown): (f32, &str)) -> String {
     const STEPS: u16 = 100;
     const STEP: f32 = 4.0;
@@ -61,6 +64,7 @@ pub fn scale(picture: &str, what: &str, (greatest, shown): (f32, &str)) -> Strin
     svg.finish()
 }
 
+/// Returns a colour as SVG writes it, such as `#ee3333`.
 fn hex([r, g, b]: Color) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }

@@ -19,10 +19,10 @@ use time::{Date, OffsetDateTime};
 /// The folder in which `ssct study` puts its records of errors, beside those of times.
 const ERROR_FOLDER: &str = "error";
 
-/// A run's own page.
+/// The file of a run's own page.
 const PAGE: &str = "index.html";
 
-/// Raw samples of times.
+/// The file with a run's raw samples of times.
 const SAMPLES: &str = "time-samples.csv";
 
 /// The runs that were found below a folder, and the folders without a run.
@@ -44,7 +44,7 @@ pub fn scan(root: &Path) -> Result<Library> {
     // A root that cannot be read is an error; a folder below it that cannot be read is part of the result.
     let inside = PathInFolder::folder(root);
     inside.list()?;
-    let whole = std::fs::canonicalize(root).map_err(|e| Error::io("read", root, e))?;
+    let absolute_root = std::fs::canonicalize(root).map_err(|e| Error::io("read", root, e))?;
     let mut library = Library::default();
     let mut folders = folders(&inside, &mut library.unreadable);
     join_error_folders(&mut folders);
@@ -52,8 +52,8 @@ pub fn scan(root: &Path) -> Result<Library> {
     folders.entry(root.to_owned()).or_default().retain(|file| file.file_name().is_some_and(|n| n != PAGE));
     for (folder, files) in folders {
         let name = relative(root, &folder);
-        let whole = whole.join(folder.strip_prefix(root).unwrap_or(&folder));
-        match run(&folder, &whole, &name, &files) {
+        let absolute = absolute_root.join(folder.strip_prefix(root).unwrap_or(&folder));
+        match run(&folder, &absolute, &name, &files) {
             FolderContent::Run(run) => library.runs.push(*run),
             FolderContent::Unreadable(why) => library.unreadable.push((name, why)),
             FolderContent::Nothing if files.is_empty() => {}
@@ -64,11 +64,12 @@ pub fn scan(root: &Path) -> Result<Library> {
     Ok(library)
 }
 
-/// Every folder from a root down, each with its files.
+/// Returns every folder from a root down, each with its files. Folders that cannot be read are added to `unreadable`:
+/// the path below the root, and the reason.
 fn folders(root: &PathInFolder, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
     let mut found = BTreeMap::new();
-    let mut left = vec![root.clone()];
-    while let Some(folder) = left.pop() {
+    let mut to_visit = vec![root.clone()];
+    while let Some(folder) = to_visit.pop() {
         let all = match folder.list() {
             Ok(all) => all,
             Err(e) => {
@@ -76,18 +77,18 @@ fn folders(root: &PathInFolder, unreadable: &mut Vec<(String, String)>) -> BTree
                 continue;
             }
         };
-        let (below, others): (Vec<_>, Vec<_>) =
-            all.iter().filter(|listed| !listed.name.starts_with('.')).partition(|listed| listed.is_folder);
-        left.extend(below.iter().map(|listed| folder.join(&listed.name)));
-        let files = others.iter().map(|listed| folder.join(&listed.name).path());
+        let (subfolders, others): (Vec<_>, Vec<_>) =
+            all.iter().filter(|entry| !entry.name.starts_with('.')).partition(|entry| entry.is_folder);
+        to_visit.extend(subfolders.iter().map(|entry| folder.join(&entry.name)));
+        let files = others.iter().map(|entry| folder.join(&entry.name).path());
         // Links to folders are not followed.
         found.insert(folder.path(), files.filter(|path| !path.is_dir()).collect());
     }
     found
 }
 
-/// Joins each folder in which `ssct study` puts records of errors with the folder above, which has the times of the
-/// same run.
+/// Adds the files of each folder in which `ssct study` puts records of errors to the folder above it, which has the
+/// times of the same run, and removes the former.
 fn join_error_folders(folders: &mut BTreeMap<PathBuf, Vec<PathBuf>>) {
     let has = |files: Option<&Vec<PathBuf>>, name: &str| {
         files.is_some_and(|files| files.iter().any(|file| file.file_name().is_some_and(|n| n == name)))
@@ -118,9 +119,9 @@ enum FolderContent {
     Nothing,
 }
 
-/// Reads every array of records among a folder's files, and the raw samples. `whole` is the folder's path from the root
-/// of the file system: one of its names may begin with the date.
-fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> FolderContent {
+/// Reads every array of records among a folder's files, and the raw samples. `absolute` is the folder's path from the
+/// root of the file system, in which a name may begin with the date.
+fn run(folder: &Path, absolute: &Path, name: &str, files: &[PathBuf]) -> FolderContent {
     let mut all = FolderRecords::default();
     let (mut wrong, mut notes) = (Vec::new(), Vec::new());
     for path in files.iter().filter(|path| path.extension().is_some_and(|e| e == "json")) {
@@ -149,7 +150,7 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> FolderCont
         notes.push(e.to_string());
         None
     });
-    let (date, dated_by) = date(whole, files);
+    let (date, dated_by) = date(absolute, files);
     FolderContent::Run(Box::new(LibraryRun {
         name: name.to_owned(),
         date,
@@ -166,18 +167,19 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> FolderCont
     }))
 }
 
-/// The records of a file; `None` if it holds something else. A file whose name is a kind of records must hold records.
+/// Reads the records of a file; `None` if it holds something else. That is an error if the file's name is that of a
+/// kind of records.
 fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let must = name.strip_suffix(".json").is_some_and(|kind| KINDS.contains(&kind));
+    let must_hold_records = name.strip_suffix(".json").is_some_and(|kind| KINDS.contains(&kind));
     let content = PathInFolder::file(path)
         .bytes()
         .map_err(|e| e.to_string())
         .and_then(|bytes| serde_json::from_slice::<Json>(&bytes).map_err(|e| e.to_string()));
     match content {
         Ok(Json::Array(objects)) if read::are_records(&objects) => Ok(Some(objects)),
-        Ok(_) if must => Err(format!("{name} holds no records of the studies")),
-        Err(why) if must => Err(format!("{name}: {why}")),
+        Ok(_) if must_hold_records => Err(format!("{name} holds no records of the studies")),
+        Err(why) if must_hold_records => Err(format!("{name}: {why}")),
         _ => Ok(None),
     }
 }
@@ -190,7 +192,7 @@ struct FolderRecords {
     definitions: BTreeSet<u32>,
     devices: Vec<DeviceInfo>,
     measurements: Vec<Measurement>,
-    /// The index of each measurement, by which one that comes again is recognised.
+    /// The index of each measurement, so that a measurement that several records have is added once.
     known: HashMap<MeasurementKey, usize>,
     /// Cases of the stress study that failed, and all cases.
     stress: [usize; 2],
@@ -202,23 +204,24 @@ type MeasurementKey = (usize, Setting, String, String, Quantity);
 impl FolderRecords {
     /// Adds the records of a file, and a note about records that do not count.
     fn add(&mut self, file: &str, records: &[Json], notes: &mut Vec<String>) {
-        let (mut bad, mut again) = (Vec::new(), 0);
+        let (mut unreadable, mut contradictions) = (Vec::new(), 0);
         let mut kinds = None;
         for json in records {
             match read::record(json) {
                 Ok(record) => {
                     kinds.get_or_insert_with(|| record.kind.clone());
-                    again += self.take(record);
+                    contradictions += self.take(record);
                 }
-                Err(why) => bad.push(why),
+                Err(why) => unreadable.push(why),
             }
         }
-        if let Some(first) = bad.first() {
-            notes.push(format!("{} of {} records of {file} are left out; the first {first}", bad.len(), records.len()));
+        if let Some(first) = unreadable.first() {
+            let (count, all) = (unreadable.len(), records.len());
+            notes.push(format!("{count} of {all} records of {file} are left out; the first {first}"));
         }
-        if again > 0 {
+        if contradictions > 0 {
             notes.push(format!(
-                "{again} figures of {file} are left out: another record has the same setup and another value"
+                "{contradictions} figures of {file} are left out: another record has the same setup and another value"
             ));
         }
         if let Some(kind) = kinds {
@@ -226,7 +229,8 @@ impl FolderRecords {
         }
     }
 
-    /// Adds a record, and returns how many of its figures are known already with another value.
+    /// Adds a record. Returns how many of its figures are left out, since an earlier record has them with another
+    /// value.
     fn take(&mut self, record: ReadRecord) -> usize {
         let device = self.devices.iter().position(|d| *d == record.device).unwrap_or_else(|| {
             self.devices.push(record.device.clone());
@@ -238,29 +242,29 @@ impl FolderRecords {
             self.stress[0] += usize::from(!passed);
             self.stress[1] += 1;
         }
-        let mut again = 0;
+        let mut contradictions = 0;
         for m in record.measurements {
             let m = Measurement { device, ..m };
             let key = (device, m.setting.clone(), m.view.clone(), m.method.clone(), m.quantity);
             match self.known.get(&key) {
-                Some(index) => again += usize::from(self.measurements[*index].value != m.value),
+                Some(index) => contradictions += usize::from(self.measurements[*index].value != m.value),
                 None => {
                     self.known.insert(key, self.measurements.len());
                     self.measurements.push(m);
                 }
             }
         }
-        again
+        contradictions
     }
 }
 
-/// The totals of a run's raw samples, if it has any.
+/// Reads the total times of a run's raw samples; `None` if it has no raw samples.
 fn samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<compare::Run>> {
     let file = PathInFolder::folder(folder).join(SAMPLES);
     if file.open()?.is_none() {
         return Ok(None);
     }
-    // The samples do not name their device, so that it is known only if the folder has one device.
+    // The samples do not name their device, so it is known only if all records of the folder are from one device.
     let device = match &all.devices[..] {
         [one] => Some(one.clone()),
         _ => None,
@@ -269,8 +273,8 @@ fn samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<comp
     Ok(Some(totals_only(run)))
 }
 
-/// The date of a run: the date that its folder's name begins with, or else the name of the nearest folder above it. If
-/// no name begins with a date, the result is the date of the run's newest file.
+/// Returns the date of a run. It is the date with which the name of its folder begins or, if there is none, that of the
+/// nearest folder above. If no name begins with a date, it is the date of the run's newest file.
 fn date(folder: &Path, files: &[PathBuf]) -> (String, DatedBy) {
     let names = folder.components().rev().filter_map(|part| match part {
         Component::Normal(name) => name.to_str(),

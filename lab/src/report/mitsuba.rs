@@ -1,10 +1,10 @@
 //! Writes a scene, a camera and results of the world reference as files, so that Mitsuba 3 can check them (`scripts/mitsuba_compare.py`).
 //! The thesis compares with Mitsuba, too (ch. 5).
 //!
-//! `scene.xml` with `meshes/*.ply` and `textures/*.png` is the scene as Mitsuba reads it, with the same coordinates. Mitsuba takes these
-//! for right-handed coordinates, which changes no ray, and the sensor's matrix mirrors x to make up for it.
-//! `truth.json` says what the arrays `*.npy` hold. Mitsuba doesn't know the environment, so that a surface that shows the environment
-//! counts as a lit surface here, in the reference as well.
+//! `scene.xml` with `meshes/*.ply` and `textures/*.png` is the scene as Mitsuba reads it, with the same coordinates.
+//! Mitsuba takes these for right-handed coordinates. That changes no ray, and the sensor's matrix mirrors x to make up
+//! for it. `truth.json` says what the arrays `*.npy` hold. Mitsuba doesn't know the environment, so here a surface that
+//! shows the environment counts as a lit surface, in the reference as well.
 
 use super::images::write_rgba_png;
 use crate::study::names::json_text;
@@ -59,7 +59,7 @@ pub fn export(folder: &PathInFolder, what: &Export) -> Result<Exported> {
     let materials: Vec<Material> = what.materials.iter().map(without_sky).collect();
     let world = World::new(what.scene, &materials);
     let first_hits = FirstHits::trace(&world, &what.camera, what.extent);
-    // All rays of a pixel start at one point, so that Mitsuba can be given the points.
+    // All rays of a pixel start at one point, which is exported, so that Mitsuba can trace from the same points.
     let reference = WorldReference::of_centres(&world, &first_hits, what.seed);
     let mut state = reference.start();
     reference.add(&mut state, what.samples);
@@ -76,6 +76,7 @@ pub fn export(folder: &PathInFolder, what: &Export) -> Result<Exported> {
     let reflecting: Vec<usize> =
         (0..first_hits.receivers.len()).filter(|i| first_hits.receivers[*i].is_some()).collect();
     arrays.receivers(&world, &first_hits)?;
+    // The vectors of the reflecting pixels alone, as numbers one after the other.
     let reflecting_values =
         |all: Vec<DVec3>| -> Vec<f64> { reflecting.iter().flat_map(|i| all[*i].to_array()).collect() };
     arrays.write_f64s("reflection_mean", 3, reflecting_values(state.means().collect()))?;
@@ -91,7 +92,7 @@ pub fn export(folder: &PathInFolder, what: &Export) -> Result<Exported> {
     })
 }
 
-/// The material; one that shows the environment becomes a lit surface that does not reflect.
+/// Returns the material. If it shows the environment, it becomes that of a lit surface that does not reflect.
 fn without_sky(material: &Material) -> Material {
     let mut material = material.clone();
     if material.surface == Surface::Sky {
@@ -100,16 +101,18 @@ fn without_sky(material: &Material) -> Material {
     material
 }
 
+/// The file of the mesh with an index.
 fn mesh_file(index: usize) -> String {
     format!("meshes/{index:04}.ply")
 }
 
+/// The file of the texture with an index.
 fn texture_file(index: usize) -> String {
     format!("textures/{index:03}.png")
 }
 
-/// The scene as Mitsuba 3 reads it, seen in perspective with a field of view in radians. Materials are diffuse and the light is a constant
-/// environment, so that the scene can be rendered; the comparison only intersects rays and reads the albedo.
+/// Returns the scene as Mitsuba 3 reads it, seen in perspective. Materials are diffuse and the light is a constant
+/// environment, so that Mitsuba can render the scene; the comparison only intersects rays and reads the albedo.
 fn scene_xml(what: &Export, fov_y_radians: f32, materials: &[Material]) -> String {
     let mirrored_x = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
     let to_world = what.camera.world_to_view.as_dmat4().inverse() * mirrored_x;
@@ -156,7 +159,7 @@ fn scene_xml(what: &Export, fov_y_radians: f32, materials: &[Material]) -> Strin
     xml + "</scene>\n"
 }
 
-/// A mesh as binary PLY: position, normal and texture coordinates of its vertices, and its triangles.
+/// Returns a mesh as binary PLY: position, normal and texture coordinates of its vertices, and its triangles.
 fn ply(mesh: &Mesh) -> Vec<u8> {
     let triangles = mesh.indices.as_chunks::<3>().0;
     let properties: String =
@@ -178,7 +181,7 @@ fn ply(mesh: &Mesh) -> Vec<u8> {
     bytes
 }
 
-/// The content of `truth.json`: settings, lights, materials and textures.
+/// Returns the content of `truth.json`: settings, lights, materials and textures.
 fn description(what: &Export, materials: &[Material]) -> Value {
     let light = |l: &Light| match *l {
         Light::Point { position, energy } => json!({"kind": "point", "at": position.to_array(), "energy": energy}),
@@ -212,7 +215,8 @@ fn description(what: &Export, materials: &[Material]) -> Value {
 struct Arrays<'a>(&'a PathInFolder);
 
 impl Arrays<'_> {
-    /// The hit at the centre of each pixel: direction, mesh and triangle (−1: none), position, lit colour.
+    /// Writes what the ray through the centre of each pixel hits: the ray's direction, the end of the ray
+    /// (see `ends`), and the lit colour.
     fn primary(&self, world: &World, what: &Export, first_hits: &FirstHits) -> Result<()> {
         let rays = PrimaryRays::new(&what.camera, what.extent);
         let rays: Vec<WorldRay> = (0..first_hits.lit.len()).map(|i| rays.ray(i).0).collect();
@@ -222,7 +226,7 @@ impl Arrays<'_> {
         self.write_f64s("primary_lit", 3, lit.collect())
     }
 
-    /// The reflecting points in the order of their pixels, and the ends of their mirror rays.
+    /// Writes the reflecting points in the order of their pixels, and the ends of their mirror rays.
     fn receivers(&self, world: &World, first_hits: &FirstHits) -> Result<()> {
         let all: Vec<_> = first_hits.receivers.iter().flatten().collect();
         let vectors = |vector: &dyn Fn(usize) -> DVec3| (0..all.len()).flat_map(|i| vector(i).to_array()).collect();
@@ -238,20 +242,21 @@ impl Arrays<'_> {
         self.ends("mirror", world, &rays)
     }
 
-    /// The ends of rays: mesh, triangle (−1 for none) and position (NaN for none).
+    /// Writes the ends of rays under names that begin with `name`: mesh and triangle (−1 for none), and position (NaN
+    /// for none).
     fn ends(&self, name: &str, world: &World, rays: &[WorldRay]) -> Result<()> {
         let hits: Vec<Option<TriangleHit>> = rays.par_iter().map(|ray| world.closest(ray)).collect();
-        let from: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
-        self.write_i32s(&format!("{name}_mesh"), from.iter().map(|f| f.map_or(-1, |f| f.mesh as i32)).collect())?;
+        let triangles: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
+        self.write_i32s(&format!("{name}_mesh"), triangles.iter().map(|t| t.map_or(-1, |t| t.mesh as i32)).collect())?;
         self.write_i32s(
             &format!("{name}_triangle"),
-            from.iter().map(|f| f.map_or(-1, |f| f.triangle as i32)).collect(),
+            triangles.iter().map(|t| t.map_or(-1, |t| t.triangle as i32)).collect(),
         )?;
         let ends = hits.iter().zip(rays).flat_map(|(h, ray)| h.map_or(DVec3::NAN, |h| ray.point_at(h.t)).to_array());
         self.write_f64s(&format!("{name}_position"), 3, ends.collect())
     }
 
-    /// Tangents of all meshes' vertices in one row, and the vertex at which each mesh begins.
+    /// Writes the tangents of all meshes' vertices, mesh after mesh, and the index of the first vertex of each mesh.
     fn tangents(&self, meshes: &[Mesh]) -> Result<()> {
         let all = meshes.iter().flat_map(|m| &m.vertices).flat_map(|v| v.tangent.map(f64::from));
         self.write_f64s("vertex_tangent", 4, all.collect())?;

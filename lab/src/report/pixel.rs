@@ -1,4 +1,4 @@
-//! One pixel explained, as text that fits a screen.
+//! Explains one pixel as text that fits a screen.
 
 use super::tables::wrapped;
 use crate::study::names::counted;
@@ -7,17 +7,17 @@ use crate::study::pixel::{LastCell, PixelReport, WalkReport, WorldEnd};
 /// Columns before a line's text.
 const INDENT: usize = 12;
 
-/// The report of a pixel: sentences that explain its verdict, and then its data line by line.
+/// Returns the report of a pixel as text: sentences that explain its verdict, and then its data line by line.
 pub fn text(report: &PixelReport) -> String {
     let [x, y] = report.pixel;
     let mut text = format!("pixel {x}, {y} of {}: {}\n", report.method, report.verdict.name());
     text.extend(report.why.iter().map(|sentence| wrapped("", 0, sentence)));
     text.push('\n');
-    text.extend(lines(report).iter().map(|(name, said)| wrapped(name, INDENT, said)));
+    text.extend(lines(report).iter().map(|(name, content)| wrapped(name, INDENT, content)));
     text
 }
 
-/// The data of a pixel: a line for each part, with its name.
+/// Returns the data of a pixel as lines, each with its name and its text.
 pub fn lines(report: &PixelReport) -> Vec<(&'static str, String)> {
     let mut lines = vec![("surface", surface(report)), ("lit", color(&report.colors.lit))];
     if report.surface.reflects {
@@ -59,7 +59,8 @@ fn surface(report: &PixelReport) -> String {
     format!("{mesh}, {z:.2} m of view depth, reflectivity {reflectivity:.3}, roughness {roughness:.3}")
 }
 
-/// The reflection of the method and of the references.
+/// Returns lines on the reflection: that of the method, and that of each reference with the method's difference from
+/// it.
 fn reflection(report: &PixelReport) -> Vec<(&'static str, String)> {
     let colors = &report.colors;
     let mut lines = vec![("reflection", format!("{}, fade {:.3}", color(&colors.reflection), colors.fade))];
@@ -107,6 +108,7 @@ fn where_seen(pixel: Option<[impl std::fmt::Display; 2]>) -> String {
     pixel.map(|[x, y]| format!(", at {x:.1}, {y:.1}")).unwrap_or_default()
 }
 
+/// How many steps the walk took, and how it ended.
 fn walk_text(walk: &WalkReport) -> String {
     format!("{}; it {}", counted(walk.steps, "step"), walk.end)
 }
@@ -119,10 +121,12 @@ fn cell(last: &LastCell) -> String {
     format!("level {level}, cell {column}, {row}: nearest {nearest:.6}, ray {ray:.6}; the ray {met} it")
 }
 
+/// Returns a linear colour as text: red, green and blue.
 fn color(color: &[f32; 3]) -> String {
     color.map(|v| format!("{v:.4}")).join(" ")
 }
 
+/// Returns the coordinates of a point in metres as text.
 fn point(place: [f64; 3]) -> String {
     place.map(|v| format!("{v:.2}")).join(", ")
 }

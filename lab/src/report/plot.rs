@@ -61,7 +61,7 @@ pub fn draw(drawing: &Drawing) -> Result<String, String> {
 /// Draws stacked bars, one for each record: the median of each stage of the effect, in milliseconds.
 fn stage_bars(records: &[StageBar]) -> Result<String, String> {
     let stages: Vec<String> = distinct(records.iter().flat_map(|r| &r.stages).map(|(name, _)| name.clone()));
-    let most = records.iter().map(|r| r.stages.iter().map(|s| s.1).sum::<f64>()).fold(1e-6, f64::max);
+    let most = records.iter().map(|r| r.stages.iter().map(|(_, ms)| ms).sum::<f64>()).fold(1e-6, f64::max);
     let legend = legend_height(&stages);
     // A row is a line of text and its bar.
     let row_height = 40;
@@ -89,9 +89,8 @@ fn stage_bars(records: &[StageBar]) -> Result<String, String> {
             .map_err(failed)?;
         for (row, record) in records.iter().enumerate() {
             let (y, mut x) = (row as f64, 0.0);
-            let pixel = chart.backend_coord(&(0.0, y));
-            root.draw(&Text::new(record.label.clone(), (pixel.0 + 2, pixel.1 + 4), ("sans-serif", TEXT)))
-                .map_err(failed)?;
+            let (left, top) = chart.backend_coord(&(0.0, y));
+            root.draw(&Text::new(record.label.clone(), (left + 2, top + 4), ("sans-serif", TEXT))).map_err(failed)?;
             for (name, ms) in &record.stages {
                 let bar = Rectangle::new([(x, y + 0.5), (x + ms, y + 0.95)], stage_color(&stages, name).filled());
                 chart.draw_series([bar]).map_err(failed)?;
@@ -106,15 +105,16 @@ fn stage_bars(records: &[StageBar]) -> Result<String, String> {
     Ok(svg)
 }
 
-/// The colour of a stage, by its place among all stages.
+/// Returns the colour of the stage `name`, which depends on its place among all stages.
 fn stage_color(stages: &[String], name: &str) -> RGBColor {
     series_color(stages.iter().position(|s| s == name).unwrap_or(0))
 }
 
-/// The colour of one of many lines or stages, by its place among them.
+/// Returns the colour of the line or stage with an index among all of them.
 fn series_color(index: usize) -> RGBColor {
     let RGBColor(r, g, b) = STAGE_COLORS[index % STAGE_COLORS.len()];
-    // All methods together have more stages than there are colours that can be told apart: dark shades follow, and then light shades.
+    // All methods together have more stages than there are colours that can be told apart. So dark shades of the
+    // colours come after the colours, and then light shades.
     let shade = |v: u8| match index / STAGE_COLORS.len() {
         0 => v,
         1 => (u16::from(v) * 11 / 20) as u8,
@@ -136,9 +136,10 @@ fn legend_height(stages: &[String]) -> u32 {
     20 + 20 * stages.len().div_ceil(LEGEND_COLUMNS) as u32
 }
 
-/// Draws cost against error on log axes, which `axes` names. Every point has a name, and the Pareto front is connected. A point of error 0,
-/// which a log axis does not have, is drawn at the axis's foot, at a tick that says 0.
+/// Draws cost (x) against error (y) on log axes with the names `axes`. Every point has a name, and the Pareto front is
+/// connected. A log axis has no 0, so a point of error 0 is drawn at the axis's foot, at a tick that says 0.
 fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
+    // The least and the greatest value that an axis shows: a third more on both sides than the values above 0 need.
     let bounds = |values: &dyn Fn(&NamedPoint) -> f64| {
         let above_zero = points.iter().map(values).filter(|v| *v > 0.0);
         let (least, most) = above_zero.fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
@@ -146,8 +147,8 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
     };
     let (x, mut y) = (bounds(&|p| p.position[0]), bounds(&|p| p.position[1]));
     let least_tick = y.0;
-    let zeros = points.iter().any(|p| p.position[1] <= 0.0);
-    if zeros {
+    let has_zeros = points.iter().any(|p| p.position[1] <= 0.0);
+    if has_zeros {
         // The axis grows at its foot by 12 % of its length, for the tick that says 0.
         y.0 /= (y.1 / y.0).powf(0.12);
     }
@@ -180,6 +181,7 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
             .draw()
             .map_err(failed)?;
         let grid = STAGE_COLORS[7].mix(0.35);
+        // Ticks of the x axis, each with a line over the height of the plot.
         for tick in log_ticks(x) {
             let (low, high) =
                 (chart.backend_coord(&(tick.log10(), y.0.log10())), chart.backend_coord(&(tick.log10(), y.1.log10())));
@@ -187,14 +189,15 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
             let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Center, VPos::Top));
             root.draw(&Text::new(format!("{tick}"), (low.0, low.1 + 5), style)).map_err(failed)?;
         }
-        let floor = zeros.then_some((y.0, "0".to_owned()));
-        let named = |tick| (tick, if tick < 1e-3 { format!("{tick:e}") } else { format!("{tick}") });
-        for (tick, label) in log_ticks((least_tick, y.1)).into_iter().map(named).chain(floor) {
-            let (low, high) =
+        // Ticks of the y axis, each with a line over the width of the plot, and the tick that says 0.
+        let zero_tick = has_zeros.then_some((y.0, "0".to_owned()));
+        let labelled = |tick| (tick, if tick < 1e-3 { format!("{tick:e}") } else { format!("{tick}") });
+        for (tick, label) in log_ticks((least_tick, y.1)).into_iter().map(labelled).chain(zero_tick) {
+            let (line_start, line_end) =
                 (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
-            root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
+            root.draw(&PathElement::new([line_start, line_end], grid)).map_err(failed)?;
             let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Right, VPos::Center));
-            root.draw(&Text::new(label, (low.0 - 8, low.1), style)).map_err(failed)?;
+            root.draw(&Text::new(label, (line_start.0 - 8, line_start.1), style)).map_err(failed)?;
         }
         let place = |p: &NamedPoint| (p.position[0].log10(), p.position[1].max(y.0).log10());
         let mut front: Vec<_> = points.iter().filter(|p| p.on_front).map(place).collect();
@@ -219,11 +222,13 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
     Ok(svg)
 }
 
-/// Ticks of a log axis inside the bounds: 1, 2 and 5 times powers of ten, or finer steps if there are fewer than three.
+/// Returns the ticks of a log axis from `least` to `most`: 1, 2 and 5 times powers of ten, or finer steps if fewer than
+/// three of these lie inside.
 fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
+    // The products of the steps and powers of ten that lie inside the bounds.
     let inside = |steps: &[f64]| -> Vec<f64> {
         let powers = least.log10().floor() as i32..=most.log10().ceil() as i32;
-        // The number is written as text and read back, so that 3 · 10⁻² is 0.03 and is printed as this.
+        // Each product is written as text and read back, so that 3 · 10⁻² is exactly 0.03 and is printed so.
         let tick = |step: &f64, power: i32| format!("{step}e{power}").parse().unwrap_or(f64::NAN);
         powers.flat_map(|p| steps.iter().map(move |s| tick(s, p))).filter(|t| (least..=most).contains(t)).collect()
     };
@@ -231,13 +236,13 @@ fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
     if coarse.len() >= 3 { coarse } else { inside(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
 }
 
-/// Draws values over frames, from 0 up, as one line for each name; the axes are named after the frames and the values.
+/// Draws values over frames, from 0 up, with a line for each of `lines` and the given names of the axes.
 fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
     let names: Vec<&str> = lines.iter().map(|l| l.name.as_str()).collect();
     let legend = line_legend_height(&names);
     let points = || lines.iter().flat_map(|l| &l.points);
-    let last = points().map(|p| p.0).fold(1.0, f64::max);
-    let most = points().map(|p| p.1).fold(1e-6, f64::max);
+    let last = points().map(|(frame, _)| *frame).fold(1.0, f64::max);
+    let most = points().map(|(_, value)| *value).fold(1e-6, f64::max);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, (WIDTH, 360 + legend)).into_drawing_area();
@@ -273,8 +278,8 @@ fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> 
 /// Most characters of a name in a trend's legend.
 const TREND_NAME: usize = 64;
 
-/// Draws values over runs, from 0 up. The runs stand side by side, marked by their numbers; each line joins the runs for which it has a
-/// value.
+/// Draws values over runs, from 0 up. The runs stand side by side, marked by their numbers `runs`. Each line joins the
+/// runs for which it has a value.
 pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String, String> {
     let names: Vec<String> = lines.iter().map(|l| shortened(&l.method, TREND_NAME)).collect();
     let shown: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -323,7 +328,7 @@ pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String
     Ok(svg)
 }
 
-/// A name that is cut after `most` characters.
+/// Returns a name, cut after `most` characters if it is longer.
 fn shortened(name: &str, most: usize) -> String {
     match name.char_indices().nth(most) {
         Some((end, _)) => format!("{}…", &name[..end]),
@@ -331,7 +336,7 @@ fn shortened(name: &str, most: usize) -> String {
     }
 }
 
-/// Draws a coloured square and a name.
+/// Draws a coloured square with its left upper corner at `x`, `y` in pixels, and a name beside it.
 fn draw_legend_entry<B: DrawingBackend>(
     root: &DrawingArea<B, Shift>,
     (x, y): (i32, i32),

@@ -1,6 +1,6 @@
-//! The files, tables and page of a study, from its rows and their columns. With one device, the files lie in the folder of the run. With
-//! several, each device has a folder of its own, so that no table, chart or comparison mixes times of two devices, and one page shows all
-//! devices (docs/many-machines.md, "Merging").
+//! Makes the files, tables and page of a study from its rows and their columns. With one device, the files lie in the
+//! folder of the run. With several, each device has a folder of its own, so that no table, chart or comparison mixes
+//! times of two devices. One page shows all devices (docs/many-machines.md, "Merging").
 
 use super::devices::{by_device, device_name};
 use super::html::{DevicePart, StudyPage};
@@ -35,20 +35,21 @@ pub struct Results<'a, R> {
 }
 
 impl<R: Row> Results<'_, R> {
-    /// The records as a JSON array.
+    /// Returns the records as a JSON array.
     pub fn json(&self) -> String {
         files::json(self.rows)
     }
 
-    /// The tables for a terminal, device by device.
+    /// Returns the tables for a terminal: those of each device, and then the tables over all devices.
     pub fn text(&self) -> String {
         let device_text =
             |(device, rows): &(DeviceInfo, Vec<R>)| format!("{}\n{}", device_name(device), self.tables_text(rows));
-        let own: String = by_device(self.rows, |r| &r.program().device).iter().map(device_text).collect();
+        let by_device: String = by_device(self.rows, |r| &r.program().device).iter().map(device_text).collect();
         let common = tables::text(&R::common_tables(self.rows));
-        if common.is_empty() { own } else { format!("{own}\n{common}") }
+        if common.is_empty() { by_device } else { format!("{by_device}\n{common}") }
     }
 
+    /// Returns the tables of one device's rows for a terminal.
     fn tables_text(&self, rows: &[R]) -> String {
         tables::text(&R::tables(rows, &self.list.settings))
     }
@@ -58,14 +59,15 @@ impl<R: Row> Results<'_, R> {
     /// # Errors
     /// [`Io`](ssct_ground::Error::Io) with the file that cannot be written.
     pub fn write(&self, folder: &PathInFolder) -> Result<()> {
-        let apart = by_device(self.rows, |r| &r.program().device);
+        let devices = by_device(self.rows, |r| &r.program().device);
         let mut parts = Vec::new();
-        for (n, (device, rows)) in apart.iter().enumerate() {
-            let own = if apart.len() > 1 { folder.join(device_folder(n)) } else { folder.clone() };
-            let mut part = self.part(&own, device, rows)?;
-            self.write_part(&own, rows, &part)?;
-            if apart.len() > 1 {
-                own.join(PAGE).write(self.page(rows, std::slice::from_ref(&part)).as_bytes())?;
+        for (n, (device, rows)) in devices.iter().enumerate() {
+            let own_folder = if devices.len() > 1 { folder.join(device_folder(n)) } else { folder.clone() };
+            let mut part = self.part(&own_folder, device, rows)?;
+            self.write_part(&own_folder, rows, &part)?;
+            if devices.len() > 1 {
+                own_folder.join(PAGE).write(self.page(rows, std::slice::from_ref(&part)).as_bytes())?;
+                // On the page of all devices, the paths of clips begin with the device's folder.
                 let place = device_folder(n).to_string_lossy().replace('\\', "/");
                 let clips = part.clips.iter_mut().flat_map(|group| &mut group.clips);
                 clips.for_each(|clip| clip.file = format!("{place}/{}", clip.file));
@@ -73,14 +75,15 @@ impl<R: Row> Results<'_, R> {
             }
             parts.push(part);
         }
-        if apart.len() != 1 {
+        if devices.len() != 1 {
             folder.join(format!("{}.json", R::KIND)).write(self.json().as_bytes())?;
             folder.join(format!("{}.txt", R::KIND)).write(self.text().as_bytes())?;
         }
         folder.join(PAGE).write(self.page(self.rows, &parts).as_bytes())
     }
 
-    /// The charts, the tables and the clips of one device; clips without a file are left out.
+    /// Makes the charts, the tables and the clips of one device, whose files lie in `folder`. Clips without a file are
+    /// left out.
     fn part(&self, folder: &PathInFolder, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
         let failed = |e: String| Error::io("draw the charts of", folder.path(), std::io::Error::other(e));
         let mut clips = R::clips(rows);
@@ -109,7 +112,7 @@ impl<R: Row> Results<'_, R> {
         write(&format!("{}.md", R::KIND), &tables::markdown(&all))
     }
 
-    /// The page of some rows, with a part for each device.
+    /// Returns the page of some rows, with a part for each device.
     fn page(&self, rows: &[R], parts: &[DevicePart]) -> String {
         let page = StudyPage {
             title: R::TITLE,
@@ -126,10 +129,11 @@ impl<R: Row> Results<'_, R> {
     }
 }
 
-/// The page's file.
+/// The name of the page's file.
 pub const PAGE: &str = "index.html";
 
-/// The CSV files that columns define: one with a line for each row, and one with a line for each item of the rows' series.
+/// Makes the CSV files that the columns of rows declare: one with a line for each row and, if rows have a series, one
+/// with a line for each item of it, such as a frame of a film.
 fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     let all = R::columns();
     let named: Vec<_> = all.columns.iter().filter(|c| !c.name.is_empty()).collect();
@@ -138,12 +142,13 @@ fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     let cells = std::iter::once(header().collect()).chain(rows.iter().map(row_cells)).collect();
     let mut sheets = vec![Sheet { file: format!("{}.csv", R::KIND), cells }];
     if let Some(series) = &all.series {
-        let number = series.name.trim_end_matches('s').to_owned();
+        // The column of an item's number has the name of the series without its s: `frame` for `frames`.
+        let item = series.name.trim_end_matches('s').to_owned();
         // No two columns have one name: for a film, `flip` is the mean, and `frame_flip` the value of a frame.
-        let of_row: Vec<String> = header().collect();
-        let name = |name: &String| if of_row.contains(name) { format!("{number}_{name}") } else { name.clone() };
-        let of_item: Vec<String> = series.names.iter().map(name).collect();
-        let mut cells = vec![[of_row, vec![number], of_item].concat()];
+        let row_names: Vec<String> = header().collect();
+        let name = |name: &String| if row_names.contains(name) { format!("{item}_{name}") } else { name.clone() };
+        let item_names: Vec<String> = series.names.iter().map(name).collect();
+        let mut cells = vec![[row_names, vec![item], item_names].concat()];
         for row in rows {
             let items = (series.items)(row).into_iter().enumerate();
             cells
@@ -154,14 +159,14 @@ fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     sheets
 }
 
-/// The titles and explanations of the columns that have both.
+/// Returns the titles and explanations of the columns that have both.
 fn meanings<R: Columns>() -> Vec<(String, &'static str)> {
     let all = R::columns().columns.into_iter();
-    let said = all.filter(|c| !c.title.is_empty() && !c.about.is_empty());
-    said.map(|c| (c.title, c.about.trim())).collect()
+    let explained = all.filter(|c| !c.title.is_empty() && !c.about.is_empty());
+    explained.map(|c| (c.title, c.about.trim())).collect()
 }
 
-/// Writes a file of a measurement into the folder of its run.
+/// Writes a file that a measurement made beside its record into the folder of the run.
 ///
 /// # Errors
 /// [`Io`](ssct_ground::Error::Io) if it cannot be written, and for a film that is too large for its format.

@@ -1,4 +1,4 @@
-//! The folder of a run: one run at a time, its journal, and whether the last run in it was finished.
+//! The folder of a run: only one run at a time uses it, and its journal says whether the last run in it was finished.
 
 use crate::error::{Error, Result};
 use crate::study::cell_list::CellList;
@@ -11,10 +11,10 @@ use std::fs::{File, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-/// The journal's file, with one entry in each line.
+/// The name of the journal's file, which has one entry in each line.
 pub const JOURNAL: &str = "journal.jsonl";
 
-/// The file with the list of the run's cells.
+/// The name of the file with the list of the run's cells.
 pub const CELLS: &str = "cells.json";
 
 /// The most samples that all results of a run together may have, if the run is to be read.
@@ -39,7 +39,7 @@ pub struct FolderClaim {
 }
 
 impl FolderClaim {
-    /// Makes the folder if it is missing, sees whether it can be written into, and locks it.
+    /// Makes the folder if it is missing, checks that it can be written into, and locks it.
     ///
     /// # Errors
     /// [`Io`](ssct_ground::Error::Io) for a folder that cannot be made or written into, [`Error::Busy`] if another run has it.
@@ -58,7 +58,8 @@ impl FolderClaim {
         Ok(Self { folder: inside, _lock: lock })
     }
 
-    /// The folder's journal: with `resume`, it goes on from the entries that the folder has; without `resume`, it begins anew.
+    /// Opens the folder's journal. If `resume` is true, the journal continues after the entries that the folder has;
+    /// otherwise it begins anew.
     ///
     /// # Errors
     /// [`Error::Unfinished`] if it would begin anew over a run that was not finished, [`Io`](ssct_ground::Error::Io) for a file
@@ -66,17 +67,17 @@ impl FolderClaim {
     pub fn journal(&self, resume: bool) -> Result<Journal> {
         let place = self.folder.join(JOURNAL);
         let text = place.read()?.unwrap_or_default();
-        // A run that was killed while it wrote left a line without an end, which does not count.
-        let whole = text.iter().rposition(|b| *b == b'\n').map_or(0, |end| end + 1);
-        let text = String::from_utf8_lossy(&text[..whole]).into_owned();
+        // A run that was killed while it wrote left a line without an end. This line is dropped.
+        let length = text.iter().rposition(|b| *b == b'\n').map_or(0, |end| end + 1);
+        let text = String::from_utf8_lossy(&text[..length]).into_owned();
         let unfinished = text.lines().next_back().is_some_and(|last| last != FINISHED);
         if !resume && unfinished {
             return Err(Error::Unfinished { folder: self.folder.path(), journal: place.path() });
         }
-        if resume { self.begun(whole, &text) } else { self.new_journal() }
+        if resume { self.begun(length, &text) } else { self.new_journal() }
     }
 
-    /// A journal that begins anew, whatever the folder has.
+    /// Makes a journal that begins anew, whatever the folder has.
     ///
     /// # Errors
     /// [`Io`](ssct_ground::Error::Io) for a file that cannot be written.
@@ -84,7 +85,7 @@ impl FolderClaim {
         self.begun(0, "")
     }
 
-    /// A journal whose file keeps its first `bytes`, which hold the lines `known`.
+    /// Makes a journal whose file keeps its first `bytes` bytes, whose text is `known`, and loses what follows them.
     fn begun(&self, bytes: usize, known: &str) -> Result<Journal> {
         let place = self.folder.join(JOURNAL);
         let mut file = place.append()?;
@@ -127,8 +128,8 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
         return Err(Error::malformed(folder, None, "is no folder of a run"));
     }
     let _lock = match File::open(folder) {
-        // Several processes may read at once. Without locks, or where a folder cannot be opened as a file, a run that
-        // is going on is not noticed.
+        // The shared lock lets several processes read at once. A run that is going on is not noticed on a file system
+        // without locks, or where a folder cannot be opened as a file.
         Ok(file) => match file.try_lock_shared() {
             Err(TryLockError::WouldBlock) => return Err(Error::Busy { folder: folder.to_owned() }),
             _ => Some(file),
@@ -145,12 +146,12 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
         Error::malformed(inside.join(CELLS).path(), Some(e.line()), format!("is no list of cells: {e}"))
     };
     let cells: CellList = serde_json::from_slice(&text).map_err(wrong)?;
-    // Each result has as many samples as the settings say, so that their number is bounded.
-    let asked = ["samples", "frames"].into_iter().filter_map(|name| cells.settings.get(name)?.as_u64()).max();
+    // Each result has as many samples as the settings say, so these settings decide how much would be read.
+    let count = ["samples", "frames"].into_iter().filter_map(|name| cells.settings.get(name)?.as_u64()).max();
     let results = cells.cells.iter().map(|cell| cell.results.len() as u64).sum::<u64>().max(1);
-    if let Some(asked) = asked.filter(|asked| asked.saturating_mul(results) > MOST_SAMPLES) {
+    if let Some(count) = count.filter(|count| count.saturating_mul(results) > MOST_SAMPLES) {
         let message = format!(
-            "its settings ask for {asked} samples of each of {results} result(s); at most {MOST_SAMPLES} in all are read"
+            "its settings ask for {count} samples of each of {results} result(s); at most {MOST_SAMPLES} in all are read"
         );
         return Err(Error::malformed(inside.join(CELLS).path(), None, message));
     }
@@ -162,7 +163,7 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
     Ok(MergeInput { folder: folder.to_owned(), cells, journal: Journal::resume(text.lines(), None), lines })
 }
 
-/// The keys of all entries in a folder's journal, for a caller that is about to overwrite it.
+/// Returns the keys of all entries in a folder's journal.
 ///
 /// # Errors
 /// The errors of [`PathInFolder::read`].

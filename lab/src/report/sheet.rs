@@ -1,4 +1,4 @@
-//! Pictures set beside each other, parts of them enlarged, and their difference.
+//! Sets pictures beside each other, enlarges and frames parts of them, and draws the difference of two.
 
 use super::images::Rgb;
 use crate::error::{Error, Result};
@@ -27,12 +27,12 @@ pub fn sheet(rows: &[Vec<Rgb>]) -> Rgb {
     sheet
 }
 
-/// A picture whose bytes all have one value.
+/// Makes a picture whose bytes all are `value`.
 pub(super) fn blank(width: u32, height: u32, value: u8) -> Rgb {
     Rgb { width, height, bytes: vec![value; 3 * width as usize * height as usize] }
 }
 
-/// Copies a picture into another one that has room for it at this place.
+/// Copies the picture `image` into `onto`, with its left upper pixel at `x`, `y`. It must fit there.
 pub(super) fn paste(onto: &mut Rgb, image: &Rgb, x: u32, y: u32) {
     for row in 0..image.height {
         let from = 3 * (row * image.width) as usize;
@@ -42,7 +42,8 @@ pub(super) fn paste(onto: &mut Rgb, image: &Rgb, x: u32, y: u32) {
     }
 }
 
-/// Pixels of a part: x, y, width and height, at least one pixel and inside the picture.
+/// Returns the pixels of a part of a picture as left, top, width and height: at least one pixel, all inside the
+/// picture.
 fn pixels(picture: &Rgb, [x, y, w, h]: Part) -> [u32; 4] {
     let place = |share: f32, side: u32| ((share * side as f32).round() as u32).min(side - 1);
     let (x, y) = (place(x, picture.width), place(y, picture.height));
@@ -50,7 +51,8 @@ fn pixels(picture: &Rgb, [x, y, w, h]: Part) -> [u32; 4] {
     [x, y, size(w, picture.width, x), size(h, picture.height, y)]
 }
 
-/// A part of a picture, enlarged by a whole number: each pixel becomes a square, and nothing is interpolated.
+/// Returns a part of a picture, enlarged by the factor `times`: each pixel becomes a square, and nothing is
+/// interpolated.
 pub fn enlarged(picture: &Rgb, part: Part, times: u32) -> Rgb {
     let [left, top, width, height] = pixels(picture, part);
     let mut bytes = Vec::with_capacity(3 * (width * height * times * times) as usize);
@@ -69,8 +71,9 @@ pub fn framed(picture: &Rgb, part: Part) -> Rgb {
     let mut framed = picture.clone();
     for y in top..top + height {
         for x in left..left + width {
-            let edge = [x - left, y - top, left + width - 1 - x, top + height - 1 - y].into_iter().min();
-            if edge.is_some_and(|e| e < 2) {
+            // The frame is two pixels wide and lies inside the part.
+            let to_edge = [x - left, y - top, left + width - 1 - x, top + height - 1 - y].into_iter().min();
+            if to_edge.is_some_and(|distance| distance < 2) {
                 let start = 3 * (y * picture.width + x) as usize;
                 framed.bytes[start..start + 3].copy_from_slice(&[230, 30, 30]);
             }
@@ -79,7 +82,7 @@ pub fn framed(picture: &Rgb, part: Part) -> Rgb {
     framed
 }
 
-/// The absolute difference of two display images, times a factor.
+/// Returns the absolute difference of two display images, times a factor and at most 255.
 ///
 /// # Errors
 /// [`Usage`](ssct::Error::Usage) for images of different sizes.
@@ -95,7 +98,7 @@ pub fn difference(a: &Rgb, b: &Rgb, times: u8) -> Result<Rgb> {
 mod tests {
     use super::*;
 
-    /// Red counts columns, green rows.
+    /// Makes a picture in which red counts the columns, and green the rows.
     fn ramp(width: u32, height: u32) -> Rgb {
         let bytes = (0..width * height).flat_map(|n| [(n % width) as u8, (n / width) as u8, 7]).collect();
         Rgb { width, height, bytes }

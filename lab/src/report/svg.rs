@@ -10,12 +10,14 @@ pub(super) struct Svg {
 }
 
 impl Svg {
+    /// Begins an empty drawing of the given width and height.
     pub(super) fn new(size: Vec2) -> Self {
         Self { size, body: String::new() }
     }
 
-    /// Adds a shape; writing to a string can't fail.
+    /// Adds a shape, which is the text of an SVG element.
     pub(super) fn add(&mut self, shape: impl Display) {
+        // Writing to a string can't fail.
         let _ = writeln!(self.body, "{shape}");
     }
 
@@ -27,6 +29,7 @@ impl Svg {
         ));
     }
 
+    /// Adds a line from `a` to `b`.
     pub(super) fn line(&mut self, a: Vec2, b: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" {attributes}/>"#,
@@ -42,6 +45,7 @@ impl Svg {
         ));
     }
 
+    /// Adds lines that join points in their order.
     pub(super) fn polyline(&mut self, points: impl Iterator<Item = Vec2>, attributes: &str) {
         let points: Vec<String> = points.map(|p| format!("{:.2},{:.2}", p.x, p.y)).collect();
         self.add(format_args!(r#"<polyline points="{}" {attributes}/>"#, points.join(" ")));
@@ -56,7 +60,7 @@ impl Svg {
         ));
     }
 
-    /// The drawing as the text of an SVG file, on white.
+    /// Returns the drawing on white as the text of an SVG file.
     pub(super) fn finish(self) -> String {
         let [w, h] = self.size.to_array();
         format!(

@@ -4,7 +4,8 @@ use crate::study::exhibit::Table;
 use crate::study::names::{markdown_cell, one_line};
 use std::borrow::Cow;
 
-/// Rows of cells, each column as wide as its widest cell; the first column is aligned left, the others right.
+/// Returns rows of cells as text, with each column as wide as its widest cell. The first column is aligned left, the
+/// others right.
 pub fn aligned(rows: &[Vec<String>]) -> String {
     let rows: Vec<Vec<Cow<str>>> = rows.iter().map(|row| row.iter().map(|cell| one_line(cell)).collect()).collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -26,7 +27,8 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
 /// Columns of a terminal that has room for tables.
 pub const COLUMNS: usize = 100;
 
-/// A name and the text about it, in lines of at most [`COLUMNS`] characters; the text begins at the column `column`.
+/// Returns a name and the text `said` about it, wrapped to lines of at most [`COLUMNS`] characters. In each line the
+/// text begins at the column `column`.
 pub fn wrapped(name: &str, column: usize, said: &str) -> String {
     let mut text = format!("{name:<column$}");
     let mut end = column;
@@ -45,7 +47,8 @@ pub fn wrapped(name: &str, column: usize, said: &str) -> String {
     text + "\n"
 }
 
-/// A table of sentences: each row is a paragraph below its first cell, in which the header names the other cells.
+/// Returns a table of sentences as text. The first cell of a row is its title, and each other cell is a paragraph
+/// below, after the name of its column.
 fn paragraphs(table: &Table) -> String {
     const INDENT: usize = 2;
     let Some((header, rows)) = table.cells.split_first() else { return String::new() };
@@ -59,7 +62,8 @@ fn paragraphs(table: &Table) -> String {
     text
 }
 
-/// Tables for a terminal, each below its title and the text about it; tables that are too large for a terminal are left out.
+/// Returns tables as text for a terminal, each below its title and the text about it. Tables that are too large for a
+/// terminal are left out.
 pub fn text(tables: &[Table]) -> String {
     let shown = |table: &Table| {
         let title = if table.title.is_empty() { String::new() } else { format!("{}\n", one_line(&table.title)) };
@@ -74,7 +78,7 @@ fn for_terminal(tables: &[Table]) -> impl Iterator<Item = &Table> {
     tables.iter().filter(|table| !table.is_large)
 }
 
-/// Tables as Markdown, each under its title.
+/// Returns tables as Markdown, each under its title. Tables that are too large for a terminal are left out.
 pub fn markdown(tables: &[Table]) -> String {
     let row = |cells: &Vec<String>| {
         let cells: Vec<String> = cells.iter().map(|cell| markdown_cell(cell)).collect();

@@ -5,17 +5,18 @@ use crate::stage::span_ms;
 use crate::study::timing::TimedFrame;
 use serde_json::{Value, json};
 
-/// The processes of the trace.
+/// The number of the host's process in the trace.
 const HOST: u32 = 1;
+/// The number of the device's process in the trace.
 const DEVICE: u32 = 2;
 
-/// The frames as JSON, in the order in which they ran. The clocks of host and device are not the same: a frame of the
-/// device is drawn so that it ends when the host saw its end. Times are in microseconds from the first frame.
+/// Returns the trace of frames as JSON, in the order in which they ran. Times are in microseconds from the first frame.
+/// Host and device have different clocks, so a frame of the device is placed so that it ends when the host saw its end.
 pub fn json(frames: &[TimedFrame]) -> String {
     let mut events: Vec<Value> = Vec::new();
     let mut methods: Vec<&String> = Vec::new();
-    let begun = |f: &TimedFrame| f.report.host.map(|h| h.begun_us);
-    let first = frames.iter().filter_map(begun).min().unwrap_or(0);
+    let begun_us = |f: &TimedFrame| f.report.host.map(|h| h.begun_us);
+    let first_us = frames.iter().filter_map(begun_us).min().unwrap_or(0);
     for (process, name) in [(HOST, "host"), (DEVICE, "device")] {
         events.push(json!({"name": "process_name", "ph": "M", "pid": process, "args": {"name": name}}));
     }
@@ -37,17 +38,17 @@ pub fn json(frames: &[TimedFrame]) -> String {
                 "args": {"frame": frame.label},
             }));
         };
-        let start = (host.begun_us - first) as f64;
-        let submitted = start + 1e3 * host.record_ms;
-        event(HOST, "record", "host", start, host.record_ms);
-        event(HOST, "wait", "host", submitted, host.wait_ms);
-        // A scene that was drawn for several methods was drawn before this frame, so that its passes begin below zero.
+        let start_us = (host.begun_us - first_us) as f64;
+        let submitted_us = start_us + 1e3 * host.record_ms;
+        event(HOST, "record", "host", start_us, host.record_ms);
+        event(HOST, "wait", "host", submitted_us, host.wait_ms);
+        // Passes begin below zero if they drew the scene before this frame, for several methods.
         let [first_ms, end_ms] = span_ms(&frame.report);
-        let on_device = submitted + 1e3 * (host.wait_ms - end_ms).max(0.0);
-        event(DEVICE, &frame.label, "frame", on_device + 1e3 * first_ms, end_ms - first_ms);
+        let on_device_us = submitted_us + 1e3 * (host.wait_ms - end_ms).max(0.0);
+        event(DEVICE, &frame.label, "frame", on_device_us + 1e3 * first_ms, end_ms - first_ms);
         for pass in &frame.report.passes {
             let category = if pass.counted { "effect" } else { "scene" };
-            event(DEVICE, &pass.name, category, on_device + 1e3 * pass.start_ms, pass.ms);
+            event(DEVICE, &pass.name, category, on_device_us + 1e3 * pass.start_ms, pass.ms);
         }
     }
     json!({"displayTimeUnit": "ms", "traceEvents": events}).to_string()

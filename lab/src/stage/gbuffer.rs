@@ -27,12 +27,12 @@ fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -
     let depth = context.read(gbuffer.depth.all())?;
     let material = context.read(gbuffer.material.all())?;
     let albedo = context.read(drawn.albedo().all())?;
-    let shown = albedo.texels().zip(&depth.values).map(|(albedo, depth)| {
-        // The lighting pass uses the same condition; the albedo is cleared where no surface is.
+    let surfaces = albedo.texels().zip(&depth.values).map(|(albedo, depth)| {
+        // The lighting pass uses this condition, too. Depth is 0 where there is no surface.
         if albedo[3] < 0.5 && *depth > 0.0 { Surface::Sky } else { Surface::Lit }
     });
     Ok(GBufferData {
-        surface: shown.collect(),
+        surface: surfaces.collect(),
         width: depth.width,
         height: depth.height,
         camera,
@@ -44,8 +44,8 @@ fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -
     })
 }
 
-/// Draws captures of a scene. Calls `face` with each face as it is drawn: the capture's number, counted from 0, the face's (0…5), and its
-/// G-buffer, in which sky is black.
+/// Draws captures of a scene. Calls `face` for each face after it is drawn, with the number of the capture, counted
+/// from 0, the number of the face (0…5), and the face's G-buffer, in which sky is black.
 ///
 /// # Errors
 /// Errors of the device, and errors that `face` returns.
@@ -60,11 +60,11 @@ pub fn draw_captures(
     let pass = CaptureFacePass::new(stage.context.gpu(), side)?;
     let (context, data) = stage.parts();
     let scene = SceneInput { data, materials };
-    for (k, capture) in captures.iter().enumerate() {
-        for f in 0..6 {
-            let camera = face_camera(capture.position, f, near_m);
+    for (capture_number, capture) in captures.iter().enumerate() {
+        for face_number in 0..6 {
+            let camera = face_camera(capture.position, face_number, near_m);
             context.once(|frame| pass.record(frame, &scene, &camera))?;
-            face(k, f, read_drawn(context, pass.drawn(), camera)?)?;
+            face(capture_number, face_number, read_drawn(context, pass.drawn(), camera)?)?;
         }
     }
     Ok(())
@@ -104,9 +104,11 @@ pub fn reflect(
     let sky = sky.map(|sky| scene_data::upload_sky(&mut context, &sky)).transpose()?;
     let effect = match captures {
         Some(folder) => {
-            let given = CaptureImages::of_faces(&mut context, folder.captures(), |k, f| Ok(folder.face(k, f)?))?;
-            let given = given.within(folder.bounds());
-            Effect::with_captures(&mut context, method, &setup, wants, given)?
+            let images = CaptureImages::of_faces(&mut context, folder.captures(), |capture, face| {
+                Ok(folder.face(capture, face)?)
+            })?;
+            let images = images.within(folder.bounds());
+            Effect::with_captures(&mut context, method, &setup, wants, images)?
         }
         None => Effect::new(&mut context, method, &setup, wants, None)?,
     };
@@ -119,8 +121,9 @@ pub fn reflect(
     reflected(&mut context, &effect, &input)
 }
 
-/// Runs a method on a G-buffer from the host that shows a scene, for methods that see more than the screen. Rays go on among the scene's
-/// triangles, which have the scene's own materials. The triangle of each pixel is not known.
+/// Runs a method on a G-buffer from the host that shows `scene`, for methods that see more than the screen. Rays that
+/// the screen loses are followed among the scene's triangles, which have the scene's own materials. Which triangle a
+/// pixel shows is not known.
 ///
 /// # Errors
 /// Errors of [`Stage::new`] and [`Effect::new`].
@@ -134,11 +137,11 @@ pub fn reflect_in(
     let mut stage = Stage::new(gpu, scene)?;
     let (context, scene_data) = stage.parts();
     let images = GBufferImages::upload(context, data)?;
-    let seen = SceneInput { data: scene_data, materials: &scene.materials };
+    let scene_input = SceneInput { data: scene_data, materials: &scene.materials };
     let setup = setup.with_extent([data.width, data.height]).seen_by(data.camera.kind());
-    let effect = Effect::new(context, method, &setup, Wants::REFLECTION, Some(&seen))?;
-    let of_screen = Input::of_screen(images.gbuffer(), &data.camera);
-    let input = Input { scene: Some(seen), sky: Some(scene_data.sky()), ..of_screen };
+    let effect = Effect::new(context, method, &setup, Wants::REFLECTION, Some(&scene_input))?;
+    let screen_input = Input::of_screen(images.gbuffer(), &data.camera);
+    let input = Input { scene: Some(scene_input), sky: Some(scene_data.sky()), ..screen_input };
     reflected(context, &effect, &input)
 }
 
@@ -151,8 +154,8 @@ fn reflected(context: &mut FrameContext, effect: &Effect, input: &Input) -> Resu
     })
 }
 
-/// The output of an effect on a G-buffer at rest. With a history, the history begins anew, and the output is that of the last frame that it
-/// averages.
+/// Runs an effect on a G-buffer at rest and returns its output. A history begins anew, and the output is that of the
+/// last frame that it averages.
 pub fn reflect_at_rest<'a>(
     context: &mut FrameContext,
     effect: &'a Effect,
@@ -171,7 +174,7 @@ pub fn reflect_at_rest<'a>(
     Ok(output)
 }
 
-/// The reflection colour and fade that a method made; zeros if nothing reflects.
+/// Reads the reflection colour and the fade that a method made; zeros if nothing reflects.
 pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels> {
     match output.traced.reflection {
         Some(reflection) => context.read(reflection.0.all()),
@@ -179,29 +182,30 @@ pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels>
     }
 }
 
-/// The ends of a method's rays in the world: the places of hits on the screen or in captures, the sky where captures show it, and unknown
-/// where a ray misses. `hits` is the image of [`ssct::passes::Hits`], of the G-buffer's size.
+/// Returns the ends of a method's rays in the world, pixel by pixel: the place of a hit on the screen, in a capture or
+/// on a triangle, the sky, or unknown where a ray misses. `hits` is the image of [`ssct::passes::Hits`], of the
+/// G-buffer's size.
 pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     let clip_to_view = gbuffer.view_to_clip().inverse();
     let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
-    let place = |([x, y], depth): ([f64; 2], f64)| {
+    let screen_end = |([x, y], depth): ([f64; 2], f64)| {
         RayEnd::Place(view_to_world.transform_point3(gbuffer.unproject(x, y, depth, &clip_to_view)))
     };
-    // The image has standard depth.
-    let depths = hits.texels().map(|t| 1.0 - f64::from(t[2]));
-    let ends = hit_positions(hits).into_iter().zip(depths).map(|(hit, depth)| hit.map(|p| place((p, depth))));
+    // The image has standard depth, and positions are computed from reversed depth.
+    let depths = hits.texels().map(|texel| 1.0 - f64::from(texel[2]));
+    let ends = hit_positions(hits).into_iter().zip(depths).map(|(hit, depth)| hit.map(|p| screen_end((p, depth))));
     let eye = gbuffer.camera.eye().as_dvec3();
-    // For a hit beyond the screen, the image holds the place relative to the eye, in world axes.
-    let beyond = |t: &[f32]| match PathCode::from_channel(t[3]) {
-        Some(PathCode::Capture | PathCode::Triangle) => RayEnd::Place(eye + Vec3::from_slice(t).as_dvec3()),
+    // For a hit beyond the screen, the image has the place relative to the eye, in world axes.
+    let end_beyond_screen = |texel: &[f32]| match PathCode::from_channel(texel[3]) {
+        Some(PathCode::Capture | PathCode::Triangle) => RayEnd::Place(eye + Vec3::from_slice(texel).as_dvec3()),
         Some(PathCode::Sky) => RayEnd::Sky,
         _ => RayEnd::Unknown,
     };
-    ends.zip(hits.texels()).map(|(end, t)| end.unwrap_or_else(|| beyond(t))).collect()
+    ends.zip(hits.texels()).map(|(end, texel)| end.unwrap_or_else(|| end_beyond_screen(texel))).collect()
 }
 
-/// The hits of a method's rays on the screen, in continuous pixel coordinates; `None` for a miss. `hits` is the image of
-/// [`ssct::passes::Hits`].
+/// Returns where the ray of each pixel hits on the screen, in continuous pixel coordinates; `None` for a ray that hits
+/// nothing there. `hits` is the image of [`ssct::passes::Hits`].
 pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
     let size = [f64::from(hits.width), f64::from(hits.height)];
     let position = |t: &[f32]| [f64::from(t[0]) * size[0], f64::from(t[1]) * size[1]];

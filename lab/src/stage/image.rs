@@ -25,11 +25,11 @@ pub struct RenderedImage {
     pub intermediates: Option<Intermediates>,
 }
 
-/// The images on the way to a finished one. Each has the stem of its file's name, the kind of its content, and its
-/// pixels.
+/// The images on the way to a finished one. Each comes with the stem of its file's name, and with the kind of its
+/// content before its pixels.
 pub type Intermediates = Vec<(String, Content, Pixels)>;
 
-/// The images on the way to a frame's reflection: the G-buffer, the method's intermediates and its hits.
+/// Returns the images on the way to a frame's reflection: the G-buffer, the method's intermediates and its hits.
 pub fn inside<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> {
     let gbuffer = shot.gbuffer.gbuffer();
     let image = |name, content, image| Intermediate { name, content, image };
@@ -62,8 +62,8 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
             let parts = image.parts();
             let is_chain = parts.len() > 1 || matches!(content, Content::Pyramid(_));
             let stem = |n: usize| if is_chain { format!("{name}-{n}") } else { name.to_owned() };
-            // Levels that no pass of the frame needed hold nothing. They are found before any is read, since reading a level marks it as
-            // written.
+            // Only levels that a pass of the frame has written are read. They are found before any is read, since
+            // reading a level marks it as written.
             let written: Vec<_> = parts.iter().map(ImageSlice::is_written).collect();
             for (n, part) in parts.iter().enumerate().filter(|(n, _)| written[*n]) {
                 let pixels = stage.context.read(*part)?;

@@ -1,5 +1,5 @@
-//! Images that several shots share: G-buffers, so that the scene is drawn once for all of them, and the images of their methods, so
-//! that all of them need the memory of the largest.
+//! Images that several shots share. Shots share a G-buffer, so that the scene is drawn once for all of them. They also
+//! share the images of their methods, so that together they take no more memory than the largest of them.
 
 use super::{Shot, Stage};
 use ssct::error::Result;
@@ -11,15 +11,20 @@ use ssct::passes::lighting::LightingPass;
 use ssct_scenes::{Camera, Material};
 use std::rc::Rc;
 
-/// Images of shots that show a scene from one camera with one set of materials. Shots that draw the scene alike share a G-buffer. What
-/// the method of a shot made is lost when another shot runs, but for its history and for what was prepared before the first frame.
+/// Images of shots that show a scene from one camera with one set of materials. Shots that draw the scene alike share a
+/// G-buffer. When another shot runs, the images of a shot's method are overwritten, except its history and images that
+/// were prepared before the first frame.
 #[derive(Default)]
 pub struct SharedImages {
+    /// The G-buffers so far.
     gbuffers: Vec<SharedGBuffer>,
+    /// The images that methods lend each other.
     pool: ImagePool,
 }
 
+/// A G-buffer that shots share.
 struct SharedGBuffer {
+    /// The pass that draws it.
     pass: Rc<GBufferPass>,
     /// Whether the pass was made for shots that ask which triangle a pixel shows.
     is_numbered: bool,
@@ -28,7 +33,7 @@ struct SharedGBuffer {
 }
 
 impl SharedImages {
-    /// Makes a shot that draws into images of these where they fit, and into new ones otherwise.
+    /// Makes a shot that draws into shared images where they fit, and into new images otherwise.
     ///
     /// # Errors
     /// Errors of the device, and of data that the method cannot prepare.
@@ -81,8 +86,8 @@ impl SharedImages {
 
     /// Returns the entry of a shot's G-buffer, which is added if there is none yet.
     fn of_shot(&mut self, shot: &Shot) -> &mut SharedGBuffer {
-        let is_its = |known: &SharedGBuffer| Rc::ptr_eq(&known.pass, &shot.gbuffer);
-        let index = self.gbuffers.iter().position(is_its).unwrap_or_else(|| {
+        let has_gbuffer = |known: &SharedGBuffer| Rc::ptr_eq(&known.pass, &shot.gbuffer);
+        let index = self.gbuffers.iter().position(has_gbuffer).unwrap_or_else(|| {
             let is_numbered = shot.effect.wants_triangles();
             self.gbuffers.push(SharedGBuffer { pass: Rc::clone(&shot.gbuffer), is_numbered, drawn: None });
             self.gbuffers.len() - 1
@@ -90,8 +95,8 @@ impl SharedImages {
         &mut self.gbuffers[index]
     }
 
-    /// Draws the scene into the G-buffer of a shot, unless it was drawn for another shot already. Returns the report of the frame that
-    /// drew it, and its counts.
+    /// Draws the scene into the G-buffer of a shot, unless it is drawn there already. Returns the report of the frame
+    /// that drew the scene, and the counts of drawn meshes.
     ///
     /// # Errors
     /// Errors of the device.
@@ -102,8 +107,8 @@ impl SharedImages {
         }
     }
 
-    /// Runs one frame of a shot on its G-buffer, which is drawn before if it must be. The report lists the scene passes with their times
-    /// and work of when they ran.
+    /// Runs one frame of a shot on its G-buffer, into which the scene is drawn first if it is not drawn there yet. The
+    /// report also has the scene passes, with their times and work in the frame in which they ran.
     ///
     /// # Errors
     /// Errors of the device.
@@ -127,8 +132,8 @@ impl SharedImages {
         (1..shot.frames_at_rest()).try_for_each(|_| self.output(stage, Mode::Plain, shot).map(drop))
     }
 
-    /// Draws the image of a camera at rest. With a history, the history begins anew, and the image is the last of the frames that it
-    /// averages. Nothing moves, so that all frames see one drawing of the scene.
+    /// Draws the image of a camera at rest. A history begins anew, and the image is the last of the frames that it
+    /// averages. Nothing moves, so the scene is drawn once for all these frames.
     ///
     /// # Errors
     /// Errors of the device.
@@ -142,16 +147,16 @@ impl SharedImages {
     }
 }
 
-/// When the first pass of a frame begins and when the last one ends, in milliseconds from the first timestamp of the method's frame. The
-/// beginning is negative if the scene passes ran in an earlier frame.
+/// Returns when the first pass of a frame begins and when the last one ends, in milliseconds from the first timestamp
+/// of the method's frame. The beginning is negative if the scene passes ran in an earlier frame.
 pub fn span_ms(report: &FrameReport) -> [f64; 2] {
     let begins = report.passes.iter().map(|pass| pass.start_ms);
     let ends = report.passes.iter().map(|pass| pass.start_ms + pass.ms);
     [begins.fold(0.0, f64::min), ends.fold(0.0, f64::max)]
 }
 
-/// The report of a frame whose scene passes ran in a frame of their own, `scene`, before those of the method. The scene passes begin before
-/// the method's frame does, so that their beginnings are negative.
+/// Joins the reports of the frame that drew the scene and of the frame of the method into one report. The beginnings of
+/// scene passes are negative, since they ran before the method's frame began.
 fn whole_frame(scene: &FrameReport, method: FrameReport) -> FrameReport {
     let earlier_ms = match (scene.host, method.host) {
         (Some(scene), Some(method)) => method.begun_us.saturating_sub(scene.begun_us) as f64 / 1e3,

@@ -1,5 +1,5 @@
-//! Error over age: things move a step each frame, some faces of captures are renewed in each frame, and each frame is compared
-//! with the world at that moment (docs/definitions.md, "Captures in time").
+//! Error over the age of captures: meshes move a step in each frame, and some faces of the captures are renewed. Each
+//! frame is compared with a world reference of the moved scene (docs/definitions.md, "Captures in time").
 
 use super::columns::{Column, columns, figure, part, series, time};
 use super::engine::{Bench, Planned, Row, Study};
@@ -22,11 +22,11 @@ use ssct_truth::reference::world::WorldReference;
 
 /// The scene, the meshes that move in it, and how captures follow the motion.
 pub struct AgeStudy {
-    /// Scene, with its captures or without; captures that the program finds are of the scene before anything moves.
+    /// Scene before anything moves. If it has no captures of its own, the program places captures in this scene.
     pub scene: Scene,
     /// View, which stands still.
     pub view: View,
-    /// Methods that trace into captures, or whose rays go on in captures.
+    /// Methods that trace rays in captures alone, or whose rays go on in captures when the screen loses them.
     pub methods: Vec<&'static MethodInfo>,
     /// Parameters of the methods, with captures.
     pub setup: Setup,
@@ -38,7 +38,7 @@ pub struct AgeStudy {
     pub moving: Vec<String>,
     /// Motion from one frame to the next, in metres along the world's axes.
     pub step_m: Vec3,
-    /// Numbers of faces that are renewed in each frame; each number makes a row of the study.
+    /// Numbers of faces that are renewed in each frame; each number makes a row of each cell.
     pub faces: Vec<u32>,
     /// Frames, ≥ 1, the first of which shows the scene as it was captured.
     pub frames: u32,
@@ -46,9 +46,10 @@ pub struct AgeStudy {
     pub rays: u32,
 }
 
-/// A method at a size with a set of factors.
+/// A cell: a method at a size with a set of factors.
 pub struct AgeCell {
     method: &'static MethodInfo,
+    /// Setup of the method, with the size.
     setup: Setup,
     globals: Globals,
 }
@@ -109,15 +110,15 @@ impl Row for AgeRecord {
     /// Adds columns of the error in the first and the last frame, of the error of touched pixels in the middle and the
     /// last frame, and of times.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
-        let first = |r: &Self| r.frames.first().map(|f| f.rmse);
-        let middle = |r: &Self| r.frames.get(r.frames.len() / 2).and_then(|f| f.touched_rmse);
+        let first_rmse = |r: &Self| r.frames.first().map(|f| f.rmse);
+        let middle_touched_rmse = |r: &Self| r.frames.get(r.frames.len() / 2).and_then(|f| f.touched_rmse);
         let median = |r: &Self, value: fn(&AgeFrame) -> f64| {
             Stats::from_samples(&r.frames.iter().map(value).collect::<Vec<_>>()).median_ms
         };
         let more = [
-            Column::derived("rmse first", 4, first),
+            Column::derived("rmse first", 4, first_rmse),
             Column::derived("last", 4, |r: &Self| r.frames.last().map(|f| f.rmse)),
-            Column::derived("of touched, middle", 4, middle),
+            Column::derived("of touched, middle", 4, middle_touched_rmse),
             Column::derived("last", 4, |r: &Self| r.frames.last().and_then(|f| f.touched_rmse)),
             Column::derived("touched %", 1, |r: &Self| r.frames.last().map(|f| 100.0 * f.touched)),
             Column::derived("moved m", 2, |r: &Self| r.frames.last().map(|f| f.moved_m)),
@@ -128,11 +129,11 @@ impl Row for AgeRecord {
         vec![Table::with_columns("table", rows, more)]
     }
 
-    /// Draws the error of touched pixels over the frames, a line for each record.
+    /// Draws a line for each record: the error of touched pixels over the frames that have touched pixels.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
         let line = |r: &Self| {
-            let points = r.frames.iter().enumerate().filter_map(|(n, f)| Some((n as f64, f.touched_rmse?)));
+            let points = r.frames.iter().enumerate().filter_map(|(n, frame)| Some((n as f64, frame.touched_rmse?)));
             let name = r.head.line_name(&heads, &format!("{} of {} faces", r.faces_per_frame, r.faces));
             Line { name, points: points.collect() }
         };
@@ -143,17 +144,18 @@ impl Row for AgeRecord {
 }
 
 impl AgeStudy {
-    /// Refuses methods that use no captures.
+    /// Refuses a study with a method that uses no captures.
     ///
     /// # Errors
-    /// [`Usage`](ssct::Error::Usage) with the method.
+    /// [`Usage`](ssct::Error::Usage) with the first such method.
     pub fn check(&self) -> Result<()> {
         let effect = self.setup.effect();
-        let takes = |method: &MethodInfo| {
-            let sees = effect.captures.wanted().is_some() || !method.is_screen_space();
-            effect.fallback == Fallback::Captures || method.takes_captures && sees
+        let uses_captures = |method: &MethodInfo| {
+            // A screen-space method has captures only if the setup asks for them.
+            let has_captures = effect.captures.wanted().is_some() || !method.is_screen_space();
+            effect.fallback == Fallback::Captures || method.takes_captures && has_captures
         };
-        match self.methods.iter().find(|method| !takes(method)) {
+        match self.methods.iter().find(|method| !uses_captures(method)) {
             Some(method) => {
                 let message = format!("the method {} has no captures whose age could be measured", method.name);
                 Err(Error::usage(message))
@@ -171,10 +173,10 @@ impl Study for AgeStudy {
         vec![&self.scene]
     }
 
-    /// A cell is a method at a size with a set of factors.
+    /// Lists a cell for each method, size and set of factors.
     fn cells(&self) -> Vec<Planned<AgeCell>> {
         let digest = scene_digest(&self.scene);
-        let measured = json!([self.moving, self.step_m.to_array(), self.faces, self.frames, self.rays]);
+        let motion = json!([self.moving, self.step_m.to_array(), self.faces, self.frames, self.rays]);
         let mut cells = Vec::new();
         for &method in &self.methods {
             for &size in &self.sizes {
@@ -184,7 +186,7 @@ impl Study for AgeStudy {
                     let name = cell_name(&self.scene.name, &self.view.name, size, globals.roughness);
                     Planned {
                         name: format!("{name}-{}", method.name),
-                        setup: json!([digest, set, measured]),
+                        setup: json!([digest, set, motion]),
                         cell: AgeCell { method, setup: setup.clone(), globals },
                     }
                 }));
@@ -193,7 +195,8 @@ impl Study for AgeStudy {
         cells
     }
 
-    /// Measures every number of faces, frame by frame in turn.
+    /// Measures a row for each number of renewed faces. The rows draw every frame in turn, so that they share its
+    /// truth.
     fn measure(&mut self, cell: &AgeCell, bench: &mut Bench) -> Result<Vec<AgeRecord>> {
         let camera = self.view.camera(&self.scene, cell.setup.extent);
         let materials = cell.globals.materials(&self.scene, &self.view);
@@ -223,29 +226,29 @@ impl Study for AgeStudy {
             for (shot, record) in &mut rows {
                 (bench.go_on)()?;
                 let (report, _, output) = stage.output_in(Mode::Timed, shot)?;
-                let made = gbuffer::reflection(&mut stage.context, &output)?;
-                let made: Vec<[f32; 3]> = made.texels().map(|t| [t[0], t[1], t[2]]).collect();
+                let reflection = gbuffer::reflection(&mut stage.context, &output)?;
+                let colors: Vec<[f32; 3]> = reflection.texels().map(|t| [t[0], t[1], t[2]]).collect();
                 let truth = match &mut truth {
                     Some(truth) => truth,
                     // Every row draws the same G-buffer, so that one truth serves all rows of a frame.
-                    none => {
+                    not_traced_yet => {
                         let screen = gbuffer::read(&mut stage.context, shot)?;
-                        none.insert(Truth::new(self, &cell.setup, screen, &materials, offset))
+                        not_traced_yet.insert(Truth::new(self, &cell.setup, screen, &materials, offset))
                     }
                 };
-                let sum = |counts: &dyn Fn(&str) -> bool| {
+                let sum_ms = |includes: &dyn Fn(&str) -> bool| {
                     // `fold` makes the sum of no passes 0; `sum` would make it -0.
-                    report.passes.iter().filter(|p| p.counted && counts(&p.name)).fold(0.0, |sum, p| sum + p.ms)
+                    report.passes.iter().filter(|p| p.counted && includes(&p.name)).fold(0.0, |sum, p| sum + p.ms)
                 };
                 record.frames.push(AgeFrame {
                     moved_m: offset.length(),
                     age_frames: mean_age(record.faces, record.faces_per_frame, frame),
-                    rmse: masked_rmse(&truth.color, &made, &truth.mask),
+                    rmse: masked_rmse(&truth.color, &colors, &truth.mask),
                     touched: truth.touched_share(),
-                    touched_rmse: truth.touched_rmse(&made),
+                    touched_rmse: truth.touched_rmse(&colors),
                     standard_error: truth.standard_error,
-                    effect_ms: sum(&|_| true),
-                    capture_ms: sum(&|name| name.starts_with("capture/")),
+                    effect_ms: sum_ms(&|_| true),
+                    capture_ms: sum_ms(&|name| name.starts_with("capture/")),
                 });
             }
         }
@@ -253,29 +256,32 @@ impl Study for AgeStudy {
     }
 }
 
-/// Mean age of `faces` faces at a frame, in frames; frames count from 0. Faces are renewed in turn, `per_frame` in each frame
-/// before the frame is shown. A face that was never renewed is as old as the frame's number.
+/// Returns the mean age of `faces` faces at a frame, in frames; frames are counted from 0. Faces are renewed in turn,
+/// `per_frame` of them in each frame, before the frame is shown. A face that was never renewed is as old as the frame's
+/// number.
 pub fn mean_age(faces: u32, per_frame: u32, frame: u32) -> f64 {
     let renewed = per_frame.min(faces);
-    // Places are counted back from the face that was drawn last: in each frame, `renewed` faces were drawn.
+    // The face drawn last has the place 0, the one drawn before it the place 1, and so on: `renewed` places have each
+    // age.
     let age = |place: u32| (place / renewed.max(1)).min(frame);
     let ages: u32 = if renewed == 0 { faces * frame } else { (0..faces).map(age).sum() };
     if faces == 0 { 0.0 } else { f64::from(ages) / f64::from(faces) }
 }
 
-/// The world reference of a frame.
+/// The world reference of a frame; its lists have an element for each pixel, rows from the top.
 struct Truth {
-    /// Linear reflection colour of each pixel.
+    /// Linear reflection colour.
     color: Vec<[f32; 3]>,
-    /// Reflecting pixels.
+    /// Whether the pixel reflects.
     mask: Vec<bool>,
-    /// Reflecting pixels whose reflection a moved thing changes.
+    /// Whether the pixel reflects and its reflection differs from that in the scene before anything moved.
     touched: Vec<bool>,
     standard_error: f64,
 }
 
 impl Truth {
-    /// Traces the reference of a frame in which the moving meshes stand at an offset in metres from where they began.
+    /// Traces the reference of a frame in which the moving meshes stand at `offset`, in metres, from where they began.
+    /// `screen` is the frame's G-buffer.
     fn new(study: &AgeStudy, setup: &Setup, screen: GBufferData, materials: &[Material], offset: Vec3) -> Self {
         let mut scene = study.scene.clone();
         for mesh in scene.meshes.iter_mut().filter(|m| study.moving.contains(&m.name)) {
@@ -283,7 +289,8 @@ impl Truth {
         }
         let world = World::new(&scene, materials);
         let first_hits = FirstHits::shown(&world, &screen);
-        let seen = |world: &World| {
+        // Returns the reflection colours in a world, and their standard error. The seed of the reference is 2.
+        let traced = |world: &World| {
             let reference =
                 WorldReference::new(world, &first_hits, &screen.camera, 2).with_bounces(setup.effect().bounces);
             let mut state = reference.start();
@@ -291,23 +298,25 @@ impl Truth {
             let color: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
             (color, state.overall_standard_error())
         };
-        let (color, standard_error) = seen(&world);
-        // One seed traces the same rays in both scenes, so that colours are equal to the bit unless a ray meets what moved.
-        let (before, _) = seen(&World::new(&study.scene, materials));
+        let (color, standard_error) = traced(&world);
+        // One seed traces the same rays in both scenes, so that colours are equal to the bit unless a ray meets a moved
+        // mesh.
+        let (color_before, _) = traced(&World::new(&study.scene, materials));
         let mask = screen.reflecting();
-        let touched = color.iter().zip(&before).zip(&mask).map(|((now, then), m)| *m && now != then).collect();
+        let colors = color.iter().zip(&color_before);
+        let touched = colors.zip(&mask).map(|((now, before), reflects)| *reflects && now != before).collect();
         Self { color, mask, touched, standard_error }
     }
 
-    /// Share of the reflecting pixels that a moved thing changes; 0 if no pixel reflects.
+    /// Share of the reflecting pixels that are touched; 0 if no pixel reflects.
     fn touched_share(&self) -> f64 {
         let count = |mask: &[bool]| mask.iter().filter(|m| **m).count() as f64;
         if count(&self.mask) > 0.0 { count(&self.touched) / count(&self.mask) } else { 0.0 }
     }
 
-    /// RMSE of a reflection over the touched pixels; `None` if no pixel is touched.
-    fn touched_rmse(&self, made: &[[f32; 3]]) -> Option<f64> {
-        self.touched.contains(&true).then(|| masked_rmse(&self.color, made, &self.touched))
+    /// RMSE of a method's reflection colours over the touched pixels; `None` if no pixel is touched.
+    fn touched_rmse(&self, colors: &[[f32; 3]]) -> Option<f64> {
+        self.touched.contains(&true).then(|| masked_rmse(&self.color, colors, &self.touched))
     }
 }
 
@@ -315,7 +324,7 @@ impl Truth {
 mod tests {
     use super::*;
 
-    /// Compares the mean age with a plain count, which draws faces in turn, one by one.
+    /// Compares the mean age with that of a list that keeps the frame in which each face was drawn last.
     #[test]
     fn the_mean_age_is_that_of_faces_renewed_in_turn() {
         for (faces, per_frame) in [(6, 0), (6, 1), (12, 5), (24, 2), (24, 24), (12, 30)] {

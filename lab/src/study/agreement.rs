@@ -117,12 +117,13 @@ const ABOUT_DRAWN: &str = "Each device draws the G-buffer of one view; the table
     contributes. The three numbers of bits are those of the position of a vertex within a pixel, of a position between two texels \
     and of one between two levels.";
 
-/// The columns of a row's device and of the base device, by the shortest names that tell all devices of a table apart.
+/// Makes two columns that name a row's device and its base device, by the shortest names that tell all devices of a
+/// table apart. `device_pair` returns these two devices of a row, in this order.
 fn devices<R: 'static>(rows: &[R], device_pair: fn(&R) -> [&DeviceInfo; 2]) -> [Column<R>; 2] {
     let all: Rc<Vec<DeviceInfo>> = Rc::new(rows.iter().flat_map(device_pair).cloned().collect());
-    [("device", 0), ("beside", 1)].map(|(title, n)| {
+    [("device", 0), ("beside", 1)].map(|(title, index)| {
         let all = Rc::clone(&all);
-        Column::derived(title, 0, move |row| name_among(device_pair(row)[n], &all.iter().collect::<Vec<_>>()))
+        Column::derived(title, 0, move |row| name_among(device_pair(row)[index], &all.iter().collect::<Vec<_>>()))
     })
 }
 
@@ -148,7 +149,7 @@ impl DrawnRecord {
     }
 }
 
-/// Draws the G-buffer of the view.
+/// Draws the G-buffer of the view on a device, and reads it back.
 ///
 /// # Errors
 /// Errors of the device.
@@ -161,7 +162,8 @@ pub fn draw(gpu: &Gpu, spec: &AgreementSpec) -> Result<GBufferData> {
     Ok(gbuffer::read(&mut stage.context, &shot)?)
 }
 
-/// Draws the methods' images from a G-buffer; methods that see more than the screen also get the scene.
+/// Draws each method's images from the G-buffer `data`, which another device may have drawn. Methods that see more than
+/// the screen also get the scene.
 ///
 /// # Errors
 /// Errors of the device.
@@ -174,10 +176,10 @@ pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec
     let setup = spec.setup.with_extent([data.width, data.height]).seen_by(data.camera.kind());
     let mut all = Vec::new();
     for method in &spec.methods {
-        let beside = SceneInput { data: scene, materials: &materials };
-        let effect = Effect::new(context, method, &setup, Wants::HITS, Some(&beside))?;
+        let scene_input = SceneInput { data: scene, materials: &materials };
+        let effect = Effect::new(context, method, &setup, Wants::HITS, Some(&scene_input))?;
         let sky = Some(scene.sky());
-        let input = Input { scene: Some(beside), sky, ..Input::of_screen(gbuffer, &data.camera) };
+        let input = Input { scene: Some(scene_input), sky, ..Input::of_screen(gbuffer, &data.camera) };
         let output = reflect_at_rest(context, &effect, &input)?;
         all.push(DeviceImage {
             method,
@@ -188,8 +190,8 @@ pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec
     Ok(all)
 }
 
-/// Compares a device's images with those that `base` made from the same G-buffer. The first list is that of `base`, and
-/// both are in the order of the methods.
+/// Compares the images of the device `gpu` with those that the device `base` made from the same G-buffer `data`. The
+/// lists of images are in the order of the methods: first the list of `base`, then that of `gpu`.
 pub fn compare(
     gpu: &Gpu,
     base: &DeviceInfo,
@@ -197,71 +199,75 @@ pub fn compare(
     data: &GBufferData,
     [theirs, ours]: [&[DeviceImage]; 2],
 ) -> Vec<AgreementRecord> {
+    let (base_images, device_images) = (theirs, ours);
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
     let extent = [data.width, data.height];
     let setup = spec.setup.with_extent(extent);
-    let pair = |(base_made, made): (&DeviceImage, &DeviceImage)| {
-        let colors = [base_made, made].map(|m| colors(&m.reflection));
+    let record = |(base_image, image): (&DeviceImage, &DeviceImage)| {
+        let colors = [base_image, image].map(|made| colors(&made.reflection));
         let display = colors.each_ref().map(|c| display(c));
-        let positions = base_made.hits.as_ref().zip(made.hits.as_ref());
-        let positions = positions.map(|(a, b)| [hit_positions(a), hit_positions(b)]);
+        let hit_images = base_image.hits.as_ref().zip(image.hits.as_ref());
+        let positions = hit_images.map(|(base, other)| [hit_positions(base), hit_positions(other)]);
         let version = setup.effect().oracle;
         // Ties are found for mirrors alone, by version 1 of the oracle.
-        let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
-        let told = made.method.follows_oracle && version.is_first() && mirrors;
-        let ties = positions.as_ref().filter(|_| told).map(|ends| count_ties(data, &mask, ends));
+        let all_mirrors = mask.iter().zip(&data.roughness).all(|(reflects, roughness)| !reflects || *roughness <= 0.0);
+        let can_tie = image.method.follows_oracle && version.is_first() && all_mirrors;
+        let ties = positions.as_ref().filter(|_| can_tie).map(|positions| count_ties(data, &mask, positions));
         AgreementRecord {
             head: Head::new(
                 "agreement",
                 gpu,
                 (spec.scene, spec.view),
-                RecordSubject::Method(made.method),
+                RecordSubject::Method(image.method),
                 &setup,
                 &spec.globals,
             ),
             base: base.clone(),
-            pixels: mask.iter().filter(|m| **m).count(),
-            hits: positions.map(|[a, b]| HitAgreement::new(&mask, &b, &a)).unwrap_or_default(),
+            pixels: mask.iter().filter(|reflects| **reflects).count(),
+            hits: positions.map(|[base, other]| HitAgreement::new(&mask, &other, &base)).unwrap_or_default(),
             apart: ties.map(|(apart, _)| apart),
             ties: ties.map(|(_, ties)| ties),
             rmse: masked_rmse(&colors[0], &colors[1], &mask),
             flip: FlipMap::new(&display[0], &display[1], data.width, data.height).mean(),
         }
     };
-    theirs.iter().zip(ours).map(pair).collect()
+    base_images.iter().zip(device_images).map(record).collect()
 }
 
-/// Counts the reflecting pixels whose hits differ between two devices, and how many of them differ by rounding alone.
+/// Counts the reflecting pixels whose hits differ between two devices, and how many of these pixels differ by rounding
+/// alone; the result has the two numbers in this order. `mask` says which pixels reflect. `base` and `other` have each
+/// pixel's hit by the two devices, in pixels, or `None` for a miss.
 fn count_ties(data: &GBufferData, mask: &[bool], [base, other]: &[Vec<Option<[f64; 2]>>; 2]) -> (usize, usize) {
-    let apart = |i: &usize| mask[*i] && HitVerdict::compare(other[*i], base[*i]) != HitVerdict::Agrees;
-    let apart: Vec<usize> = (0..mask.len()).filter(apart).collect();
+    let is_apart = |i: &usize| mask[*i] && HitVerdict::compare(other[*i], base[*i]) != HitVerdict::Agrees;
+    let apart: Vec<usize> = (0..mask.len()).filter(is_apart).collect();
     let hierarchy = Hierarchy::new(data);
-    let tied = |i: &&usize| {
+    let is_tied = |i: &&usize| {
         let pixel = [**i as u32 % data.width, **i as u32 / data.width];
-        [base, other].iter().all(|ends| is_tie(&hierarchy, pixel, ends[**i]))
+        [base, other].iter().all(|hits| is_tie(&hierarchy, pixel, hits[**i]))
     };
-    (apart.len(), apart.iter().filter(tied).count())
+    (apart.len(), apart.iter().filter(is_tied).count())
 }
 
-/// Compares the G-buffers that two devices drew of one view.
+/// Compares the G-buffers that two devices drew of one view: `base` by the first of `devices`, `drawn` by the second.
+/// `isotropic` says that both sampled material maps without anisotropy.
 pub fn compare_drawn(
     devices: [&Gpu; 2],
     spec: &AgreementSpec,
     [base, drawn]: [&GBufferData; 2],
     isotropic: bool,
 ) -> DrawnRecord {
-    // The view depth of a reversed depth, if the far plane is far.
-    let near = |d: f32| base.camera.lens.near_m / d.max(f32::MIN_POSITIVE);
-    let is_same = |i: &usize| {
+    // Far from the far plane, a view depth is about the near plane's distance divided by the reversed depth.
+    let view_depth_m = |reversed: f32| base.camera.lens.near_m / reversed.max(f32::MIN_POSITIVE);
+    let is_same_surface = |i: &usize| {
         let (a, b) = (base.depth[*i], drawn.depth[*i]);
-        let (za, zb) = (near(a), near(b));
+        let (za, zb) = (view_depth_m(a), view_depth_m(b));
         (a > 0.0) == (b > 0.0) && base.surface[*i] == drawn.surface[*i] && (za - zb).abs() <= 0.01 * za.max(zb)
     };
     let all = base.depth.len();
-    let same: Vec<usize> = (0..all).filter(is_same).collect();
-    let share = |n: usize, total: usize| n as f64 / total.max(1) as f64;
-    let turned = |i: &&usize| base.normal[**i].angle_between(drawn.normal[**i]) > 2.0_f32.to_radians();
-    let recolored = |i: &&usize| (base.color[**i] - drawn.color[**i]).abs().max_element() > 0.02;
+    let same: Vec<usize> = (0..all).filter(is_same_surface).collect();
+    let share = |count: usize, total: usize| count as f64 / total.max(1) as f64;
+    let has_other_normal = |i: &&usize| base.normal[**i].angle_between(drawn.normal[**i]) > 2.0_f32.to_radians();
+    let has_other_color = |i: &&usize| (base.color[**i] - drawn.color[**i]).abs().max_element() > 0.02;
     let squares: f64 = same.iter().map(|i| f64::from((base.color[*i] - drawn.color[*i]).length_squared()) / 3.0).sum();
     DrawnRecord {
         kind: "drawn".to_owned(),
@@ -275,8 +281,8 @@ pub fn compare_drawn(
         isotropic,
         plain_normals: spec.globals.normal_deviation == Some(0.0),
         other_surface: share(all - same.len(), all),
-        other_normal: share(same.iter().filter(turned).count(), same.len()),
-        other_color: share(same.iter().filter(recolored).count(), same.len()),
+        other_normal: share(same.iter().filter(has_other_normal).count(), same.len()),
+        other_color: share(same.iter().filter(has_other_color).count(), same.len()),
         rmse: (squares / same.len().max(1) as f64).sqrt(),
     }
 }

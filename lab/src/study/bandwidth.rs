@@ -12,10 +12,10 @@ use ssct::passes::pyramid;
 
 /// The pass of `unified` that builds its pyramid.
 const PYRAMID: &str = "pyramid";
-/// How labels of the passes of the thesis's Hi-Z chain begin; they end with the number of the level.
+/// The beginning of the labels of the passes of the thesis's Hi-Z chain; the number of the level follows.
 const HI_Z: &str = "hi-z/";
 
-/// Bytes of a texel in R32F: the copied image, the depth, and a level of the Hi-Z chain without maxima.
+/// Bytes of a texel in R32F, the format of the copied image, of depth, and of a Hi-Z chain without maxima.
 const R32F_BYTES: u64 = 4;
 /// Bytes of a cell of the pyramid: front and back (RG32F).
 const RG32F_BYTES: u64 = 8;
@@ -62,10 +62,19 @@ impl BandwidthRecord {
 }
 
 impl BandwidthRecord {
-    /// `copy` is the rate of the copy in 10⁹ bytes a second, and 0 in the record of the copy itself.
-    fn new(program: Provenance, pass: &str, [width, height]: [u32; 2], bytes: u64, median_ms: f64, copy: f64) -> Self {
+    /// Makes the record of a pass that reads and writes `bytes` bytes in `median_ms` milliseconds. `copy_gb_per_s` is
+    /// the rate of the copy in 10⁹ bytes a second; 0 makes the record of the copy itself. The record has no method and
+    /// no view; [`of_passes`] sets those of a pass.
+    fn new(
+        program: Provenance,
+        pass: &str,
+        [width, height]: [u32; 2],
+        bytes: u64,
+        median_ms: f64,
+        copy_gb_per_s: f64,
+    ) -> Self {
         let gb_per_s = if median_ms > 0.0 { bytes as f64 / (median_ms * 1e6) } else { 0.0 };
-        let of_copy = if copy > 0.0 { gb_per_s / copy } else { 1.0 };
+        let of_copy = if copy_gb_per_s > 0.0 { gb_per_s / copy_gb_per_s } else { 1.0 };
         Self {
             kind: "bandwidth".into(),
             program,
@@ -82,7 +91,8 @@ impl BandwidthRecord {
     }
 }
 
-/// Times copies of an image of R32F texels, `side` on each side, into another.
+/// Times `samples` copies of an image of R32F texels, `side` on each side, into another, and makes the record of the
+/// copy.
 ///
 /// # Errors
 /// Errors of the device.
@@ -94,18 +104,20 @@ pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
     let mut context = FrameContext::new(gpu)?;
     context.once(|frame| frame.clear("copied", from.all(), [0.5; 4]))?;
     let mut times = Vec::new();
-    // The first copy warms up.
+    // The first copy, numbered 0, warms up and is not counted.
     for sample in 0..=samples {
         let mut frame = context.begin(Mode::Timed)?;
         frame.copy("copy", from.all(), to.all())?;
         let report = frame.finish()?;
         times.extend(report.passes.iter().filter(|_| sample > 0).map(|p| p.ms));
     }
+    // Each texel is read once and written once.
     let bytes = 2 * R32F_BYTES * u64::from(side) * u64::from(side);
     Ok(BandwidthRecord::new(Provenance::on(gpu), "copy", extent, bytes, Stats::from_samples(&times).median_ms, 0.0))
 }
 
-/// The rates of the passes in a record that build a pyramid of depth, followed by the rate of a copy.
+/// Returns the rates of those passes of a time record that build a pyramid of depth: the pyramid of `unified`, and the
+/// Hi-Z chain as a whole. `copy` is the rate that they are compared with, and is not among the result.
 pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRecord> {
     let extent = [record.head.width, record.head.height];
     let pass_rate = |pass: &str, bytes: u64, median_ms: f64| BandwidthRecord {
@@ -113,14 +125,16 @@ pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRe
         view: Some(format!("{} {}", record.head.scene, record.head.view)),
         ..BandwidthRecord::new(record.head.program.clone(), pass, extent, bytes, median_ms, copy.gb_per_s)
     };
-    let pyramid = record.passes.iter().find(|p| p.name == PYRAMID);
-    let pyramid = pyramid.map(|p| pass_rate(PYRAMID, pyramid_bytes(extent), p.stats.median_ms));
+    let pyramid_pass = record.passes.iter().find(|p| p.name == PYRAMID);
+    let pyramid = pyramid_pass.map(|p| pass_rate(PYRAMID, pyramid_bytes(extent), p.stats.median_ms));
     let levels = record.passes.iter().filter(|p| p.name.starts_with(HI_Z)).map(|p| p.stats.median_ms);
-    let hi_z: f64 = levels.sum();
-    pyramid.into_iter().chain((hi_z > 0.0).then(|| pass_rate("hi-z", hi_z_bytes(extent), hi_z))).collect()
+    let hi_z_ms: f64 = levels.sum();
+    let hi_z = (hi_z_ms > 0.0).then(|| pass_rate("hi-z", hi_z_bytes(extent), hi_z_ms));
+    pyramid.into_iter().chain(hi_z).collect()
 }
 
-/// Bytes of a pyramid: each depth is read once, and each cell of every level is written once.
+/// Counts the bytes that the pass of a pyramid reads and writes for an image of a width and height in pixels. Each
+/// depth is read once, and each cell of every level is written once.
 fn pyramid_bytes(extent: [u32; 2]) -> u64 {
     let area = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h);
     let padded = pyramid::padded(extent);
@@ -128,8 +142,8 @@ fn pyramid_bytes(extent: [u32; 2]) -> u64 {
     R32F_BYTES * area(extent) + RG32F_BYTES * cells
 }
 
-/// Bytes of a Hi-Z chain: for each level, all texels of the level below are read once, and all texels of the level are written
-/// once.
+/// Counts the bytes that the passes of a Hi-Z chain read and write for an image of a width and height in pixels. For
+/// each level above 0, all texels of the finer level are read once, and all texels of the level are written once.
 fn hi_z_bytes(extent: [u32; 2]) -> u64 {
     let area = |level: u32| extent.map(|side| u64::from((side >> level).max(1))).iter().product::<u64>();
     (1..image::full_chain(extent)).map(|level| R32F_BYTES * (area(level - 1) + area(level))).sum()

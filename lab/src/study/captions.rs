@@ -74,7 +74,8 @@ pub struct ReferenceTime {
     pub wall_ms: f64,
 }
 
-/// Traces the world reference of a view once, with `rays` rays a pixel, and measures the time.
+/// Traces the world reference of a view once, on the CPU, and measures the time. `extent` is the size in pixels, and
+/// `rays` the number of rays a pixel.
 pub fn time_reference(
     gpu: &Gpu,
     scene: &Scene,
@@ -129,23 +130,24 @@ pub struct ComparedCaption {
     pub measured: Option<Pair>,
 }
 
-/// Sets measurements beside their captions, one row for each caption and roughness that SSCT was
-/// measured at.
+/// Compares captions with measurements of the same view and size. The result has a row for each caption and each record
+/// of SSCT, of which there is one for each roughness.
 pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<ComparedCaption> {
-    let is_match =
+    let is_of_caption =
         |head: &Head, caption: &Caption| head.view == caption.view && [head.width, head.height] == caption.size;
     let rows = CAPTIONS.iter().flat_map(|caption| {
-        let here = records.iter().filter(move |r| is_match(&r.head, caption));
-        here.clone().filter(|r| r.head.method == "ssct").map(move |ssct| {
-            let same = |head: &Head| head.method == caption.other && head.roughness == ssct.head.roughness;
-            let method = here.clone().find(|r| same(&r.head)).map(|r| r.total.median_ms);
-            let reference = references.iter().find(|r| is_match(&r.head, caption) && same(&r.head)).map(|r| r.wall_ms);
+        let measured = records.iter().filter(move |r| is_of_caption(&r.head, caption));
+        measured.clone().filter(|r| r.head.method == "ssct").map(move |ssct| {
+            let is_other = |head: &Head| head.method == caption.other && head.roughness == ssct.head.roughness;
+            let method_ms = measured.clone().find(|r| is_other(&r.head)).map(|r| r.total.median_ms);
+            let reference = references.iter().find(|r| is_of_caption(&r.head, caption) && is_other(&r.head));
+            let reference_ms = reference.map(|r| r.wall_ms);
             let Stats { median_ms, .. } = ssct.total;
             ComparedCaption {
                 caption: *caption,
                 roughness: ssct.head.roughness,
                 published: Pair::new(caption.ssct_ms, caption.other_ms),
-                measured: method.or(reference).map(|other| Pair::new(median_ms, other)),
+                measured: method_ms.or(reference_ms).map(|other_ms| Pair::new(median_ms, other_ms)),
             }
         })
     });
@@ -166,7 +168,8 @@ pub fn table(records: &[TimeRecord], references: &[ReferenceTime]) -> Table {
     Table { id: "captions", title, about, cells: cells(&compare(records, references)), ..Table::default() }
 }
 
-/// The thesis's captions beside our own times: milliseconds, and ratios to SSCT.
+/// The cells of the table, header first: for each compared caption, the printed and the measured milliseconds, and the
+/// ratios of the other method's time to that of SSCT.
 fn cells(rows: &[ComparedCaption]) -> Vec<Vec<String>> {
     let header = [
         "figure",
@@ -185,8 +188,9 @@ fn cells(rows: &[ComparedCaption]) -> Vec<Vec<String>> {
     for row in rows {
         let c = row.caption;
         let other = if c.other == REFERENCE { "Mitsuba".into() } else { c.other.to_uppercase() };
-        let number = |pair: Option<Pair>, value: fn(&Pair) -> f64| {
-            pair.map_or_else(|| "-".into(), |p| format!("{:.2}", value(&p)))
+        let number = |pair: Option<Pair>, value: fn(&Pair) -> f64| match pair {
+            Some(pair) => format!("{:.2}", value(&pair)),
+            None => "-".into(),
         };
         cells.push(vec![
             c.figure.to_owned(),

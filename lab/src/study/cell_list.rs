@@ -33,7 +33,7 @@ pub struct CellList {
     pub cells: Vec<ListedCell>,
 }
 
-/// A cell of the study.
+/// A cell of the study, as the list keeps it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ListedCell {
     /// The name of the cell, for people.
@@ -46,19 +46,20 @@ pub struct ListedCell {
     pub results: Vec<ListedResult>,
 }
 
-/// A result in the journal.
+/// A result of a cell, which the journal keeps as a whole or as samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ListedResult {
     /// The device that measures the result, as an index into the list of devices.
     pub device: usize,
-    /// The key of the result in the journal, or the common beginning of the keys of its samples.
+    /// The key of the result in the journal; if the journal keeps samples, the common beginning of their keys.
     pub key: String,
-    /// The head of the result's record, which its samples in the journal do not repeat; null if the journal keeps the whole record.
+    /// The first fields of the result's record, which its samples in the journal lack; null if the journal keeps whole
+    /// records.
     #[serde(rename = "of", default, skip_serializing_if = "Value::is_null")]
     pub record_head: Value,
 }
 
-/// A cell before the study is divided.
+/// A cell before the study is divided into shards.
 pub struct PlannedCell {
     /// The name of the cell, for people.
     pub name: String,
@@ -69,7 +70,7 @@ pub struct PlannedCell {
 }
 
 impl PlannedCell {
-    /// A cell with one result.
+    /// A cell with one result, which the journal keeps as a whole under `key`.
     pub fn new(name: String, setup: Value, key: String) -> Self {
         Self { name, setup, results: vec![(key, Value::Null)] }
     }
@@ -92,16 +93,20 @@ pub struct CellListHead {
 }
 
 impl CellList {
-    /// The list of a run of this program on a device.
+    /// Makes the list of a run of this program on a device. The run owns the cells of its shard, or all cells without a
+    /// shard.
     pub fn new(head: CellListHead, device: &DeviceInfo, cells: Vec<PlannedCell>) -> Self {
         let CellListHead { kind, definitions, command, shard, settings, scenes } = head;
         let setups: Vec<String> = cells.iter().map(|cell| setup_digest(&cell.setup)).collect();
-        let owner = shard.map(|shard| owners(&setups, shard.count));
-        let is_own = |n: usize| shard.zip(owner.as_ref()).is_none_or(|(shard, owner)| owner[n] == shard.index);
-        let listed = cells.into_iter().zip(setups).enumerate().map(|(n, (cell, setup))| {
+        let shard_of_each = shard.map(|shard| owners(&setups, shard.count));
+        let is_own = |index: usize| match (shard, &shard_of_each) {
+            (Some(shard), Some(shard_of_each)) => shard_of_each[index] == shard.index,
+            _ => true,
+        };
+        let listed = cells.into_iter().zip(setups).enumerate().map(|(index, (cell, setup))| {
             let result = |(key, record_head)| ListedResult { device: 0, key, record_head };
-            let results = if is_own(n) { cell.results.into_iter().map(result).collect() } else { Vec::new() };
-            ListedCell { name: cell.name, setup, own: is_own(n), results }
+            let results = if is_own(index) { cell.results.into_iter().map(result).collect() } else { Vec::new() };
+            ListedCell { name: cell.name, setup, own: is_own(index), results }
         });
         Self {
             kind: kind.to_owned(),
@@ -117,14 +122,15 @@ impl CellList {
         }
     }
 
-    /// Whether this run measures the cell with an index in the list.
+    /// Whether this run measures the cell with the index `cell` in the list; false if there is no such cell.
     pub fn owns(&self, cell: usize) -> bool {
         self.cells.get(cell).is_some_and(|c| c.own)
     }
 
-    /// Selects the cells that this run measures; `all` has the cells of the study in the order of the list.
+    /// Returns those elements of `all` whose cells this run measures; `all` has an element for each cell, in the list's
+    /// order.
     pub fn own<'a, T>(&'a self, all: &'a [T]) -> impl Iterator<Item = &'a T> {
-        all.iter().enumerate().filter(|(n, _)| self.owns(*n)).map(|(_, cell)| cell)
+        all.iter().enumerate().filter(|(index, _)| self.owns(*index)).map(|(_, cell)| cell)
     }
 
     /// How many cells this run measures.
@@ -132,8 +138,8 @@ impl CellList {
         self.cells.iter().filter(|c| c.own).count()
     }
 
-    /// The named properties in which this run and another must be equal to be of one study, in the order in which they are
-    /// compared.
+    /// Returns names and values of the properties in which two runs of one study must be equal, in the order in which
+    /// they are compared.
     pub fn must_agree(&self) -> [(&'static str, String); 6] {
         let scenes: Vec<String> = self.scenes.iter().map(|(name, digest)| format!("{name} {digest}")).collect();
         [

@@ -21,11 +21,12 @@ pub enum Datum {
 
 /// A type whose values can be written in a column.
 pub trait AsDatum {
-    /// The value as a datum.
+    /// Returns the value as a datum.
     fn datum(&self) -> Datum;
 }
 
-/// Implements [`AsDatum`] for types, each by an expression that makes a datum of a value.
+/// Implements [`AsDatum`] for each listed type; behind the colon stands a closure that makes a datum of a reference to
+/// a value.
 macro_rules! as_datum {
     ($($T:ty: $make:expr),* $(,)?) => {
         $( impl AsDatum for $T {
@@ -39,7 +40,7 @@ macro_rules! as_datum {
 
 as_datum! {
     f64: |v| Datum::Number(*v),
-    // The shortest decimal text keeps 0.1 as 0.1.
+    // Goes by the shortest decimal text, so that 0.1 as an f32 becomes 0.1 as an f64, and not 0.100000001….
     f32: |v| Datum::Number(v.to_string().parse().unwrap_or(f64::NAN)),
     u32: |n| Datum::Count((*n).into()),
     u64: |n| Datum::Count(*n),
@@ -73,14 +74,17 @@ pub struct Column<R> {
 /// How tables show a number.
 #[derive(Debug, Clone, Copy)]
 struct Form {
+    /// Digits behind the point.
     digits: usize,
+    /// Whether the number is a share, which is shown in percent.
     is_share: bool,
 }
 
 impl Form {
+    /// No digits behind the point, and no share.
     const PLAIN: Self = Self { digits: 0, is_share: false };
 
-    /// The text of a datum in a table; a share is shown in percent.
+    /// Returns the text of a datum in a table.
     fn text(self, datum: &Datum) -> String {
         match datum {
             Datum::Nothing => "-".to_owned(),
@@ -100,14 +104,15 @@ impl<R> Clone for Column<R> {
 }
 
 impl<R: 'static> Column<R> {
-    /// A column for tables alone, whose value follows from other columns.
+    /// A column for tables alone, whose value `value` computes from a row; numbers are shown with `digits` digits
+    /// behind the point.
     pub fn derived<T: AsDatum>(title: &str, digits: usize, value: impl Fn(&R) -> T + 'static) -> Self {
         let form = Form { digits, is_share: false };
         let value: Value<R> = Rc::new(move |row| value(row).datum());
         Self { name: String::new(), title: title.to_owned(), about: "", form, value }
     }
 
-    /// A column for CSV files alone, which says what a row is about.
+    /// A column for CSV files alone, whose value `value` computes from a row.
     pub fn named<T: AsDatum>(name: &str, value: impl Fn(&R) -> T + 'static) -> Self {
         let value: Value<R> = Rc::new(move |row| value(row).datum());
         Self { name: name.to_owned(), title: String::new(), about: "", form: Form::PLAIN, value }
@@ -118,12 +123,13 @@ impl<R: 'static> Column<R> {
         self.form.text(&(self.value)(row))
     }
 
-    /// The value, if it is a number.
+    /// The value, if it is a [`Datum::Number`].
     pub fn number(&self, row: &R) -> Option<f64> {
         if let Datum::Number(v) = (self.value)(row) { Some(v) } else { None }
     }
 
-    /// A number of the column's kind, such as a mean, as a table shows it.
+    /// Returns the text of a number that was computed from values of the column, such as their mean, as a table shows
+    /// it.
     pub fn shown_number(&self, number: Option<f64>) -> String {
         self.form.text(&number.datum())
     }
@@ -138,14 +144,15 @@ impl<R: 'static> Column<R> {
         }
     }
 
-    /// Returns the column for rows of type `O`, which have a row of type `R` as a part.
+    /// Returns this column for rows of type `O`, which have a part of type `R`; `get` returns the part of a row.
     fn within<O: 'static>(&self, get: fn(&O) -> &R) -> Column<O> {
         let Self { name, title, about, form, value } = self.clone();
         Column { name, title, about, form, value: Rc::new(move |row| value(get(row))) }
     }
 }
 
-/// Computes the values of the items of a row, each time it is called.
+/// Computes a list of the items of a row, each time it is called. An item is a list with the text of each of its
+/// columns.
 type Items<R> = Rc<dyn Fn(&R) -> Vec<Vec<String>>>;
 
 /// The items of a list that each row has, such as its frames, which get a CSV file of their own.
@@ -178,7 +185,7 @@ impl<R> Default for ColumnSet<R> {
 
 /// A type whose fields are columns.
 pub trait Columns: Sized + 'static {
-    /// The columns of the type.
+    /// Returns the columns of the type, with their times and ranges.
     fn columns() -> ColumnSet<Self>;
 }
 
@@ -187,30 +194,33 @@ pub struct Scalar {
     title: &'static str,
     form: Form,
     is_time: bool,
+    /// Least and greatest number that the field can have.
     range: [f64; 2],
 }
 
 /// The range of a column's numbers, unless the column sets another range.
 const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
 
-/// A figure, which is equal to the bit on every machine; `title` is its header in tables, or empty.
+/// Declares a figure, which is equal to the bit on every machine. `title` is its header in tables; an empty title
+/// leaves it out of tables.
 pub const fn figure(title: &'static str) -> Scalar {
     Scalar { title, form: Form { digits: 4, is_share: false }, is_time: false, range: NOT_NEGATIVE }
 }
 
-/// A time, or a value that follows from times, which is kept apart by device.
+/// Declares a time, or a value that follows from times, which is kept apart by device. `title` is its header in tables;
+/// an empty title leaves it out of tables.
 pub const fn time(title: &'static str) -> Scalar {
     Scalar { title, form: Form { digits: 3, is_share: false }, is_time: true, range: NOT_NEGATIVE }
 }
 
 impl Scalar {
-    /// Sets the digits that tables show behind the point.
+    /// Sets the number of digits that tables show behind the point.
     pub const fn digits(mut self, digits: usize) -> Self {
         self.form.digits = digits;
         self
     }
 
-    /// Marks a share, which tables show in percent.
+    /// Marks a share, which lies between 0 and 1, and which tables show in percent.
     pub const fn share(mut self) -> Self {
         self.form.is_share = true;
         self.range = [0.0, 1.0];
@@ -223,7 +233,8 @@ impl Scalar {
         self
     }
 
-    /// Adds the field to the columns of its row.
+    /// Adds the column of the field to the columns `to` of its row. The pair has the field's name and its doc comment;
+    /// `get` returns the field of a row.
     pub fn add<R: 'static, T: AsDatum + 'static>(
         self,
         (name, about): (&'static str, &'static str),
@@ -241,23 +252,26 @@ impl Scalar {
     }
 }
 
-/// A field whose own fields are columns.
+/// The declaration of a field whose type has columns of its own.
 pub struct Part {
+    /// The title of a field that is nested in records; `None` for a field that is flattened.
     prefix: Option<&'static str>,
 }
 
-/// A field whose own fields stand beside the row's other fields in records.
+/// Declares a field that is flattened: in records its own fields stand beside the row's other fields.
 pub const fn part() -> Part {
     Part { prefix: None }
 }
 
-/// A field whose own fields are nested in records; tables put `title` before their headers, and leave them out if it is empty.
+/// Declares a field that is an object of its own in records. Tables put `title` before the headers of its columns; an
+/// empty title leaves these columns out of tables.
 pub const fn nested(title: &'static str) -> Part {
     Part { prefix: Some(title) }
 }
 
 impl Part {
-    /// Adds the columns of the field to those of its row.
+    /// Adds the columns of the field to the columns `to` of its row. The pair has the field's name and its doc comment,
+    /// which is not used; `get` returns the field of a row.
     pub fn add<R: 'static, T: Columns>(
         self,
         (name, _): (&'static str, &'static str),
@@ -279,16 +293,16 @@ impl Part {
     }
 }
 
-/// A field of times that tables do not show.
+/// The declaration of a field that makes no column, and whose whole value counts as a time.
 pub struct Times;
 
-/// A field of any type that consists of times alone.
+/// Declares a field, of any type, that makes no column, and whose whole value counts as a time.
 pub const fn times() -> Times {
     Times
 }
 
 impl Times {
-    /// Notes that the field is a time.
+    /// Adds the field's name, which comes first in the pair, to the times of its row.
     pub fn add<R: 'static, T: 'static>(
         self,
         (name, _): (&'static str, &'static str),
@@ -299,16 +313,17 @@ impl Times {
     }
 }
 
-/// A field that is a list.
+/// The declaration of a field that is a list of items.
 pub struct List;
 
-/// A field that is a list of items with columns, which get a CSV file of their own.
+/// Declares a field that is a list of items with columns, which get a CSV file of their own.
 pub const fn series() -> List {
     List
 }
 
 impl List {
-    /// Adds the list to the row's columns.
+    /// Makes the list the series of its row's columns `to`, replacing any other. The field's name comes first in the
+    /// pair; `get` returns the list of a row.
     pub fn add<R: 'static, T: Columns>(
         self,
         (name, _): (&'static str, &'static str),
@@ -328,8 +343,8 @@ impl List {
     }
 }
 
-/// Declares a row: a struct with its fields, and behind `=` the column that a field makes. A field without `=` is no column; it
-/// says what the row is about.
+/// Declares the struct of a row and its [`Columns`]. Behind the `=` of a field stands the declaration of its column,
+/// such as `figure("")`. A field without `=` makes no column.
 macro_rules! columns {
     (
         $(#[$about:meta])*
@@ -356,8 +371,9 @@ macro_rules! columns {
     };
 }
 
-/// Declares columns that are computed from a measured value; the expression behind `=>` computes the column from the
-/// value.
+/// Declares a row as `columns!` does, and the function that makes the row of a measured value. The head `struct Row by
+/// function(source: Source)` names the function and its parameter. Behind the `=>` of a field stands the expression
+/// that computes the field from the parameter.
 macro_rules! measured_columns {
     (
         $(#[$about:meta])*
@@ -383,7 +399,7 @@ macro_rules! measured_columns {
     };
 }
 
-/// Adds the column of a field, if the field has one.
+/// Adds the column of a field to the set `$all`, if the field declares a column.
 macro_rules! column_of {
     ($all:ident, $name:ident, [$($about:tt)*]) => {};
     ($all:ident, $name:ident, [$($about:tt)*], $column:expr) => {
@@ -391,7 +407,7 @@ macro_rules! column_of {
     };
 }
 
-/// The text of doc comments, from their `#[doc]` attributes.
+/// Joins the texts of the `#[doc]` attributes among a field's attributes.
 macro_rules! text_of_doc {
     () => { "" };
     (#[doc = $text:literal] $($rest:tt)*) => { concat!($text, $crate::study::columns::text_of_doc!($($rest)*)) };

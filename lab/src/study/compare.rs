@@ -1,5 +1,5 @@
-//! Two runs of the time study, or two settings of one run, or two images, compared (docs/definitions.md, "Verdicts" and "Image
-//! error"). Times are compared pass by pass from their raw samples.
+//! Compares two runs of the time study, two settings of one run, or two images (docs/definitions.md, "Verdicts" and
+//! "Image error"). Times are compared pass by pass from their raw samples.
 
 mod images;
 mod rows;
@@ -24,10 +24,10 @@ use ssct_truth::metrics::bootstrap::{
 /// The name under which the sum of a frame's counted passes is compared.
 pub const TOTAL: &str = "total";
 
-/// Seed of every interval's resamples.
+/// Seed of the resamples from which each interval is found.
 pub const SEED: u64 = 1;
 
-/// Change of a time that counts, unless the user says otherwise.
+/// The least change of a time that makes a verdict faster or slower, as a share, unless the user says otherwise.
 pub const THRESHOLD: f64 = 0.05;
 
 /// How an interval was found, and the threshold it was compared with.
@@ -52,7 +52,7 @@ pub enum Side {
     B,
 }
 
-/// The first fields of a comparison's record.
+/// The first fields of the record of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CompareHead {
     /// Kind of comparison.
@@ -77,13 +77,14 @@ impl CompareHead {
     }
 }
 
-/// A pass, or the total, of two runs. A value that one run lacks is null, and the verdict is then null, too.
+/// The times of a pass, of a group of passes, or of the total, in two runs. A value that one run lacks is null, and the
+/// verdict is then null, too.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TimeComparison {
     /// Kind of the record, which is `compare`, with versions and the names of the runs.
     #[serde(flatten)]
     pub head: CompareHead,
-    /// Subject that was timed: everything that was set for both.
+    /// Subject that was timed: scene, view, method and settings, as far as A and B have them in common.
     #[serde(flatten)]
     pub subject: Subject,
     /// The method of A, and the settings in which it differs from B, where two settings are compared.
@@ -120,12 +121,12 @@ pub struct TimeComparison {
     pub low: Option<f64>,
     /// Upper end of the ratio's interval.
     pub high: Option<f64>,
-    /// How far a run's times stray from themselves, as a share: the greater of the two runs' values, where measured. A
-    /// difference within the noise floor is no verdict.
+    /// Noise floor, as a share: the greater of those of the two runs, where measured. A change up to the noise floor is
+    /// neither faster nor slower.
     pub noise_floor: Option<f64>,
     /// Verdict on the interval; undecided with fewer than [`MIN_SAMPLES`] samples of A or B.
     pub verdict: Option<Verdict>,
-    /// About how many samples would decide an undecided verdict; null if they are too many to say.
+    /// About how many samples would decide an undecided verdict; null if the number is too large to foretell.
     pub samples_to_decide: Option<u64>,
     /// How much longer the scene passes of B took than those of A, which do the same work, as a share. Null if the files have
     /// no times of scene passes.
@@ -150,30 +151,32 @@ struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// `threshold` is the change of a time that counts, as a share.
+    /// Prepares the comparison of two runs. `threshold` is the change of a time that counts, as a share.
     fn new(a: &'a Run, b: &'a Run, threshold: f64) -> Self {
         let judgement = Judgement { threshold, confidence: CONFIDENCE, resamples: RESAMPLES, seed: SEED };
         Self { a, b, judgement, warning: warning(a, b) }
     }
 
-    /// The record of a pass, which one side may lack; `paired` if frames of one number were timed in turn.
+    /// Makes the record of a pass from its samples in A and in B, one of which may be missing. `paired` says that
+    /// frames with the same number were timed in turn.
     fn record(&self, subject: &Subject, sides: [Option<&Samples>; 2], paired: bool) -> TimeComparison {
-        let [of_a, of_b] = sides;
+        let [in_a, in_b] = sides;
         let [ms_a, ms_b] = sides.map(|s| s.map_or(&[][..], |s| &s.ms));
         let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::from_samples(ms).median_ms);
-        let found = ratio(sides, paired);
-        let ratio = found.map(|(ratio, _)| ratio);
+        let ratio_and_samples = ratio(sides, paired);
+        let ratio = ratio_and_samples.map(|(ratio, _)| ratio);
         let floors = sides.into_iter().flatten().filter_map(|s| s.noise_floor);
         let noise_floor = floors.reduce(f64::max);
-        let judged = found.map(|(ratio, n)| self.judgement.judge(&ratio, n, noise_floor.unwrap_or(0.0)));
+        let judged =
+            ratio_and_samples.map(|(ratio, samples)| self.judgement.judge(&ratio, samples, noise_floor.unwrap_or(0.0)));
         TimeComparison {
             head: CompareHead::new("compare", &self.a.name, &self.b.name),
             subject: subject.clone(),
             setting_a: None,
             setting_b: None,
-            pass: of_a.or(of_b).map(|s| s.pass.clone()).unwrap_or_default(),
-            part_of: of_a.or(of_b).and_then(|s| s.part_of.clone()),
-            counted: of_a.or(of_b).is_some_and(|s| s.counted),
+            pass: in_a.or(in_b).map(|s| s.pass.clone()).unwrap_or_default(),
+            part_of: in_a.or(in_b).and_then(|s| s.part_of.clone()),
+            counted: in_a.or(in_b).is_some_and(|s| s.counted),
             only_in: match sides {
                 [Some(_), None] => Some(Side::A),
                 [None, Some(_)] => Some(Side::B),
@@ -199,28 +202,32 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// The records of every pass of two subjects, in A's order; passes of B alone come last.
+    /// Makes a record of each pass that A or B has, in A's order; passes of B alone come last. `a` and `b` have the
+    /// samples of the passes on each side.
     fn records(&self, subject: &Subject, [a, b]: [&[Samples]; 2], paired: bool) -> Vec<TimeComparison> {
-        let first = a.iter().map(|s| self.record(subject, [Some(s), find(b, s)], paired));
-        let missing = b.iter().filter(|s| find(a, s).is_none());
-        let all = first.chain(missing.map(|s| self.record(subject, [None, Some(s)], paired)));
+        let passes_of_a = a.iter().map(|s| self.record(subject, [Some(s), find(b, s)], paired));
+        let only_in_b = b.iter().filter(|s| find(a, s).is_none());
+        let all = passes_of_a.chain(only_in_b.map(|s| self.record(subject, [None, Some(s)], paired)));
         let drift = drift([a, b]);
         all.map(|record| TimeComparison { drift: drift.filter(|_| record.only_in.is_none()), ..record }).collect()
     }
 }
 
 impl Judgement {
-    /// The verdict on a ratio of `n` samples; if it is undecided, also about how many samples would decide.
-    fn judge(&self, ratio: &Ratio, n: usize, floor: f64) -> (Verdict, Option<u64>) {
-        let verdict =
-            if n < MIN_SAMPLES { Verdict::Undecided } else { Verdict::for_ratio(ratio, self.threshold, floor) };
+    /// Returns the verdict on a ratio that was found from `samples` samples, where `floor` is the noise floor as a
+    /// share. The second part says about how many samples would decide an undecided verdict; `None` if it is decided,
+    /// or if the number is too large to foretell.
+    fn judge(&self, ratio: &Ratio, samples: usize, floor: f64) -> (Verdict, Option<u64>) {
+        let has_too_few = samples < MIN_SAMPLES;
+        let verdict = if has_too_few { Verdict::Undecided } else { Verdict::for_ratio(ratio, self.threshold, floor) };
         let is_open = verdict == Verdict::Undecided;
-        (verdict, is_open.then(|| samples_to_decide(ratio, n, self.threshold, floor)).flatten())
+        (verdict, is_open.then(|| samples_to_decide(ratio, samples, self.threshold, floor)).flatten())
     }
 }
 
-/// The ratio of B to A with its interval, and its number of samples. Frames that were timed in turn give the median of their
-/// ratios; other frames give the ratio of the medians.
+/// Returns the ratio of B to A with its interval, and the number of samples that it follows from; `None` if A or B
+/// lacks the pass. Frames that were timed in turn give the median of their ratios; other frames give the ratio of the
+/// medians.
 fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
     let [Some(a), Some(b)] = sides else { return None };
     if paired {
@@ -230,19 +237,20 @@ fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
     Some((ratio_of_medians(&a.ms, &b.ms, SEED)?, a.ms.len().min(b.ms.len())))
 }
 
-/// How much longer the passes that do not count took in B, as a share. The passes draw the scene, which is the same work on
-/// both sides, so that any difference comes from the machine. `None` if A and B have no such pass in common.
+/// Returns how much longer the passes that do not count took in B than in A, as a share. These passes draw the scene,
+/// which is the same work on both sides, so that any difference comes from the machine. `None` if A and B have no such
+/// pass in common.
 fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
-    let is_work = |s: &&Samples| !s.counted && s.part_of.is_none() && s.pass != TOTAL;
-    let both = a.iter().filter(is_work).filter_map(|s| Some([s, find(b, s)?]));
-    let medians = both.map(|pair| pair.map(|s| Stats::from_samples(&s.ms).median_ms));
-    let [of_a, of_b] = medians.reduce(|sum, pair| [sum[0] + pair[0], sum[1] + pair[1]])?;
-    Some(of_b / of_a - 1.0).filter(|drift| drift.is_finite())
+    let draws_scene = |s: &&Samples| !s.counted && s.part_of.is_none() && s.pass != TOTAL;
+    let in_both = a.iter().filter(draws_scene).filter_map(|s| Some([s, find(b, s)?]));
+    let medians = in_both.map(|pair| pair.map(|s| Stats::from_samples(&s.ms).median_ms));
+    let [ms_in_a, ms_in_b] = medians.reduce(|sum, pair| [sum[0] + pair[0], sum[1] + pair[1]])?;
+    Some(ms_in_b / ms_in_a - 1.0).filter(|drift| drift.is_finite())
 }
 
-/// Compares every pass, group and total, in A's order; passes of B alone come last. `threshold` is the change of a time
-/// that counts, as a share, at least 0 and below 1. Frames are compared only if everything that was set is the same. If
-/// one run's file does not give a setting, the setting is ignored, and the warning names it.
+/// Compares every pass, group and total of two runs, in A's order; passes of B alone come last. `threshold` is the
+/// change of a time that counts, as a share, at least 0 and below 1. Frames are compared only if everything that was
+/// set is the same. If one run's file does not give a setting, the setting is ignored, and the warning names it.
 pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     let mut comparison = Comparison::new(a, b, threshold);
     if !a.samples.is_empty() && a.samples == b.samples {
@@ -250,42 +258,43 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
         comparison.warning = Some(std::iter::once(same).chain(comparison.warning).collect::<Vec<_>>().join("; "));
     }
     let [groups_a, groups_b] = groups_of_both(a, b);
-    let passes_in = |groups: &'_ [Group], subject: &Subject| groups.iter().position(|(s, _)| s == subject);
+    let index_of = |subject: &Subject, groups: &'_ [Group]| groups.iter().position(|(known, _)| known == subject);
     let mut records = Vec::new();
     let mut only_in_b = Vec::new();
     for (subject, passes) in &groups_a {
-        let other = passes_in(&groups_b, subject).map_or(&[][..], |n| &groups_b[n].1);
+        let passes_of_b = index_of(subject, &groups_b).map_or(&[][..], |index| &groups_b[index].1);
         let differs = nearest(&groups_b, subject).map(|b| subject.differences(b).join("; "));
-        for record in comparison.records(subject, [passes, other], false) {
+        for record in comparison.records(subject, [passes, passes_of_b], false) {
             let is_of_b = record.only_in == Some(Side::B);
             let differs = differs.clone().filter(|_| record.only_in.is_some());
             let to = if is_of_b { &mut only_in_b } else { &mut records };
             to.push(TimeComparison { differs, ..record });
         }
     }
-    for (subject, passes) in groups_b.iter().filter(|(s, _)| passes_in(&groups_a, s).is_none()) {
+    for (subject, passes) in groups_b.iter().filter(|(subject, _)| index_of(subject, &groups_a).is_none()) {
         let differs = nearest(&groups_a, subject).map(|a| a.differences(subject).join("; "));
-        let of_b = comparison.records(subject, [&[], passes], false).into_iter();
-        only_in_b.extend(of_b.map(|record| TimeComparison { differs: differs.clone(), ..record }));
+        let records_of_b = comparison.records(subject, [&[], passes], false).into_iter();
+        only_in_b.extend(records_of_b.map(|record| TimeComparison { differs: differs.clone(), ..record }));
     }
     records.extend(only_in_b);
     records
 }
 
-/// Names the two settings in which two runs differ, as values of the options `--a` and `--b`. The second value says whether
-/// both settings were measured at one place, so that one run can time them in turn.
+/// Names the settings in which the first subject of A and the subject of B nearest to it differ. The result has two
+/// texts, for the options `--a` and `--b`, and says whether both subjects have one place, so that one run can time them
+/// in turn. `None` if a run has no frames.
 pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
     let [groups_a, groups_b] = groups_of_both(a, b);
     let (first, _) = groups_a.first()?;
-    let other = nearest(&groups_b, first).or_else(|| groups_b.first().map(|(s, _)| s))?;
+    let other = nearest(&groups_b, first).or_else(|| groups_b.first().map(|(subject, _)| subject))?;
     Some(([first.difference_from(other, "--"), other.difference_from(first, "--")], first.place() == other.place()))
 }
 
 /// End of the warning about a comparison of a run with itself.
 const SAME_SAMPLES: &str = "with the same samples: nothing is compared";
 
-/// Why two runs may not be comparable: other or unknown devices, and settings that one file does not give. `None` if
-/// there is no reason.
+/// Says why two runs may not be comparable: different or unknown devices, and settings that only one of the files
+/// gives. `None` if nothing speaks against a comparison.
 fn warning(a: &Run, b: &Run) -> Option<String> {
     let only = "times compare only on one device";
     let device = match (&a.device, &b.device) {
@@ -307,16 +316,17 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
     (!all.is_empty()).then(|| all.join("; "))
 }
 
-/// The subject in `groups`, of the same scene, view and method, that differs from `subject` in the fewest values. `None` if
-/// `groups` has none, or has `subject` itself.
+/// Finds the subject of `groups` that differs from `subject` in the fewest values, among those with the same scene,
+/// view and method. `None` if there is none, or if `groups` has `subject` itself.
 fn nearest<'g>(groups: &'g [Group], subject: &Subject) -> Option<&'g Subject> {
-    let like = groups.iter().map(|(s, _)| s).filter(|s| s.is_like(subject));
-    like.min_by_key(|s| s.differences(subject).len()).filter(|s| *s != subject)
+    let candidates = groups.iter().map(|(candidate, _)| candidate).filter(|candidate| candidate.is_like(subject));
+    let nearest = candidates.min_by_key(|candidate| candidate.differences(subject).len());
+    nearest.filter(|candidate| *candidate != subject)
 }
 
-/// Finds the pass that has the name, the group and the value of `counted` of `like`.
-fn find<'g>(passes: &'g [Samples], like: &Samples) -> Option<&'g Samples> {
-    passes.iter().find(|s| s.pass == like.pass && s.part_of == like.part_of && s.counted == like.counted)
+/// Finds the samples of the pass that has the same name, group and `counted` as the pass of `wanted`.
+fn find<'g>(passes: &'g [Samples], wanted: &Samples) -> Option<&'g Samples> {
+    passes.iter().find(|s| s.pass == wanted.pass && s.part_of == wanted.part_of && s.counted == wanted.counted)
 }
 
 #[cfg(test)]

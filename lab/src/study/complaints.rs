@@ -1,6 +1,6 @@
-//! Complaints of engines' users about reflections. Each complaint has a small scene, the true reflection there, the
-//! reflections by methods, and one number that measures the complaint. `ssct stress --complaints` measures all
-//! complaints.
+//! Complaints of engines' users about reflections. Each complaint has a case: a small scene and its frames, for which
+//! every variant and the world reference compute the reflection. One number for each variant says how much of the fault
+//! it shows. `ssct stress --complaints` measures all complaints.
 
 mod cases;
 mod frames;

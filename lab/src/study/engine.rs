@@ -1,6 +1,7 @@
-//! The engine of studies: everything that all studies have in common. A study says which cells it has and how one cell is
-//! measured. The engine makes the list of cells, the journal and its keys, shards, what is left to measure, and the rows of a
-//! journal. `report::results` makes tables, files and pages of the rows, and `app::measure` runs the engine from flags.
+//! The engine of studies: everything that all studies have in common. A study says which cells it has and how one cell
+//! is measured. The engine lists the cells, divides them into shards, finds what is left to measure, measures it, keeps
+//! results in the journal, and makes rows of the journal. `report::results` makes tables, files and pages of the rows,
+//! and `app::measure` runs the engine from flags.
 
 use super::cell_list::{CellList, CellListHead, ListedResult, PlannedCell};
 use super::columns::Columns;
@@ -26,36 +27,37 @@ pub trait Study {
     /// The type of a row, which is the result of a measurement.
     type Row: Row;
 
-    /// Every cell, in the order of its rows.
+    /// Returns every cell, in the order in which the results list the cells' rows.
     fn cells(&self) -> Vec<Planned<Self::Cell>>;
 
-    /// The scenes, whose digests tell studies apart.
+    /// Returns the scenes; runs whose scenes have different digests belong to different studies.
     fn scenes(&self) -> Vec<&Scene>;
 
-    /// Settings that tables depend on, and that are not part of any cell.
+    /// Returns settings that tables depend on, and that are not part of any cell.
     fn settings(&self) -> Value {
         Value::Null
     }
 
-    /// The keys of the cell's results in the journal, each with the fields of its row that are missing in the journal.
+    /// Returns the key of each of the cell's results in the journal, and beside it the first fields of its record, if
+    /// the journal keeps samples, which lack them; else null.
     fn results(&self, gpu: &Gpu, cell: &Planned<Self::Cell>) -> Vec<(String, Value)> {
         vec![(cell.key::<Self::Row>(gpu), Value::Null)]
     }
 
-    /// Number of steps of the progress bar that a cell takes. The engine advances the bar for a cell of one step; a
-    /// cell of more steps advances the bar itself.
+    /// Returns the number of steps of the progress bar that a cell takes. For a cell of one step, the engine advances
+    /// the bar; for a cell of more steps, [`Study::measure`] does.
     fn steps(&self, _cell: &Self::Cell) -> usize {
         1
     }
 
-    /// Measures a cell.
+    /// Measures a cell, and returns its rows; no rows if [`Row::IS_SAMPLED`] and its samples are in the journal.
     ///
     /// # Errors
     /// Errors of the device, and those of [`Bench::go_on`], which end the study.
     fn measure(&mut self, cell: &Self::Cell, bench: &mut Bench) -> Result<Vec<Self::Row>>;
 }
 
-/// A cell, before the study is divided.
+/// A cell of the whole study, before the study is divided into shards.
 pub struct Planned<C> {
     /// The name, for people.
     pub name: String,
@@ -66,7 +68,7 @@ pub struct Planned<C> {
 }
 
 impl<C> Planned<C> {
-    /// The key under which the journal keeps the result that a device measures.
+    /// Returns the key under which the journal keeps the result of the cell on a device.
     pub fn key<R: Row>(&self, gpu: &Gpu) -> String {
         format!("{} {} {}", R::KIND, self.name, digest(gpu, &self.setup))
     }
@@ -74,7 +76,8 @@ impl<C> Planned<C> {
 
 /// The result of a study: a JSON record whose fields are columns.
 pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
-    /// The kind of study, which names its files and, if the study has no other kinds of records, its records.
+    /// The kind of study, by which its files are named. It is also the kind of its records, unless they have several
+    /// kinds.
     const KIND: &'static str;
     /// The title of the study's page.
     const TITLE: &'static str;
@@ -83,50 +86,50 @@ pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
     /// Whether measurements return no rows, but keep samples in the journal, from which [`Row::read`] makes rows.
     const IS_SAMPLED: bool = false;
 
-    /// The program and the device that measured the row.
+    /// Returns the program and the device that measured the row.
     fn program(&self) -> &Provenance;
 
-    /// Tables of rows that one device measured.
+    /// Makes tables of rows that one device measured. The settings are those of [`Study::settings`].
     fn tables(rows: &[Self], _settings: &Value) -> Vec<Table> {
         vec![Table::of_rows("table", rows)]
     }
 
-    /// Tables of figures alone, over the rows of all devices.
+    /// Makes tables over the rows of all devices, which show figures and no times.
     fn common_tables(_rows: &[Self]) -> Vec<Table> {
         Vec::new()
     }
 
-    /// Charts of rows that one device measured.
+    /// Makes charts of rows that one device measured.
     fn charts(_rows: &[Self]) -> Vec<Chart> {
         Vec::new()
     }
 
-    /// Animated pictures that measurements made.
+    /// Returns the pictures, animated or not, that measurements made and that pages show.
     fn clips(_rows: &[Self]) -> Vec<ClipGroup> {
         Vec::new()
     }
 
-    /// Further CSV files, beside the file of the rows and the file of their series.
+    /// Makes further CSV files, beside the file of the rows and the file of their series.
     fn sheets(_rows: &[Self]) -> Vec<Sheet> {
         Vec::new()
     }
 
-    /// The files of records, without their ending, with the rows of each.
+    /// Returns the name of each file of records, without its ending, with the rows that it has.
     fn files(rows: &[Self]) -> Vec<(&'static str, Vec<Self>)> {
         vec![(Self::KIND, rows.to_vec())]
     }
 
-    /// Says what is wrong, if rows have to pass a test and fail it.
+    /// Says what is wrong if the rows fail a test that they have to pass; else `None`.
     fn failure(_rows: &[Self]) -> Option<String> {
         None
     }
 
-    /// Whether a journal has a complete result in a readable form.
+    /// Whether a journal has all of a result, in a readable form.
     fn is_whole(_list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
         kept::<Self>(journal, &result.key).is_some()
     }
 
-    /// The rows of a result that a journal has, which may be incomplete.
+    /// Makes the rows of a result from what a journal has of it, which may be a part.
     fn read(_list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         kept(journal, &result.key).unwrap_or_default()
     }
@@ -136,13 +139,13 @@ pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
 pub struct Bench<'a> {
     /// The device.
     pub gpu: &'a Gpu,
-    /// The results that were measured until now.
+    /// The results that were measured so far.
     pub journal: &'a mut Journal,
     /// Fails once a signal asked to stop. Measurements call it between two steps of a measurement.
     pub go_on: fn() -> Result<()>,
-    /// Moves the progress bar on by some steps.
+    /// Advances the progress bar by a number of steps.
     pub advance: &'a mut dyn FnMut(usize),
-    /// Keeps a file that a measurement makes in addition to its rows.
+    /// Writes a file that a measurement makes in addition to its rows.
     pub keep: &'a mut dyn FnMut(&ExtraFile) -> Result<()>,
 }
 
@@ -157,7 +160,7 @@ impl Bench<'_> {
     }
 }
 
-/// The value that was made last, which is kept until another key is asked for.
+/// Keeps the value that was made last, with its key, until a value with another key is asked for.
 pub struct LastMade<K, T>(Option<(K, T)>);
 
 impl<K, T> Default for LastMade<K, T> {
@@ -167,8 +170,8 @@ impl<K, T> Default for LastMade<K, T> {
 }
 
 impl<K: PartialEq, T> LastMade<K, T> {
-    /// The last value, if it was made for this key. Otherwise the last value is dropped first, to free its memory, and a new
-    /// one is made.
+    /// Returns the last value, if it was made for this key. Otherwise drops the last value first, to free its memory,
+    /// and makes a new one.
     ///
     /// # Errors
     /// Errors of `make`.
@@ -187,8 +190,8 @@ impl<K: PartialEq, T> LastMade<K, T> {
     }
 }
 
-/// Lists a study's cells for a run on a device; `shard` says which of them the run owns, and `command` is the command of the
-/// whole study.
+/// Makes the list of a study's cells for a run on a device. `command` is the command of the whole study; the run owns
+/// the cells of its `shard`, or all cells without a shard.
 pub fn list<S: Study>(study: &S, gpu: &Gpu, command: String, shard: Option<Shard>) -> CellList {
     let planned = |cell: Planned<S::Cell>| {
         let results = study.results(gpu, &cell);
@@ -205,7 +208,7 @@ pub fn list<S: Study>(study: &S, gpu: &Gpu, command: String, shard: Option<Shard
     CellList::new(head, gpu.info(), study.cells().into_iter().map(planned).collect())
 }
 
-/// Steps of the progress bar over the cells that a run owns.
+/// Returns the number of steps of the progress bar over all cells that a run owns.
 pub fn steps<S: Study>(study: &S, list: &CellList) -> usize {
     list.own(&study.cells()).map(|planned| study.steps(&planned.cell)).sum()
 }
@@ -222,7 +225,9 @@ pub fn measure<S: Study>(study: &mut S, list: &CellList, bench: &mut Bench) -> R
             continue;
         }
         let rows = study.measure(&planned.cell, bench)?;
-        if let Some(result) = listed.results.first().filter(|_| !(S::Row::IS_SAMPLED && rows.is_empty())) {
+        // Without rows, the study has put samples into the journal itself.
+        let is_in_journal = S::Row::IS_SAMPLED && rows.is_empty();
+        if let Some(result) = listed.results.first().filter(|_| !is_in_journal) {
             bench.journal.put(result.key.clone(), &rows)?;
         }
         if steps == 1 {
@@ -232,7 +237,8 @@ pub fn measure<S: Study>(study: &mut S, list: &CellList, bench: &mut Bench) -> R
     Ok(())
 }
 
-/// The rows that a journal keeps under a key; `None` if the journal has no entry there, or an unreadable one.
+/// Returns the rows that a journal keeps under a key; `None` if the journal has no entry with the key, or an unreadable
+/// one.
 pub fn kept<R: Row>(journal: &Journal, key: &str) -> Option<Vec<R>> {
     journal.value(key).and_then(|value| rows_of(value).ok())
 }
@@ -240,31 +246,33 @@ pub fn kept<R: Row>(journal: &Journal, key: &str) -> Option<Vec<R>> {
 /// Reads rows from a value of a journal.
 ///
 /// # Errors
-/// Why the value is no list of rows, as the end of a sentence about it.
+/// Why the value is no list of possible rows, as the end of a sentence that begins with the value.
 pub fn rows_of<R: Row>(value: &Value) -> std::result::Result<Vec<R>, String> {
     let rows = Vec::deserialize(value).map_err(|e| format!("is no list of records of this study: {e}"))?;
-    value.as_array().into_iter().flatten().find_map(sound::fault::<R>).map_or(Ok(rows), Err)
+    let fault = value.as_array().into_iter().flatten().find_map(sound::fault::<R>);
+    fault.map_or(Ok(rows), Err)
 }
 
-/// The keys of a list's results.
+/// Returns the keys in the journal of all results of a list of cells.
 pub fn keys_of(list: &CellList) -> HashSet<&str> {
     list.cells.iter().flat_map(|cell| &cell.results).map(|result| result.key.as_str()).collect()
 }
 
-/// Whether a key is that of a sample: the key of one of the results, followed by one or two words.
+/// Whether a key is that of a sample: the key of one of `results`, followed by one or two words.
 fn is_sample(results: &HashSet<&str>, key: &str) -> bool {
     key.rmatch_indices(' ').take(2).any(|(end, _)| results.contains(&key[..end]))
 }
 
-/// The keys of a list whose entries in the journal cannot be read, so that the results are measured again.
+/// Returns the keys of a journal's entries that belong to results of a list and cannot be read, in order. Their results
+/// are measured again.
 pub fn unreadable<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
     let keys = keys_of(list);
-    let is_unread = |key: &&str| match journal.value(key) {
+    let is_unreadable = |key: &&str| match journal.value(key) {
         Some(value) if keys.contains(key) => rows_of::<R>(value).is_err(),
         Some(value) if R::IS_SAMPLED && is_sample(&keys, key) => interleave::sample_of(value).is_err(),
         _ => false,
     };
-    let mut found: Vec<String> = journal.keys().filter(is_unread).map(str::to_owned).collect();
+    let mut found: Vec<String> = journal.keys().filter(is_unreadable).map(str::to_owned).collect();
     found.sort_unstable();
     found
 }
@@ -272,7 +280,8 @@ pub fn unreadable<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
 /// Checks every entry of a run's journal that belongs to its results, and the rows that follow from the entries.
 ///
 /// # Errors
-/// The line, if known, and what is wrong with it, as the end of a sentence about it.
+/// The number of the line, if the fault lies in one, and what is wrong, as a text that can follow the name of the
+/// journal.
 pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usize>, String)> {
     let keys = keys_of(&input.cells);
     for line in &input.lines {
@@ -287,19 +296,21 @@ pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usiz
     // Rows made of samples also take fields from the list of cells, which are checked here.
     let results = input.cells.cells.iter().flat_map(|cell| &cell.results);
     let rows = results.flat_map(|result| R::read(&input.cells, result, &input.journal));
-    let fault = rows.map(|row| json!(row)).find_map(|row| sound::fault::<R>(&row));
-    fault.map_or(Ok(()), |why| Err((None, format!("a record that follows from its cells {why}"))))
+    match rows.map(|row| json!(row)).find_map(|row| sound::fault::<R>(&row)) {
+        Some(why) => Err((None, format!("a record that follows from its cells {why}"))),
+        None => Ok(()),
+    }
 }
 
-/// The rows of all results that a journal has of a run, in the order of the list.
+/// Makes the rows of a run from its journal, in the order of the list of cells.
 pub fn rows<R: Row>(list: &CellList, journal: &Journal) -> Vec<R> {
     let results = list.cells.iter().filter(|cell| cell.own).flat_map(|cell| &cell.results);
     results.flat_map(|result| R::read(list, result, journal)).collect()
 }
 
-/// The names of the cells that a run owns and has not measured.
+/// Returns the names of the cells that a run owns and of which its journal lacks a result.
 pub fn missing<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
     let own = list.cells.iter().filter(|cell| cell.own);
-    let lacks = own.filter(|cell| !cell.results.iter().all(|result| R::is_whole(list, result, journal)));
-    lacks.map(|cell| cell.name.clone()).collect()
+    let unfinished = own.filter(|cell| !cell.results.iter().all(|result| R::is_whole(list, result, journal)));
+    unfinished.map(|cell| cell.name.clone()).collect()
 }

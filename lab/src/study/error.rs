@@ -1,5 +1,6 @@
-//! Run time against error: variants of methods on one view, size and roughness are timed in turn, and compared with three
-//! references on the same G-buffer (docs/definitions.md, "Oracle", "Image error").
+//! The error study, which sets run time against error. In a cell, which is one view, size and set of factors, variants
+//! of methods are timed in turn, and compared with three references on the same G-buffer (docs/definitions.md,
+//! "Oracle", "Image error").
 
 mod judged;
 mod pictures;
@@ -41,7 +42,7 @@ use ssct_truth::metrics::image::error_map;
 pub struct Variant {
     /// The method.
     pub method: &'static MethodInfo,
-    /// Parameters of the method; the cell sets the size.
+    /// Parameters of the method; each cell replaces the size.
     pub setup: Setup,
 }
 
@@ -51,32 +52,33 @@ impl Variant {
         methods.iter().map(|method| Self { method, setup: setup.clone() }).collect()
     }
 
-    /// Whether the variant sees nothing but the screen: no fallback, and no ray goes on beyond it.
+    /// Whether the variant counts as seeing the screen alone: a screen-space method without a fallback, whose rays do
+    /// not go on among the triangles.
     pub fn is_on_screen(&self) -> bool {
         let effect = self.setup.effect();
-        let stays = self.method.is_screen_space() && !effect.is_among_triangles(self.method, true);
-        stays && effect.fallback == Fallback::None
+        let rays_stay = self.method.is_screen_space() && !effect.is_among_triangles(self.method, true);
+        rays_stay && effect.fallback == Fallback::None
     }
 
-    /// Everything that the results of the variant depend on at a size in pixels.
+    /// Returns everything that the variant's results at a size in pixels depend on: the method's name and its setup.
     pub fn settings(&self, extent: [u32; 2]) -> Value {
         json!([self.method.name, self.setup.with_extent(extent).recorded(Some(self.method))])
     }
 }
 
-/// The greatest number of bounces among some variants, which the world reference uses, too.
+/// Returns the greatest number of bounces among some variants; the references of these variants have as many.
 pub(super) fn greatest_bounces(variants: &[Variant]) -> u32 {
     variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)
 }
 
-/// A linear image of a cell, which becomes a picture: the reflection colour before fade.
+/// A picture of a cell: the linear reflection colour, before fade, by a reference or by a variant.
 struct Strip {
-    /// File stem.
+    /// Name of the reference or of the variant, for names of files.
     name: String,
-    /// The image, three channels a pixel.
+    /// Red, green and blue of each pixel.
     color: Vec<[f32; 3]>,
-    /// Errors, for methods: against the screen reference, or against the world reference if the variant sees more than the
-    /// screen.
+    /// Errors of a variant: against the screen reference, or against the world reference if the variant sees more than
+    /// the screen. `None` for references.
     error: Option<ErrorMaps>,
 }
 
@@ -92,13 +94,13 @@ struct ErrorMaps {
 struct MeasuredCell {
     /// Width and height in pixels.
     extent: [u32; 2],
-    /// Records of every variant against every reference.
+    /// Records of every variant against every reference that it is compared with.
     records: Vec<ErrorRecord>,
-    /// References and methods as images.
+    /// Pictures of the references and of the variants.
     strips: Vec<Strip>,
 }
 
-/// Inputs of a cell's measurement, on any device.
+/// Inputs of a cell's measurement, except the device.
 struct ErrorSpec<'a> {
     /// Scene.
     scene: &'a Scene,
@@ -121,22 +123,23 @@ struct ErrorSpec<'a> {
 }
 
 impl ErrorSpec<'_> {
-    /// Everything that the cell depends on, except the device, the program and the number of samples.
+    /// Returns everything that the cell's times depend on, except the device, the program and the number of samples.
     fn settings(&self) -> Value {
         let variants: Vec<_> = self.variants.iter().map(|v| v.settings(self.extent)).collect();
         let view = format!("{:?}", self.view);
         json!([self.scene_digest, view, self.globals, variants, self.warmup])
     }
 
-    /// Digest of everything that the cell depends on, except the number of samples.
+    /// Returns the digest of everything that the cell's times depend on, except the number of samples.
     fn digest(&self, gpu: &Gpu) -> String {
         digest(gpu, &self.settings())
     }
 }
 
-/// A scene on the device, and the shots of the last cell, which the next one uses again if it has their size and projection.
+/// A scene on the device, with the shots of the variants.
 struct LoadedScene {
     stage: Stage,
+    /// Shots of the last cell, by size and projection; the next cell uses them again if it has the same.
     shots: LastMade<([u32; 2], ProjectionKind), (SharedImages, Vec<Shot>)>,
 }
 
@@ -147,8 +150,8 @@ impl LoadedScene {
     }
 }
 
-/// Measures a cell; frames that the journal has are not timed again. `go_on` is called between two steps,
-/// and its error ends the cell.
+/// Measures a cell: times the variants, traces the references, and compares the variants' images and hits with them.
+/// Frames that the journal has are not timed again. `go_on` is called between two steps, and its error ends the cell.
 fn measure(
     gpu: &Gpu,
     spec: &ErrorSpec,
@@ -172,7 +175,7 @@ fn measure(
     let Some(first) = shots.first() else { return Ok(cell) };
     // If the journal has all times, no frame was drawn yet, and the G-buffer below needs one.
     shared.draw(stage, Mode::Plain, first)?;
-    let shot = |stage: &mut Stage, shared: &mut SharedImages, setup: &Setup, wants, method| {
+    let make_shot = |stage: &mut Stage, shared: &mut SharedImages, setup: &Setup, wants, method| {
         shared.shot(stage, method, &setup.with_extent(spec.extent), wants, camera, materials.clone())
     };
     let truth =
@@ -183,18 +186,19 @@ fn measure(
         cell.strips.push(Strip { name, color: screen.image.color.clone(), error: None });
     }
     cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
-    for ((variant, timed), time) in spec.variants.iter().zip(&*shots).zip(times) {
+    for ((variant, timed_shot), time) in spec.variants.iter().zip(&*shots).zip(times) {
         go_on()?;
-        let color = {
-            let (_, _, output) = shared.output_at_rest(stage, timed)?;
-            let made = output.traced.reflection.is_some();
-            made.then(|| gbuffer::reflection(&mut stage.context, &output)).transpose()?
+        // Some methods write an image of the reflection even in the timed shot; others need another shot for it.
+        let reflection = {
+            let (_, _, output) = shared.output_at_rest(stage, timed_shot)?;
+            let has_reflection = output.traced.reflection.is_some();
+            has_reflection.then(|| gbuffer::reflection(&mut stage.context, &output)).transpose()?
         };
-        let color = match color {
+        let color = match reflection {
             Some(pixels) => colors(&pixels),
             None => {
-                let seen = shot(stage, shared, &variant.setup, Wants::REFLECTION, variant.method)?;
-                let (_, _, output) = shared.output_at_rest(stage, &seen)?;
+                let reflection_shot = make_shot(stage, shared, &variant.setup, Wants::REFLECTION, variant.method)?;
+                let (_, _, output) = shared.output_at_rest(stage, &reflection_shot)?;
                 colors(&gbuffer::reflection(&mut stage.context, &output)?)
             }
         };
@@ -203,25 +207,26 @@ fn measure(
         let among_triangles = variant.setup.effect().is_among_triangles(variant.method, true);
         if variant.method.is_screen_space() || among_triangles {
             let setup = without_fallback(&variant.setup);
-            let traced = shot(stage, shared, &setup, Wants::HITS, variant.method)?;
-            let (_, _, output) = shared.output(stage, Mode::Plain, &traced)?;
-            let image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
-            hits = image.map(|p| MethodHits {
-                positions: (!among_triangles).then(|| gbuffer::hit_positions(&p)),
-                ends: gbuffer::ray_ends(&p, &truth.data),
+            let hit_shot = make_shot(stage, shared, &setup, Wants::HITS, variant.method)?;
+            let (_, _, output) = shared.output(stage, Mode::Plain, &hit_shot)?;
+            let hit_image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
+            hits = hit_image.map(|pixels| MethodHits {
+                positions: (!among_triangles).then(|| gbuffer::hit_positions(&pixels)),
+                ends: gbuffer::ray_ends(&pixels, &truth.data),
             });
         }
         let mut head = Record::new(gpu, spec, RecordSubject::Method(variant.method), &variant.setup, Some(&time));
-        head.record.prepared = Some(timed.prepared().clone());
+        head.record.prepared = Some(timed_shot.prepared().clone());
         cell.records.extend(head.against_all(&truth, variant.is_on_screen(), &color, hits.as_ref()));
-        let is_same = |other: &&Variant| other.method.name == variant.method.name;
-        let is_alone = spec.variants.iter().filter(is_same).count() == 1;
+        let has_method = |other: &&Variant| other.method.name == variant.method.name;
+        let is_alone = spec.variants.iter().filter(has_method).count() == 1;
         // Several variants of one method get different names for their pictures.
         let name = if is_alone { variant.method.name.to_owned() } else { head.record.head.variant().replace(' ', "-") };
         cell.strips.push(method_strip(&name, &color, &truth, variant, spec.extent));
     }
     if let Some(variant) = spec.variants.first() {
-        // Measures the error that is left when every hit is right, and the error of screen space itself.
+        // Measures the error that is left when every hit is right, and the error of the screen reference against the
+        // world.
         let setup = without_fallback(&variant.setup);
         let color = exact_hits_with_cone(gpu, spec, &truth, &setup)?;
         let subject = RecordSubject::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
@@ -239,20 +244,20 @@ fn measure(
     Ok(cell)
 }
 
-/// The name that records use for this combination: the hits of the oracle, shaded by the cone of the thesis.
+/// Name in records of the combination of the oracle's hits with the cone trace of the thesis.
 pub const EXACT_HITS: &str = "exact-hits+cone";
-/// Name in records of the screen reference, when its error against the world is measured.
+/// Name in records of the screen reference, whose error against the world is measured; also the name of its picture.
 pub const SCREEN_REFERENCE: &str = "screen-reference";
 /// Name of the world reference's picture.
 pub const WORLD_REFERENCE: &str = "world-reference";
 
-/// A picture's name, which says so if the second version of the oracle was used.
+/// Returns the name of a picture; with the second version of the oracle, the version is added to `name`.
 fn strip_name(name: &str, version: OracleVersion) -> String {
     if version.is_first() { name.to_owned() } else { format!("{name}-oracle-{}", u32::from(version)) }
 }
 
-/// The image of a variant, with its errors. A variant that sees the screen alone is compared with the screen reference,
-/// and any other with the world reference.
+/// Makes the picture of a variant's reflection `color`, with its errors in the reflecting pixels. A variant that sees
+/// the screen alone is compared with the screen reference, and any other with the world reference.
 fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, variant: &Variant, [width, height]: [u32; 2]) -> Strip {
     let version = variant.setup.effect().oracle;
     let reference = if variant.is_on_screen() { &truth.screen(version).image } else { &truth.world };
@@ -263,8 +268,9 @@ fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, variant: &Variant
     Strip { name: strip_name(name, version), color: color.to_vec(), error: Some(error) }
 }
 
-/// Shades the oracle's hits by the thesis's cone, which shows the method's error without the error of its ray tracing. Each
-/// bounce reflects the image that includes the bounce before, as in methods.
+/// Computes the reflection colour of each pixel by the thesis's cone trace from the oracle's hits, which shows the
+/// error of the cone without that of the ray trace. Each bounce reflects the image that includes the bounce before, as
+/// in methods.
 fn exact_hits_with_cone(gpu: &Gpu, spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Result<Vec<[f32; 3]>> {
     let [width, height] = spec.extent;
     let mut context = FrameContext::new(gpu)?;
@@ -273,43 +279,47 @@ fn exact_hits_with_cone(gpu: &Gpu, spec: &ErrorSpec, truth: &Truth, setup: &Setu
         .screen(setup.effect().oracle)
         .hits
         .iter()
-        .map(|p| match p {
-            Some(p) => [p.x / f64::from(width), p.y / f64::from(height), 1.0 - p.z, 1.0].map(|v| v as f32),
+        .map(|hit| match hit {
+            Some(hit) => [hit.x / f64::from(width), hit.y / f64::from(height), 1.0 - hit.z, 1.0].map(|v| v as f32),
             None => [-1.0, -1.0, -1.0, 3.0],
         })
         .collect();
     let hits = Image::from_texels(&mut context, "exact hits", [width, height], &texels)?;
     let method = ThesisMethod::cone_alone(gpu, &setup.with_extent(spec.extent))?;
     let mut data = truth.data.clone();
-    let mut made = Vec::new();
+    // The reflection of the last bounce: red, green, blue and fade of each pixel.
+    let mut reflected = Vec::new();
     for bounce in 0..setup.effect().bounces {
         if bounce > 0 {
-            data.color = composite(&truth.data, &made);
+            data.color = composite(&truth.data, &reflected);
         }
         let images = GBufferImages::upload(&mut context, &data)?;
         let mut frame = context.begin(Mode::Plain)?;
         let reflection = method.record_cone(&mut frame, &images.gbuffer(), &data.camera, Hits(&hits))?;
         frame.finish()?;
-        made = context.read(reflection.0.all())?.texels().map(|t| [t[0], t[1], t[2], t[3]]).collect();
+        reflected = context.read(reflection.0.all())?.texels().map(|t| [t[0], t[1], t[2], t[3]]).collect();
     }
-    Ok(made.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
+    Ok(reflected.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
 }
 
-/// Adds a reflection, times reflectivity and fade, to the lit colour of a G-buffer (docs/definitions.md, "Surfaces").
+/// Returns the lit colour of each pixel of a G-buffer plus its reflection, times reflectivity and fade
+/// (docs/definitions.md, "Surfaces"). A reflection is red, green, blue and fade.
 fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
     let share = |i: usize| if data.reflects(i) { data.reflectivity[i] } else { 0.0 };
     let pixels = data.color.iter().zip(reflection).enumerate();
     pixels.map(|(i, (lit, [r, g, b, fade]))| *lit + share(i) * fade * Vec3::new(*r, *g, *b)).collect()
 }
 
-/// The time of a variant in a cell, in milliseconds.
+/// The time of a variant in a cell.
 struct VariantTime {
+    /// Median over the frames, in milliseconds.
     median_ms: f64,
-    /// Ends of the interval of the median over resamples of the frames; `None` with too few frames.
+    /// Ends in milliseconds of the interval of the median over resamples of the frames; `None` with too few frames.
     interval: Option<[f64; 2]>,
 }
 
-/// Total times of the variants, whose shots are timed in turn.
+/// Times the shots of the variants in turn, except frames that the journal has, and returns the total time of each
+/// variant.
 fn totals(
     (gpu, spec): (&Gpu, &ErrorSpec),
     stage: &mut Stage,
@@ -321,22 +331,23 @@ fn totals(
     let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
     let rounds = Round::timed(spec.warmup, spec.samples);
     interleave(stage, (shared, shots), &rounds, &key, journal, go_on)?;
-    let total = |m: usize, n: usize| interleave::kept(journal, &key(m, &n.to_string())).map(|s| s.effect_ms());
-    let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
-    let timed = |samples: Vec<f64>| VariantTime {
+    let total_ms = |shot: usize, n: usize| interleave::kept(journal, &key(shot, &n.to_string())).map(|s| s.effect_ms());
+    let all_ms = |shot: usize| (0..spec.samples).filter_map(|n| total_ms(shot, n)).collect::<Vec<_>>();
+    let variant_time = |samples: Vec<f64>| VariantTime {
         median_ms: Stats::from_samples(&samples).median_ms,
         interval: interval_of_median(&samples, SEED),
     };
-    Ok((0..shots.len()).map(|m| timed(all(m))).collect())
+    Ok((0..shots.len()).map(|shot| variant_time(all_ms(shot))).collect())
 }
 
-/// The setup without its fallback; rays go on beyond the screen in the same way as with it.
+/// Returns a setup without its fallback. The setup names where rays go on beyond the screen, so that this does not
+/// change.
 fn without_fallback(setup: &Setup) -> Setup {
     let beyond = setup.effect().beyond(true);
     setup.with(|p: &mut EffectParams| (p.fallback, p.beyond) = (Fallback::None, beyond))
 }
 
-/// Red, green and blue of each pixel.
+/// Returns red, green and blue of each pixel.
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
     pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }

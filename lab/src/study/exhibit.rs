@@ -1,4 +1,5 @@
-//! Results of rows as plain data that a report writes and draws: tables, charts, clips, and files beside the records.
+//! Plain data that studies show of their rows, and that reports write and draw: tables, charts, clips, and files beside
+//! the records.
 
 use super::columns::{Column, Columns};
 use ssct_truth::metrics::flip::FlipMap;
@@ -7,9 +8,9 @@ use ssct_truth::metrics::video::Film;
 /// A table.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Table {
-    /// Name of the table's heading in links of its page, unique there.
+    /// Name by which links find the table's heading on its page; each table of a page has another.
     pub id: &'static str,
-    /// Title; empty for a table that is the only one.
+    /// Title; empty for a table that is the only one of its page.
     pub title: String,
     /// Description of the table, in a paragraph.
     pub about: String,
@@ -17,28 +18,28 @@ pub struct Table {
     pub cells: Vec<Vec<String>>,
     /// Whether the table is too large for a terminal and is shown on the page alone.
     pub is_large: bool,
-    /// Whether the cells are sentences: a terminal then shows the table's description above them, and a paragraph for each row.
+    /// Whether the cells are sentences. A terminal then shows the description, and below it a paragraph for each row.
     pub is_prose: bool,
 }
 
 impl Table {
-    /// A table that fits a terminal.
+    /// Makes a table that fits a terminal, from its cells, header first.
     pub fn new(id: &'static str, title: &str, about: &str, cells: Vec<Vec<String>>) -> Self {
         Self { id, title: title.to_owned(), about: about.to_owned(), cells, ..Self::default() }
     }
 
-    /// A table whose cells are sentences.
+    /// Makes a table whose cells are sentences.
     pub fn of_sentences(id: &'static str, title: &str, about: &str, cells: Vec<Vec<String>>) -> Self {
         Self { is_prose: true, ..Self::new(id, title, about, cells) }
     }
 
-    /// A table with a line for each of `rows`, and the columns that have a header.
+    /// Makes a table with a line for each of `rows`, and with those of their columns that have a header.
     pub fn of_rows<R: Columns>(id: &'static str, rows: &[R]) -> Self {
         Self::with_columns(id, rows, [])
     }
 
-    /// A table with a line for each of `rows`, the columns that have a header, and some more. Without rows the table has no
-    /// header either.
+    /// Makes a table with a line for each of `rows`, with those of their columns that have a header, and with the
+    /// columns `more` behind them. Without rows the table has no header either.
     pub fn with_columns<R: Columns, const N: usize>(id: &'static str, rows: &[R], more: [Column<R>; N]) -> Self {
         let own = R::columns().columns.into_iter().filter(|c| !c.title.is_empty());
         let columns: Vec<_> = own.chain(more).collect();
@@ -50,7 +51,7 @@ impl Table {
     }
 }
 
-/// Distinct values, in the order in which they first appear.
+/// Returns the distinct values, in the order in which they first appear.
 pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     let mut all = Vec::new();
     for value in values {
@@ -61,25 +62,30 @@ pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     all
 }
 
-/// A table with a line and a column for each value of two properties of some rows, in the order of the values. `meet` gives the
-/// text of a cell from the rows that have both values.
+/// Makes the cells of a table from two properties of rows, which `down` and `across` return. The table has a line for
+/// each value of the first property, and a column for each value of the second, in the order in which they first
+/// appear. `meet` returns the text of a cell from the rows that have both values; a cell without such rows or without a
+/// text is a dash. `corner` is the header of the first column.
 pub fn pivot<R>(
     corner: &str,
     rows: &[R],
     [down, across]: [&dyn Fn(&R) -> String; 2],
     meet: impl Fn(&[&R]) -> Option<String>,
 ) -> Vec<Vec<String>> {
-    let (downs, acrosses) = (distinct(rows.iter().map(down)), distinct(rows.iter().map(across)));
-    let header = std::iter::once(corner.to_owned()).chain(acrosses.iter().cloned()).collect();
-    let line = |name: String| {
-        let here: Vec<&R> = rows.iter().filter(|r| down(r) == name).collect();
-        let cell = |title: &String| {
-            let there: Vec<&R> = here.iter().copied().filter(|r| across(r) == *title).collect();
-            (!there.is_empty()).then(|| meet(&there)).flatten().unwrap_or_else(|| "-".to_owned())
+    let (line_property, column_property, cell_text) = (down, across, meet);
+    let line_names = distinct(rows.iter().map(line_property));
+    let column_names = distinct(rows.iter().map(column_property));
+    let header = std::iter::once(corner.to_owned()).chain(column_names.iter().cloned()).collect();
+    let line = |line_name: String| {
+        let of_line: Vec<&R> = rows.iter().filter(|row| line_property(row) == line_name).collect();
+        let cell = |column_name: &String| {
+            let of_cell: Vec<&R> = of_line.iter().copied().filter(|row| column_property(row) == *column_name).collect();
+            let text = if of_cell.is_empty() { None } else { cell_text(&of_cell) };
+            text.unwrap_or_else(|| "-".to_owned())
         };
-        std::iter::once(name.clone()).chain(acrosses.iter().map(cell)).collect()
+        std::iter::once(line_name.clone()).chain(column_names.iter().map(cell)).collect()
     };
-    std::iter::once(header).chain(downs.into_iter().map(line)).collect()
+    std::iter::once(header).chain(line_names.into_iter().map(line)).collect()
 }
 
 /// A chart.
@@ -89,27 +95,27 @@ pub struct Chart {
     pub stem: String,
     /// Subject of the chart.
     pub title: String,
-    /// The points as rows of a table, if no other table has them.
+    /// Cells of a table of the points, header first; empty if the study's tables have them.
     pub cells: Vec<Vec<String>>,
     /// The values, and how they are drawn.
     pub drawing: Drawing,
 }
 
 impl Chart {
-    /// A chart whose values stand in the study's tables.
+    /// Makes a chart whose values stand in the study's tables, too.
     pub fn new(stem: impl Into<String>, title: impl Into<String>, drawing: Drawing) -> Self {
         Self { stem: stem.into(), title: title.into(), cells: Vec::new(), drawing }
     }
 }
 
-/// The values of a chart. A pair of axes is the names of the horizontal and the vertical one.
+/// The values of a chart. A pair of texts names the horizontal and the vertical axis.
 #[derive(Debug, Clone)]
 pub enum Drawing {
     /// Lines of values over frames.
     Lines([String; 2], Vec<Line>),
     /// Named points of cost against error, on log axes.
     Points([String; 2], Vec<NamedPoint>),
-    /// Bars that are divided into the milliseconds of stages.
+    /// Bars, each divided into the milliseconds of stages.
     Bars(Vec<StageBar>),
 }
 
@@ -133,7 +139,7 @@ pub struct NamedPoint {
     pub on_front: bool,
 }
 
-/// A bar of stages, one after the other.
+/// A bar that is made of stages, one behind the other.
 #[derive(Debug, Clone)]
 pub struct StageBar {
     /// Label above the bar.
@@ -142,7 +148,7 @@ pub struct StageBar {
     pub stages: Vec<(String, f64)>,
 }
 
-/// Animated pictures that are shown beside each other.
+/// Pictures, mostly animated, that a page shows beside each other.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClipGroup {
     /// Subject of the pictures.
@@ -151,7 +157,7 @@ pub struct ClipGroup {
     pub clips: Vec<Clip>,
 }
 
-/// An animated picture.
+/// A picture, mostly animated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Clip {
     /// File, relative to the page.
@@ -162,7 +168,7 @@ pub struct Clip {
     pub caption: String,
 }
 
-/// Rows of a CSV file beside the records.
+/// A CSV file beside the records.
 pub struct Sheet {
     /// The name of the file.
     pub file: String,
@@ -180,16 +186,16 @@ pub struct ExtraFile {
 
 /// Contents of a file that a measurement makes.
 pub enum Content {
-    /// A picture, 3 bytes a pixel.
+    /// A picture: its width and height, and 3 bytes a pixel.
     Picture([u32; 2], Vec<u8>),
-    /// A number for each pixel, and the name of the number.
+    /// A map: its width and height, a number for each pixel, and the name of the number.
     Map([u32; 2], Vec<f32>, &'static str),
-    /// Finished images, with the number of images a second.
+    /// A film, and the number of its images that are shown each second.
     Film(Film, f32),
 }
 
 impl Content {
-    /// Picture of each pixel's error in FLIP's colours, where white is 1.
+    /// Makes a picture of each pixel's error, 0 to 1, in the colours of FLIP; greater errors are shown as 1.
     pub fn heat([width, height]: [u32; 2], errors: &[f32]) -> Self {
         let map = FlipMap { width, height, errors: errors.iter().map(|e| e.clamp(0.0, 1.0)).collect() };
         Self::Picture([width, height], map.picture())

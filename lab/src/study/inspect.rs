@@ -1,5 +1,5 @@
-//! Analyses a frame at rest: where its rays ended, how the ray of a picked pixel walked, and what the oracle finds for
-//! that ray. Everything is computed on the CPU from one readback of the G-buffer.
+//! Analyses a frame of a camera at rest: where its rays ended, how the ray of a picked pixel walked, and what the
+//! oracle finds for that ray. All of this is computed on the CPU, from one readback of the G-buffer and of the hits.
 
 mod walk;
 
@@ -29,9 +29,11 @@ pub struct Inspection {
     pub gbuffer: GBufferData,
     /// Where the method's rays ended; `None` if the method does not report this.
     pub hits: Option<Pixels>,
+    /// The twin of the method's ray tracing; `None` if it has none.
     twin: Option<Twin>,
+    /// The version of the oracle that the method is compared with.
     oracle: OracleVersion,
-    /// Whether rays that leave the screen are followed in captures or among triangles.
+    /// Whether rays that the screen loses are followed in captures or among triangles.
     is_followed: bool,
     /// Whether the method's own rays of a rough pixel are drawn from its lobe.
     traces_lobes: bool,
@@ -54,41 +56,45 @@ pub struct PickedRay {
     pub pixel: [u32; 2],
     /// The ray's path in the image; `None` if there is no ray.
     pub segment: Option<Segment>,
-    /// How the method reports that the ray ended, and where, in pixels.
+    /// How the method reports that the ray ended, and where on the screen, in pixels; `None` without a report.
     pub method: Option<(PathCode, [f32; 2])>,
-    /// Visited cells and levels, if the method traverses a Hi-Z chain and its traversal has a twin.
+    /// Visited cells of the Hi-Z chain or of the pyramid; `None` if there is no ray, or the method's walk has no twin.
     pub walk: Option<Walk>,
-    /// Hit of the ray in the G-buffer by the oracle.
+    /// End of the ray in the G-buffer by the oracle.
     pub oracle: Trace,
-    /// Way of the ray through the world, if the method reports how the ray ended.
+    /// Path of the ray through the world; `None` if the method does not report how the ray ended, or looks at the
+    /// screen alone and the ray missed.
     pub in_world: Option<RayInWorld>,
-    /// Way of the ray after the screen lost it, projected onto the image, in pixels, which may lie outside the image.
+    /// Points of the ray's path after the screen lost it, projected onto the image, in pixels; they may lie outside the
+    /// image.
     pub beyond_on_screen: Option<Vec<Vec2>>,
 }
 
-/// The way of a ray through the world, on the screen and, where the screen lost it, in captures.
+/// The path of a ray through the world: on the screen and, where the screen lost the ray, in captures or among
+/// triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayInWorld {
     /// Where the ray begins, in world space, in metres.
     pub begin: Vec3,
-    /// Where the screen lost or hit the ray; the method `captures` follows rays from where they begin.
+    /// Where the ray hit the screen, or where the screen lost it; the beginning of a ray that was not traced on the
+    /// screen.
     pub lost: Vec3,
-    /// Where the ray ends: at its hit, at a point far along it for the sky, or where the screen lost it if no image sees its
-    /// end.
+    /// Where the ray ends: at its hit, at a point far along it if it ends in the sky, or where the screen lost it if
+    /// its end is unknown.
     pub end: Vec3,
     /// How the ray ends: a hit on the screen, [`PathCode::Capture`], [`PathCode::Triangle`], [`PathCode::Sky`] or
     /// [`PathCode::Unknown`].
     pub code: PathCode,
-    /// The capture in which the ray hit, counted from 0.
+    /// The capture in which the ray hit, counted from 0; `None` for any other end.
     pub capture: Option<usize>,
 }
 
 impl RayInWorld {
-    /// Length of the last part of a way to the sky, in metres.
+    /// Distance in metres at which a ray that ends in the sky is taken to end, from where the screen lost it.
     const SKY_M: f32 = 1e4;
 
-    /// Points along the way from its beginning to its end. Its two parts, before and after the screen lost the ray,
-    /// have equally many points, which lie closer near the start of each part, as a picture needs.
+    /// Returns points along the path, from its beginning to its end, in metres. The two parts, before and after the
+    /// screen lost the ray, have equally many points, which lie closer near the start of each part, as a picture needs.
     pub fn way(&self) -> Vec<Vec3> {
         const POINTS: u16 = 256;
         let part = |from: Vec3, to: Vec3| {
@@ -102,7 +108,7 @@ impl RayInWorld {
     }
 }
 
-/// The reflecting pixels by how `unified` treats them.
+/// The numbers of reflecting pixels, by how `unified` treats them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PixelClasses {
     /// Number of mirrors (roughness 0); each has its own ray.
@@ -116,7 +122,7 @@ pub struct PixelClasses {
 }
 
 impl PixelClasses {
-    /// The number of rays.
+    /// Returns the number of rays that `unified` traces for these pixels.
     pub fn rays(&self) -> usize {
         self.mirrors + self.narrow + self.wide_cells
     }
@@ -136,7 +142,8 @@ pub struct TileClasses {
 }
 
 impl Inspection {
-    /// Prepares the analysis of a method's frame; the names of the recorded passes tell whether its rays walk over the screen.
+    /// Prepares the analysis of a frame of a method with its setup. `recorded` has the labels of the frame's passes,
+    /// which tell whether the method's rays walk over the screen's pyramid.
     pub fn new(
         gbuffer: GBufferData,
         hits: Option<Pixels>,
@@ -146,8 +153,8 @@ impl Inspection {
         let extent = [gbuffer.width, gbuffer.height];
         let hi_z = || {
             let levels = ssct::gpu::image::full_chain(extent);
-            let numbers: HiZParams = setup.parameters();
-            let block = numbers.fill(thesis::block(&gbuffer.camera, extent, levels, true));
+            let params: HiZParams = setup.parameters();
+            let block = params.fill(thesis::block(&gbuffer.camera, extent, levels, true));
             let depth = Level {
                 width: gbuffer.width,
                 height: gbuffer.height,
@@ -175,12 +182,13 @@ impl Inspection {
         Self { gbuffer, hits, twin, oracle, is_followed, traces_lobes, is_unified }
     }
 
-    /// The number of rays that ended with each path code.
+    /// Returns each path code that rays ended with, and the number of these rays, in the order of the codes.
     pub fn ends(&self) -> Vec<(PathCode, usize)> {
         let mut counts: Vec<(PathCode, usize)> = Vec::new();
+        // The fourth channel of a hit has the path code.
         for code in self.hits.iter().flat_map(Pixels::texels).filter_map(|t| PathCode::from_channel(t[3])) {
-            match counts.iter_mut().find(|(c, _)| *c == code) {
-                Some((_, n)) => *n += 1,
+            match counts.iter_mut().find(|(known, _)| *known == code) {
+                Some((_, count)) => *count += 1,
                 None => counts.push((code, 1)),
             }
         }
@@ -189,12 +197,12 @@ impl Inspection {
         counts
     }
 
-    /// The number of reflecting pixels.
+    /// Returns the number of reflecting pixels.
     pub fn reflecting(&self) -> usize {
         (0..self.gbuffer.depth.len()).filter(|i| self.gbuffer.reflects(*i)).count()
     }
 
-    /// The tiles by content, which decides how much work a method that classifies tiles has.
+    /// Counts the tiles by content, which decides how much work a method that classifies tiles has.
     pub fn tiles(&self) -> TileClasses {
         let g = &self.gbuffer;
         let mut classes = TileClasses::default();
@@ -218,15 +226,16 @@ impl Inspection {
         classes
     }
 
-    /// The reflecting pixels by class.
+    /// Counts the reflecting pixels, and the cells of wide lobes, by class.
     pub fn pixels(&self) -> PixelClasses {
         let g = &self.gbuffer;
         let mut classes = PixelClasses::default();
+        // Goes through the cells of 2 × 2 pixels.
         for top in (0..g.height).step_by(2) {
             for left in (0..g.width).step_by(2) {
                 let pixels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (left + dx, top + dy));
-                let there = pixels.into_iter().filter(|(x, y)| *x < g.width && *y < g.height);
-                let reflecting = there.map(|(x, y)| g.index(x, y)).filter(|i| g.reflects(*i));
+                let in_image = pixels.into_iter().filter(|(x, y)| *x < g.width && *y < g.height);
+                let reflecting = in_image.map(|(x, y)| g.index(x, y)).filter(|i| g.reflects(*i));
                 let mut wide = 0;
                 for i in reflecting {
                     match g.roughness[i] {
@@ -242,7 +251,7 @@ impl Inspection {
         classes
     }
 
-    /// The version of the oracle that the method is compared with.
+    /// Returns the version of the oracle that the method is compared with.
     pub fn oracle(&self) -> OracleVersion {
         self.oracle
     }
@@ -257,51 +266,55 @@ impl Inspection {
         self.is_unified
     }
 
-    /// The steps of every pixel's ray, rows from the top; `None` for methods whose traversal has no twin.
+    /// Counts the steps of every pixel's mirror ray on the screen, rows from the top; 0 without a ray. `None` for
+    /// methods whose walk has no twin.
     pub fn steps(&self) -> Option<Vec<u32>> {
         let (width, pixels) = (self.gbuffer.width, self.gbuffer.width * self.gbuffer.height);
-        let place = |i: u32| (i % width, i / width);
+        let column_and_row = |i: u32| (i % width, i / width);
         match self.twin.as_ref()? {
             Twin::HiZ { .. } => {
-                let steps = |(x, y)| self.hi_z(x, y).map_or(0, |t| t.steps.len() as u32);
-                Some((0..pixels).into_par_iter().map(|i| steps(place(i))).collect())
+                let steps = |(x, y)| self.hi_z(x, y).map_or(0, |trace| trace.steps.len() as u32);
+                Some((0..pixels).into_par_iter().map(|i| steps(column_and_row(i))).collect())
             }
             Twin::Unified => {
                 let traversal = self.traversal();
                 let steps = |(x, y)| traversal.mirror_steps(x, y).unwrap_or(0);
-                Some((0..pixels).into_par_iter().map(|i| steps(place(i))).collect())
+                Some((0..pixels).into_par_iter().map(|i| steps(column_and_row(i))).collect())
             }
         }
     }
 
-    /// The thesis's Hi-Z ray tracing of a pixel (Alg. 6); `None` if the pixel does not reflect or its ray runs
-    /// towards the camera.
+    /// Traces the mirror ray of the pixel (x, y) as the thesis does (Alg. 6). `None` if the pixel does not reflect, if
+    /// its ray runs towards the camera, or if the frame was not drawn by Hi-Z ray tracing.
     fn hi_z(&self, x: u32, y: u32) -> Option<HiZTrace> {
         let Some(Twin::HiZ { constants, reflection_offset, direction_epsilon, chain }) = &self.twin else {
             return None;
         };
         let g = &self.gbuffer;
-        let (index, finest) = (g.index(x, y), &chain[0]);
+        let (index, finest_level) = (g.index(x, y), &chain[0]);
         let normal = g.normal[index];
         if g.reflectivity[index] <= GBufferData::REFLECTS_ABOVE || normal.length_squared() <= 1e-4 {
             return None;
         }
-        let pixel = Vec3::new(
+        // Texture coordinates of the pixel's centre, and its standard depth.
+        let start = Vec3::new(
             (x as f32 + 0.5) / g.width as f32,
             (y as f32 + 0.5) / g.height as f32,
-            finest.at_clamped(x, y).min,
+            finest_level.at_clamped(x, y).min,
         );
-        let ray = reflection_ray(&g.camera, pixel, normal.normalize(), *reflection_offset);
-        (ray.z > *direction_epsilon).then(|| hi_z_ray_trace::trace(chain, pixel, ray, constants))
+        let ray = reflection_ray(&g.camera, start, normal.normalize(), *reflection_offset);
+        (ray.z > *direction_epsilon).then(|| hi_z_ray_trace::trace(chain, start, ray, constants))
     }
 
-    /// The twin of the walk of `unified` over the screen, with or without images or triangles in which lost rays go on.
+    /// Returns the twin of the walk of `unified` over the screen. The walk ends where the screen loses the ray if lost
+    /// rays are followed; else it follows the version of the oracle.
     fn traversal(&self) -> Traversal<'_> {
         let traversal = Traversal::new(&self.gbuffer);
         if self.is_followed { traversal.followed() } else { traversal.of_version(self.oracle) }
     }
 
-    /// The path of a pixel's mirror ray.
+    /// Returns the walk of the mirror ray of the pixel (x, y) over the screen; `None` if the pixel has no ray, or the
+    /// method's walk has no twin.
     fn walk(&self, x: u32, y: u32) -> Option<Walk> {
         let g = &self.gbuffer;
         match self.twin.as_ref()? {
@@ -314,46 +327,49 @@ impl Inspection {
         }
     }
 
-    /// The ray of a pixel; `None` outside the image.
+    /// Analyses the ray of a pixel; `None` outside the image.
     pub fn pick(&self, pixel: [u32; 2]) -> Option<PickedRay> {
         let [x, y] = pixel;
         if x >= self.gbuffer.width || y >= self.gbuffer.height {
             return None;
         }
         let setup = RaySetup::new(&self.gbuffer);
-        let side = [self.gbuffer.width as f32, self.gbuffer.height as f32];
+        let [width, height] = [self.gbuffer.width as f32, self.gbuffer.height as f32];
         let method = self.hits.as_ref().and_then(|hits| {
             let texel = hits.texel(x, y);
-            Some((PathCode::from_channel(texel[3])?, [texel[0] * side[0], texel[1] * side[1]]))
+            Some((PathCode::from_channel(texel[3])?, [texel[0] * width, texel[1] * height]))
         });
         let in_world = self.in_world(&setup, pixel);
-        let beyond = in_world.filter(|ray| !ray.code.is_hit());
+        let beyond_screen = in_world.filter(|ray| !ray.code.is_hit());
         Some(PickedRay {
             pixel,
             segment: setup.mirror(x, y).and_then(|direction| setup.segment(x, y, direction)),
             method,
             walk: self.walk(x, y),
             oracle: Oracle::new(&self.gbuffer).of_version(self.oracle).trace(x, y),
-            beyond_on_screen: beyond.map(|ray| self.projected(&ray)),
+            beyond_on_screen: beyond_screen.map(|ray| self.projected(&ray)),
             in_world,
         })
     }
 
-    /// Points of a ray's way after the screen lost it that lie in front of the camera, in pixels.
+    /// Projects points of a ray's path after the screen lost it onto the image, in pixels. Points behind the near plane
+    /// are left out.
     fn projected(&self, ray: &RayInWorld) -> Vec<Vec2> {
         let (g, view_to_clip) = (&self.gbuffer, self.gbuffer.view_to_clip());
-        let way = ray.way();
+        let points = ray.way();
         // The second half of the points is the part after the screen lost the ray.
-        let after = way[way.len() / 2..].iter();
-        let project = |p: &Vec3| {
-            let view = g.camera.world_to_view.transform_point3(*p);
-            let ahead = view.z > g.camera.lens.near_m;
-            ahead.then(|| g.project(view.as_dvec3(), &view_to_clip)).flatten().map(|p| p.truncate().as_vec2())
+        let after_loss = points[points.len() / 2..].iter();
+        let project = |point: &Vec3| {
+            let in_view = g.camera.world_to_view.transform_point3(*point);
+            let is_ahead = in_view.z > g.camera.lens.near_m;
+            let on_screen = if is_ahead { g.project(in_view.as_dvec3(), &view_to_clip) } else { None };
+            on_screen.map(|place| place.truncate().as_vec2())
         };
-        after.filter_map(project).collect()
+        after_loss.filter_map(project).collect()
     }
 
-    /// The way of a pixel's ray through the world; `None` if the method looks into the screen alone and the ray missed.
+    /// Finds the path of a pixel's ray through the world. `None` if the method does not report how the ray ended, or if
+    /// it looks at the screen alone and the ray missed.
     fn in_world(&self, setup: &RaySetup, [x, y]: [u32; 2]) -> Option<RayInWorld> {
         let g = &self.gbuffer;
         let texel = self.hits.as_ref()?.texel(x, y);
@@ -364,15 +380,16 @@ impl Inspection {
         }
         let view_to_world = g.camera.world_to_view.as_dmat4().inverse();
         let clip_to_view = g.view_to_clip().inverse();
-        let place = |x: f64, y: f64, depth: f64| {
+        // The point in the world at a place on the screen, in pixels, with a reversed depth.
+        let to_world = |x: f64, y: f64, depth: f64| {
             view_to_world.transform_point3(g.unproject(x, y, depth, &clip_to_view)).as_vec3()
         };
-        let begin = place(f64::from(x) + 0.5, f64::from(y) + 0.5, f64::from(g.depth[g.index(x, y)]));
+        let begin = to_world(f64::from(x) + 0.5, f64::from(y) + 0.5, f64::from(g.depth[g.index(x, y)]));
         let direction = view_to_world.transform_vector3(setup.mirror(x, y)?).normalize().as_vec3();
         let lost = if code.is_hit() {
             // The image of hits has texture coordinates and standard depth.
             let [u, v, depth] = [0, 1, 2].map(|c| f64::from(texel[c]));
-            place(u * f64::from(g.width), v * f64::from(g.height), 1.0 - depth)
+            to_world(u * f64::from(g.width), v * f64::from(g.height), 1.0 - depth)
         } else if self.is_followed {
             match CaptureTraversal::new(&g.camera, &[]).trace_screen(&self.traversal(), x, y) {
                 ScreenRayEnd::Lost(ray) => g.camera.eye() + ray.start,
@@ -382,6 +399,7 @@ impl Inspection {
             begin
         };
         let end = match code {
+            // The image of hits has the end of such a ray relative to the eye.
             PathCode::Capture | PathCode::Triangle => g.camera.eye() + Vec3::from_slice(texel),
             PathCode::Sky => lost + RayInWorld::SKY_M * direction,
             _ => lost,

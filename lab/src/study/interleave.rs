@@ -1,5 +1,6 @@
-//! The one timing loop: shots take turns, frame by frame, so that a change of the machine's speed affects all of them alike. Each
-//! round draws the scene once for all shots. Each frame that counts goes into the journal as soon as it is measured.
+//! The timing loop of all studies. Each round draws one frame of every shot, so that a change of the machine's speed
+//! affects all shots alike, and draws the scene once for all of them. Each frame that counts goes into the journal as
+//! soon as it is measured.
 
 use super::journal::Journal;
 use super::sound;
@@ -13,7 +14,7 @@ use ssct::gpu::frame::Mode;
 use ssct::passes::gbuffer::DrawnCounts;
 use ssct_scenes::Camera;
 
-/// A frame as the journal keeps it.
+/// A timed frame, as the journal keeps it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Sample {
     /// Passes of the frame and their times.
@@ -23,13 +24,14 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Milliseconds of the passes that count, which are the method's.
+    /// Returns the milliseconds of the passes that count, which are those of the method.
     pub fn effect_ms(&self) -> f64 {
         self.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
     }
 }
 
-/// The sample that a journal keeps under a key; `None` if the journal has no entry there, or an unreadable one.
+/// Returns the sample that a journal keeps under a key; `None` if the journal has no entry with the key, or an
+/// unreadable one.
 pub fn kept(journal: &Journal, key: &str) -> Option<Sample> {
     journal.value(key).and_then(|value| sample_of(value).ok())
 }
@@ -37,15 +39,15 @@ pub fn kept(journal: &Journal, key: &str) -> Option<Sample> {
 /// Reads a sample from a value of a journal.
 ///
 /// # Errors
-/// Why the value is no sample, as the end of a sentence about it.
+/// Why the value is no sample, as the end of a sentence that begins with the value.
 pub fn sample_of(value: &Value) -> std::result::Result<Sample, String> {
     let sample = Sample::deserialize(value).map_err(|e| format!("is no sample of times: {e}"))?;
     sound::fault_of_sample(value).map_or(Ok(sample), Err)
 }
 
-/// One frame of every shot.
+/// A round, which draws one frame of every shot.
 pub struct Round {
-    /// Label of the frames in the journal; `None` for frames that warm up and do not count.
+    /// Label of the round's frames in the journal; `None` for frames that warm up and do not count.
     pub label: Option<String>,
     /// Mode of measurement.
     pub mode: Mode,
@@ -54,7 +56,7 @@ pub struct Round {
 }
 
 impl Round {
-    /// Some frames that warm up, and some timed frames, labelled by their numbers.
+    /// Makes `warmup` rounds that warm up, and then `samples` timed rounds, labelled by their numbers from 0.
     pub fn timed(warmup: usize, samples: usize) -> Vec<Self> {
         let round = |label| Self { label, mode: Mode::Timed, camera: None };
         let warm = (0..warmup).map(|_| round(None));
@@ -62,15 +64,15 @@ impl Round {
     }
 }
 
-/// Index of the shot that is drawn at a turn of a round, among `shots`. Each round begins with the next shot, since the first
-/// shot of a round may find colder caches.
+/// Returns the index of the shot that is drawn at a turn of a round; `shots` is the number of shots. Each round begins
+/// with another shot, since the first shot of a round may find colder caches.
 fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
     (round + turn) % shots
 }
 
-/// Draws the frames of every shot that the journal lacks; `key` gives the key of a shot's frame with a label. A shot whose
-/// frames are all in the journal is not warmed up either. `shared` are those of the shots. `progress` is called after each
-/// frame; its error ends the loop.
+/// Draws the frames of the shots that the journal lacks, and puts them into the journal. `key` makes the key of a frame
+/// from the index of its shot and the label of its round. A shot whose frames are all in the journal is not warmed up
+/// either. `shared` has the images that the shots share. `progress` is called after each turn; its error ends the loop.
 ///
 /// # Errors
 /// Errors of the device, of the journal and of `progress`.
@@ -99,7 +101,7 @@ pub fn interleave(
                 let name = key.clone().unwrap_or_else(|| format!("shot {shot}, warm-up"));
                 let run = || shared.output(stage, round.mode, &shots[shot]);
                 let (report, drawn, _) =
-                    zones.frame(&name, run, |made| made.as_ref().ok().map(|(report, ..)| report))?;
+                    zones.frame(&name, run, |result| result.as_ref().ok().map(|(report, ..)| report))?;
                 if let Some(key) = key {
                     journal.put(key, &Sample { report, drawn })?;
                 }
@@ -117,6 +119,7 @@ mod tests {
     use ssct::methods::{METHODS, Setup, Wants};
     use ssct_scenes::library;
 
+    /// Tests that two shots have equal times of the scene passes in one round, and other times in the next.
     #[test]
     fn each_round_draws_the_scene_once_for_all_shots() {
         let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");

@@ -1,5 +1,6 @@
-//! The results of a study so far, so that nothing is lost or measured twice, whatever ends the study. A study asks the journal
-//! before each measurement and adds the result afterwards; the caller decides where lines are written.
+//! The journal of a study has the results so far, so that nothing is lost or measured twice, whatever ends the study. A
+//! study asks the journal before each measurement, and adds the result afterwards. The caller decides where its lines
+//! are written.
 
 use super::record::Provenance;
 use crate::error::Result;
@@ -11,7 +12,7 @@ use ssct::gpu::Gpu;
 use ssct_scenes::Scene;
 use std::collections::HashMap;
 
-/// Writes a line, given without its line ending, to where the caller keeps lines.
+/// A function that writes a line, given without its line ending, to where the caller keeps the journal.
 pub type Sink = Box<dyn FnMut(&str) -> Result<()>>;
 
 /// Results of measurements, each under a key. A sink, if there is one, gets a line for each new result.
@@ -22,28 +23,28 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// A journal that begins with the entries of some lines, and writes new entries to a sink. Lines that are no entry
-    /// are ignored.
+    /// Makes a journal that has the entries of some lines, and writes new entries to a sink, if given. Lines that are
+    /// no entries are ignored.
     pub fn resume<'l>(lines: impl Iterator<Item = &'l str>, sink: Option<Sink>) -> Self {
         Self { known: lines.filter_map(entry).collect(), sink }
     }
 
-    /// A known result, if it can be read as type `T`.
+    /// Returns the result with a key; `None` if there is none, or if it cannot be read as type `T`.
     pub fn get<T: DeserializeOwned>(&self, key: &str) -> Option<T> {
         T::deserialize(self.known.get(key)?).ok()
     }
 
-    /// The keys of all known results.
+    /// Returns the keys of all known results, in no order.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         self.known.keys().map(String::as_str)
     }
 
-    /// A known result as JSON.
+    /// Returns the result with a key as JSON.
     pub fn value(&self, key: &str) -> Option<&Value> {
         self.known.get(key)
     }
 
-    /// Keeps an entry of another journal by copying its line unchanged. A line that is no entry is ignored.
+    /// Adds an entry of another journal, and writes its line to the sink unchanged. A line that is no entry is ignored.
     ///
     /// # Errors
     /// Errors of the sink.
@@ -56,7 +57,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Keeps a result under a key, and writes its line to the sink.
+    /// Adds a result under a key, and writes its line to the sink.
     ///
     /// # Errors
     /// Errors of the sink.
@@ -70,19 +71,19 @@ impl Journal {
     }
 }
 
-/// The key and the value of a line; `None` for a line that is no entry.
+/// Reads the key and the value of a line, which is the JSON object `{"key": …, "value": …}`; `None` for any other line.
 pub fn entry(line: &str) -> Option<(String, Value)> {
     let mut entry: Value = serde_json::from_str(line).ok()?;
     Some((entry["key"].as_str()?.to_owned(), entry.get_mut("value")?.take()))
 }
 
-/// The key of a line; `None` for a line that is no entry.
+/// Reads the key of a line; `None` for a line that is no entry.
 pub fn key_of(line: &str) -> Option<String> {
     entry(line).map(|(key, _)| key)
 }
 
-/// Digest of everything that a result depends on: program, device and settings, which may include the scene's digest. Results
-/// that differ in any of them have different digests.
+/// Returns the digest of everything that a result depends on: program, device, and `settings`, which may include the
+/// scene's digest. Results that differ in any of these have different digests.
 pub fn digest(gpu: &Gpu, settings: &Value) -> String {
     let mut hash = Sha256::new();
     hash.update(json!(Provenance::on(gpu)).to_string());
@@ -90,15 +91,15 @@ pub fn digest(gpu: &Gpu, settings: &Value) -> String {
     short_hex(hash)
 }
 
-/// Digest of settings alone, equal on every machine and device.
+/// Returns the digest of settings alone, which is equal on every machine and device.
 pub fn setup_digest(settings: &Value) -> String {
     let mut hash = Sha256::new();
     hash.update(settings.to_string());
     short_hex(hash)
 }
 
-/// A digest of a scene's lens, materials, lights, probes, impostors, captures, motions, triangles and textures. Views, camera
-/// paths and the names of meshes are left out.
+/// Returns the digest of a scene: of its name, lens, materials, lights, area lights, probes, impostors, motions,
+/// captures, triangles and textures. Views, paths of a camera and the names of meshes are left out.
 pub fn scene_digest(scene: &Scene) -> String {
     let mut hash = Sha256::new();
     hash.update(format!("{} {:?} {:?} {:?}", scene.name, scene.lens, scene.materials, scene.lights));
@@ -117,7 +118,7 @@ pub fn scene_digest(scene: &Scene) -> String {
     short_hex(hash)
 }
 
-/// The first 8 bytes of a hash, as 16 hexadecimal digits.
+/// Returns the first 8 bytes of a hash, as 16 hexadecimal digits.
 fn short_hex(hash: Sha256) -> String {
     hash.finalize().iter().take(8).map(|b| format!("{b:02x}")).collect()
 }
@@ -134,13 +135,13 @@ mod tests {
     #[test]
     fn what_is_put_is_there_and_in_the_lines_that_another_goes_on_from() {
         let lines = Rc::new(RefCell::new(Vec::new()));
-        let kept = Rc::clone(&lines);
+        let lines_of_sink = Rc::clone(&lines);
         let sink: Sink = Box::new(move |line| {
-            kept.borrow_mut().push(line.to_owned());
+            lines_of_sink.borrow_mut().push(line.to_owned());
             Ok(())
         });
         let mut journal = Journal::resume([].into_iter(), Some(sink));
-        // Numbers that an inexact parser of decimals rounds.
+        // An inexact parser of decimals would round these numbers.
         let value = vec![0.1 + 0.2, 5e-324, 1.797_693_134_862_315_7e308, 122.416_294_033_786_58];
         journal.put("a".into(), &value).unwrap();
         assert_eq!(journal.get::<Vec<f64>>("a").as_ref(), Some(&value));
@@ -152,7 +153,7 @@ mod tests {
         assert!(again.value("a").is_some() && again.value("b").is_none());
     }
 
-    /// Tests that a capture at another place makes another scene, whose results are not those of the first.
+    /// Tests that scenes have different digests without a capture, and with a capture at each of two places.
     #[test]
     fn a_moved_capture_changes_the_digest_of_its_scene() {
         let captured = |x: f32| Scene { captures: vec![Capture::placed_at(Vec3::X * x)], ..Scene::default() };

@@ -1,6 +1,6 @@
-//! A library of results: many runs of the studies, of different dates, commits and devices, in one place. Runs of all versions
-//! are read ([`read`]), their figures are followed over the runs ([`trends`]), and the times of each run are compared with
-//! those of an earlier one ([`changes`]).
+//! A library of results has many runs of the studies, of different dates, commits and devices. Runs of all versions of
+//! the program are read ([`read`]), figures are followed over the runs ([`trends`]), and the times of each run are
+//! compared with those of an earlier run ([`changes`]).
 
 pub mod changes;
 pub mod read;
@@ -14,11 +14,11 @@ use ssct::gpu::DeviceInfo;
 pub struct LibraryRun {
     /// The run's folder, relative to the library's folder, with slashes; "." for the library's folder itself.
     pub name: String,
-    /// When it was measured, as YYYY-MM-DD.
+    /// Day of the measurement, as YYYY-MM-DD.
     pub date: String,
     /// Origin of the date.
     pub dated_by: DatedBy,
-    /// Record files, relative to the folder, with the kind and number of their records.
+    /// Files of records, with the kind and number of their records.
     pub files: Vec<RecordFile>,
     /// Whether the run has a page of its own, index.html.
     pub has_page: bool,
@@ -28,7 +28,7 @@ pub struct LibraryRun {
     pub definitions: Vec<u32>,
     /// The devices that the records name.
     pub devices: Vec<DeviceInfo>,
-    /// The figures of the records.
+    /// The figures of the records that can be followed over runs.
     pub measurements: Vec<Measurement>,
     /// Numbers of the stress study: cases that failed, and all cases.
     pub stress: Option<[usize; 2]>,
@@ -71,22 +71,22 @@ pub enum Quantity {
     ScreenRmse,
     /// RMSE against the world reference.
     WorldRmse,
-    /// How far the change of the image under a moving camera deviates from the change of the screen reference, divided by the
-    /// latter.
+    /// Mean difference between the changes of the reflection and those of the screen reference under a moving camera,
+    /// divided by the mean change of the reference.
     MotionDeviation,
 }
 
 impl Quantity {
-    /// All quantities, in the order in which pages show them.
+    /// Every quantity, in the order in which pages show them.
     pub const ALL: [Self; 6] =
         [Self::Time, Self::ErrorStudyTime, Self::WrongHits, Self::ScreenRmse, Self::WorldRmse, Self::MotionDeviation];
 
-    /// Whether the figure is a time. Times of different devices or runs are not compared.
+    /// Whether the quantity is a time; times of different devices or runs are not compared.
     pub fn is_time(self) -> bool {
         matches!(self, Self::Time | Self::ErrorStudyTime)
     }
 
-    /// The figure's title on a page.
+    /// Returns the quantity's title on a page.
     pub fn title(self) -> &'static str {
         match self {
             Self::Time => "time",
@@ -106,10 +106,10 @@ pub struct Setting {
     pub scene: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Global roughness as text; "own" where the materials keep theirs.
+    /// Global roughness as text; "own" if the materials keep their roughness.
     pub roughness: String,
-    /// The version of the definitions, then lens, reflectivity and normal deviation, if the record has them: each as "name
-    /// value".
+    /// The version of the definitions, and the values of the lens, the reflectivity and the normal deviation, if the
+    /// record has them: each as "name value".
     pub rest: Vec<String>,
 }
 

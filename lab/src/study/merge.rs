@@ -1,5 +1,6 @@
-//! Merges the shards of a study: the results of all journals become the results of one run (docs/many-machines.md, "Merging").
-//! Shards of different studies are refused, and so are cells for which two shards have different figures.
+//! Merges runs of a study, such as its shards: the results of their journals become the results of one run
+//! (docs/many-machines.md, "Merging"). Runs of different studies are refused, and so are runs with different figures of
+//! a cell.
 
 use super::cell_list::{CellList, ListedCell, ListedResult};
 use super::journal::{Journal, key_of};
@@ -8,7 +9,7 @@ use serde_json::Value;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// The contents of a run's folder.
+/// A run that is merged, as read from its folder.
 pub struct MergeInput {
     /// The folder.
     pub folder: PathBuf,
@@ -31,13 +32,13 @@ pub struct Line {
 
 /// Several runs merged into one.
 pub struct MergedRun {
-    /// The cells of the whole study; the cells marked as the run's own are those that were measured.
+    /// The cells of the whole study; those that a run measured are marked as own.
     pub cells: CellList,
-    /// The journal of all runs, made of `lines`.
+    /// The journal of the merged run, made of `lines`.
     pub journal: Journal,
-    /// The lines of the journal.
+    /// The lines of all journals, one for each key.
     pub lines: Vec<String>,
-    /// The results that were measured, cell by cell.
+    /// The results that were measured, in the order of the cells.
     pub results: Vec<MergedResult>,
     /// The names of the cells that no run measured.
     pub missing: Vec<String>,
@@ -46,13 +47,13 @@ pub struct MergedRun {
 /// A result of a merged run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergedResult {
-    /// The device that measured the result, as an index into the list of devices.
+    /// The device that measured the result, as an index into the merged list of devices.
     pub device: usize,
-    /// The value that the journal keeps.
+    /// The result, as [`ResultKind::read`] reads it.
     pub value: Value,
 }
 
-/// Functions that merging needs for a kind of study.
+/// Functions by which merging handles the results of a kind of study.
 #[derive(Clone, Copy)]
 pub struct ResultKind {
     /// Reads a result of a cell from a journal; `None` where the result in the journal is incomplete.
@@ -61,11 +62,11 @@ pub struct ResultKind {
     pub is_time: fn(&str) -> bool,
 }
 
-/// Puts runs together. Where several runs measured a cell on one device, the first of these runs counts.
+/// Merges runs into one. If several runs measured a cell on one device, the first of these runs counts.
 ///
 /// # Errors
-/// [`Malformed`](ssct_ground::Error::Malformed) with the first folder that does not fit those before it: it is of another study, or it
-/// has other figures for a cell that one of them measured, too. [`Usage`](ssct::Error::Usage) without any run.
+/// [`Malformed`](ssct_ground::Error::Malformed) with the first folder that does not fit the folders before it: its run
+/// is of another study, or has other figures of a cell. [`Usage`](ssct::Error::Usage) without any run.
 pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     let Some(first) = inputs.first() else {
         return Err(Error::usage("nothing to merge: name the folders of some shards".into()));
@@ -78,33 +79,37 @@ pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     }
     check_overlaps(inputs, kind)?;
 
+    // Collects the results of all runs, with indices into the merged list of devices.
     let mut cells = CellList { shard: None, devices: Vec::new(), ..first.cells.clone() };
     for (n, cell) in cells.cells.iter_mut().enumerate() {
         cell.results = Vec::new();
         for input in inputs {
             for result in &input.cells.cells[n].results {
                 let Some(device) = input.cells.devices.get(result.device) else { continue };
-                let place = cells.devices.iter().position(|known| known == device).unwrap_or_else(|| {
+                let device_index = cells.devices.iter().position(|known| known == device).unwrap_or_else(|| {
                     cells.devices.push(device.clone());
                     cells.devices.len() - 1
                 });
                 if !cell.results.iter().any(|known| known.key == result.key) {
-                    cell.results.push(ListedResult { device: place, ..result.clone() });
+                    cell.results.push(ListedResult { device: device_index, ..result.clone() });
                 }
             }
         }
     }
-    let mut seen = HashSet::new();
+    // Keeps the first of several lines with one key.
+    let mut seen_keys = HashSet::new();
     let all = inputs.iter().flat_map(|input| &input.lines).map(|line| &line.text);
-    let lines: Vec<String> = all.filter(|line| key_of(line).is_some_and(|key| seen.insert(key))).cloned().collect();
+    let is_first = |line: &&String| key_of(line).is_some_and(|key| seen_keys.insert(key));
+    let lines: Vec<String> = all.filter(is_first).cloned().collect();
     let journal = Journal::resume(lines.iter().map(String::as_str), None);
+    // Leaves out results that the merged journal lacks.
     let (mut results, mut missing) = (Vec::new(), Vec::new());
     for cell in &mut cells.cells {
         cell.results.retain(|result| {
             let value = (kind.read)(&first.cells, result, &journal);
-            let is_there = value.is_some();
+            let is_measured = value.is_some();
             results.extend(value.map(|value| MergedResult { device: result.device, value }));
-            is_there
+            is_measured
         });
         cell.own = !cell.results.is_empty();
         if !cell.own {
@@ -114,7 +119,8 @@ pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
     Ok(MergedRun { cells, journal, lines, results, missing })
 }
 
-/// The first of some named properties in which `a` and `b` differ, as the end of a sentence about `b`.
+/// Describes the first of `N` properties, given by names and values, in which `b` differs from `a`, as the end of a
+/// sentence about `b`; `None` if all are equal.
 pub fn difference_of_properties<const N: usize>(
     a: [(&'static str, String); N],
     b: [(&'static str, String); N],
@@ -123,7 +129,7 @@ pub fn difference_of_properties<const N: usize>(
     different.map(|((name, a), (_, b))| format!("its {name} is {b} and not {a}"))
 }
 
-/// Why two runs are not of one study, as the end of a sentence about `b`; `None` if they are of one study.
+/// Says why the run `b` is not of the same study as the run `a`, as the end of a sentence about `b`; `None` if it is.
 fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
     if let Some(difference) = difference_of_properties(a.must_agree(), b.must_agree()) {
         return Some(difference);
@@ -143,22 +149,22 @@ fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
     (!same_order).then(|| "its cells are in another order".to_owned())
 }
 
-/// Refuses cells that two runs measured with different figures.
+/// Refuses runs of one study that have different figures of a cell: each result of the cell is compared with the first.
 fn check_overlaps(inputs: &[MergeInput], kind: ResultKind) -> Result<()> {
-    let values = |input: &MergeInput, n: usize| -> Vec<Value> {
-        let results = &input.cells.cells[n].results;
+    let values = |input: &MergeInput, cell: usize| -> Vec<Value> {
+        let results = &input.cells.cells[cell].results;
         results.iter().filter_map(|result| (kind.read)(&input.cells, result, &input.journal)).collect()
     };
-    for n in 0..inputs[0].cells.cells.len() {
-        let mut known: Option<(&MergeInput, Value)> = None;
+    for cell in 0..inputs[0].cells.cells.len() {
+        let mut first: Option<(&MergeInput, Value)> = None;
         for input in inputs {
-            for value in values(input, n) {
-                let Some((earlier_input, before)) = &known else {
-                    known = Some((input, value));
+            for value in values(input, cell) {
+                let Some((first_input, first_value)) = &first else {
+                    first = Some((input, value));
                     continue;
                 };
-                if let Some(difference) = difference_of_figures(before, &value, kind.is_time) {
-                    let (name, other) = (&input.cells.cells[n].name, earlier_input.folder.display());
+                if let Some(difference) = difference_of_figures(first_value, &value, kind.is_time) {
+                    let (name, other) = (&input.cells.cells[cell].name, first_input.folder.display());
                     let difference = format!("{} {}", difference.place.join("."), difference.values);
                     let message = format!("its cell {name} is not as in {other}: {}", difference.trim_start());
                     return Err(Error::malformed(&input.folder, None, message));
@@ -172,17 +178,17 @@ fn check_overlaps(inputs: &[MergeInput], kind: ResultKind) -> Result<()> {
 /// The field of a record that names its device.
 const DEVICE: &str = "device";
 
-/// The first difference of two results.
+/// A difference of two results.
 struct Difference {
-    /// The names of the fields that lead to the difference, from the outermost.
+    /// The names of the fields that lead to the difference, the outermost first.
     place: Vec<String>,
     /// The two values, as the end of a sentence about the second result.
     values: String,
 }
 
-/// The first difference of two results, ignoring devices and times.
+/// Finds the first difference of the values `a` and `b` of two results, at whatever depth, ignoring devices and times.
 fn difference_of_figures(a: &Value, b: &Value, is_time: fn(&str) -> bool) -> Option<Difference> {
-    let within = |name: String, a: &Value, b: &Value| {
+    let difference_within = |name: String, a: &Value, b: &Value| {
         let mut difference = difference_of_figures(a, b, is_time)?;
         difference.place.insert(0, name);
         Some(difference)
@@ -193,14 +199,14 @@ fn difference_of_figures(a: &Value, b: &Value, is_time: fn(&str) -> bool) -> Opt
             let mut figures = names.filter(|name| *name != DEVICE && !is_time(name));
             figures.find_map(|name| {
                 let [a, b] = [a, b].map(|object| object.get(name).unwrap_or(&Value::Null));
-                within(name.clone(), a, b)
+                difference_within(name.clone(), a, b)
             })
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             a.iter().zip(b).enumerate().find_map(|(n, (a, b))| {
-                // The place of a difference names the method of its record.
+                // The name of an element is its index, and the method if it is a record of one: "0 (ssct)".
                 let method = a.get("method").and_then(Value::as_str).map(|name| format!(" ({name})"));
-                within(format!("{n}{}", method.unwrap_or_default()), a, b)
+                difference_within(format!("{n}{}", method.unwrap_or_default()), a, b)
             })
         }
         _ => (a != b).then(|| Difference { place: Vec::new(), values: format!("is {b} and not {a}") }),
@@ -213,6 +219,7 @@ mod tests {
     use serde_json::json;
     use ssct::gpu::DeviceInfo;
 
+    /// Makes the list of a study of the cells a, b and c, of a run that measured the cells `own` on a device.
     fn list(own: &[&str], device: &str) -> CellList {
         let device = DeviceInfo { name: device.into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };
         let cell = |name: &&str| {
@@ -235,7 +242,7 @@ mod tests {
         }
     }
 
-    /// A run with some of the cells, and an error for each.
+    /// Makes a run that measured some cells on a device; `errors` has their names and errors.
     fn input(folder: &str, device: &str, errors: &[(&str, f64)]) -> MergeInput {
         let names: Vec<&str> = errors.iter().map(|(name, _)| *name).collect();
         let line = |(n, (name, rmse)): (usize, &(&str, f64))| {
@@ -247,6 +254,7 @@ mod tests {
         MergeInput { folder: folder.into(), cells: list(&names, device), journal, lines: numbered(lines) }
     }
 
+    /// Numbers the lines of a journal from 1.
     fn numbered(lines: Vec<String>) -> Vec<Line> {
         lines.into_iter().enumerate().map(|(n, text)| Line { number: n + 1, text }).collect()
     }
@@ -256,10 +264,12 @@ mod tests {
         is_time: |name| name == "time_ms",
     };
 
+    /// Returns the message with which merging refuses some runs.
     fn refused(inputs: &[MergeInput]) -> String {
         merge(inputs, KIND).err().expect("refused").to_string()
     }
 
+    /// Tests the order of the results, and what is listed of a cell that no run measured.
     #[test]
     fn cells_come_in_the_order_of_the_study_and_missing_ones_are_named() {
         let merged = merge(&[input("B", "x", &[("c", 3.0)]), input("A", "x", &[("a", 1.0)])], KIND).expect("one study");
@@ -293,24 +303,24 @@ mod tests {
     /// Tests that runs with other figures or of another study are refused, with a sentence that names the difference.
     #[test]
     fn what_differs_is_refused_with_what_and_where() {
-        let said = refused(&[input("A", "x", &[("a", 1.0)]), input("B", "y", &[("a", 1.5)])]);
-        assert_eq!(said, "B: its cell a is not as in A: 0 (ssct).rmse is 1.5 and not 1.0");
-        let with = |change: fn(&mut CellList)| {
+        let message = refused(&[input("A", "x", &[("a", 1.0)]), input("B", "y", &[("a", 1.5)])]);
+        assert_eq!(message, "B: its cell a is not as in A: 0 (ssct).rmse is 1.5 and not 1.0");
+        let after = |change: fn(&mut CellList)| {
             let mut other = input("B", "x", &[("b", 1.0)]);
             change(&mut other.cells);
             refused(&[input("A", "x", &[("a", 1.0)]), other])
         };
-        assert_eq!(with(|c| c.commit = "e".into()), "B: is not of the same study as A: its commit is e and not c");
-        assert!(with(|c| c.version = "2".into()).ends_with("its version is 2 and not 1"));
-        assert!(with(|c| c.definitions = 1).ends_with("its version of the definitions is 1 and not 2"));
-        assert!(with(|c| c.kind = "time".into()).ends_with("its kind is time and not error"));
+        assert_eq!(after(|c| c.commit = "e".into()), "B: is not of the same study as A: its commit is e and not c");
+        assert!(after(|c| c.version = "2".into()).ends_with("its version is 2 and not 1"));
+        assert!(after(|c| c.definitions = 1).ends_with("its version of the definitions is 1 and not 2"));
+        assert!(after(|c| c.kind = "time".into()).ends_with("its kind is time and not error"));
         assert!(
-            with(|c| c.scenes[0].1 = "other".into())
+            after(|c| c.scenes[0].1 = "other".into())
                 .ends_with("its list of scenes is rooms other and not rooms digest")
         );
-        assert!(with(|c| c.cells[2].setup = "x".into()).contains("the setup of its cell c has the digest x"));
-        assert!(with(|c| drop(c.cells.pop())).ends_with("it has no cell c"));
-        assert!(with(|c| c.cells.swap(0, 1)).ends_with("its cells are in another order"));
+        assert!(after(|c| c.cells[2].setup = "x".into()).contains("the setup of its cell c has the digest x"));
+        assert!(after(|c| drop(c.cells.pop())).ends_with("it has no cell c"));
+        assert!(after(|c| c.cells.swap(0, 1)).ends_with("its cells are in another order"));
         assert!(merge(&[], KIND).is_err());
     }
 }

@@ -1,28 +1,29 @@
-//! Names of cells, roughness values and devices, on pages and in the names of files.
+//! Names of cells, roughness values and devices for pages and files, and texts of foreign origin made safe for each
+//! place.
 
 use sha2::{Digest, Sha256};
 use ssct::gpu::DeviceInfo;
 use std::borrow::Cow;
 
-/// The name of a cell, with which the names of its files begin.
+/// Returns the name of a cell, with which the names of its files begin.
 pub fn cell_name(scene: &str, view: &str, [width, height]: [u32; 2], of_roughness: Option<f32>) -> String {
     let [scene, view] = [scene, view].map(safe_word);
     format!("{scene}-{view}-{width}x{height}-r{}", roughness(of_roughness))
 }
 
-/// The name of a global roughness; without a value, materials keep their own roughness.
+/// Returns the name of a global roughness: the number, or "own" if the materials keep their roughness.
 pub fn roughness(value: Option<f32>) -> String {
     value.map_or_else(|| "own".into(), |r| format!("{r}"))
 }
 
-/// A number of things; the name of the thing gets an s unless the number is 1.
+/// Returns a number and the name of what is counted, such as "3 cells"; the name gets an s unless the number is 1.
 pub fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
-/// Makes a short part of a file's name of whatever name a user or a file gives a scene, a view or a variant. Separators of
-/// folders, and characters with a meaning in file systems, shell patterns or addresses of pages, are replaced. A name that had
-/// to be changed ends in a digest of the original, so that different names stay different.
+/// Makes a short part of a file's name from the name that a user or a file gives to a scene, a view or a variant.
+/// Separators of folders, and characters with a meaning in file systems, shell patterns or addresses of pages, are
+/// replaced. A name that had to be changed ends in a digest of the original, so that different names stay different.
 pub fn safe_word(name: &str) -> Cow<'_, str> {
     const MOST_BYTES: usize = 64;
     let is_safe = |c: char| !is_obeyed(c) && !r#"/\:*?"<>|%#"#.contains(c);
@@ -42,11 +43,12 @@ pub fn safe_word(name: &str) -> Cow<'_, str> {
     word.into()
 }
 
-/// Whether programs that show a text obey a character instead of showing it: control characters, ends of lines, and characters
-/// that change the direction of text.
+/// Whether programs that show a text obey a character instead of showing it: a control character, an end of a line, or
+/// a character that changes the direction of text.
 pub fn is_obeyed(c: char) -> bool {
-    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    c.is_control() || turns || matches!(c, '\u{2028}' | '\u{2029}')
+    let changes_direction = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let ends_line_or_paragraph = matches!(c, '\u{2028}' | '\u{2029}');
+    c.is_control() || changes_direction || ends_line_or_paragraph
 }
 
 /// Whether a character is obeyed in a text of several lines, in which ends of lines and tabs are allowed.
@@ -54,7 +56,7 @@ pub fn is_obeyed_in_lines(c: char) -> bool {
     is_obeyed(c) && !matches!(c, '\n' | '\t')
 }
 
-/// A text with a mark in place of each unsafe character.
+/// Returns a text with the replacement character U+FFFD in the place of each unsafe character.
 pub fn without_obeyed(text: &str, is_unsafe: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.contains(&is_unsafe) {
         return text.into();
@@ -62,13 +64,13 @@ pub fn without_obeyed(text: &str, is_unsafe: impl Fn(char) -> bool) -> Cow<'_, s
     text.chars().map(|c| if is_unsafe(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// A foreign name for one line of text: without characters that are obeyed, such as ends of lines.
+/// Makes a name safe for one line of text: characters that are obeyed, such as ends of lines, are replaced by U+FFFD.
 pub fn one_line(name: &str) -> Cow<'_, str> {
     without_obeyed(name, is_obeyed)
 }
 
-/// A cell of a table in Markdown, on one line: no character of the text ends the cell, begins HTML, or makes a link or an
-/// image.
+/// Makes a text safe for a cell of a table in Markdown, on one line: no character of the text ends the cell, begins
+/// HTML, or makes a link or an image.
 pub fn markdown_cell(text: &str) -> String {
     let escaped = |c: char| match c {
         '<' => "&lt;".to_owned(),
@@ -78,13 +80,14 @@ pub fn markdown_cell(text: &str) -> String {
     one_line(text).chars().map(escaped).collect()
 }
 
-/// A cell of a CSV file, on one line, which spreadsheet programs do not take for a formula.
+/// Makes a text safe for a cell of a CSV file, on one line, so that spreadsheet programs do not take it for a formula.
 pub fn csv_cell(text: &str) -> Cow<'_, str> {
     let is_formula = text.len() > 1 && text.starts_with(['=', '+', '-', '@']) && text.parse::<f64>().is_err();
     if is_formula { format!("'{}", one_line(text)).into() } else { one_line(text) }
 }
 
-/// JSON with the characters that a terminal obeys written as escapes; such characters occur in names alone.
+/// Writes the characters of JSON that a terminal obeys as escapes. Such characters occur within strings alone, where
+/// the escapes mean the same characters.
 pub fn json_text(json: &str) -> String {
     let escaped = |c: char| {
         if is_obeyed_in_lines(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() }
@@ -92,9 +95,9 @@ pub fn json_text(json: &str) -> String {
     json.chars().map(escaped).collect()
 }
 
-/// The shortest name that tells a device from the others in a table. The name is the device's own; if another device has the
-/// same name, the driver and its version follow. If that device has the same driver, too, the version of Vulkan and the
-/// kind of the device follow.
+/// Returns the shortest name that tells a device from the other devices of a table. The name is the device's own; if
+/// another device has the same name, the driver follows. If another device has the same name and driver, the version of
+/// Vulkan and the kind of the device follow, too.
 pub fn name_among(device: &DeviceInfo, others: &[&DeviceInfo]) -> String {
     let (name, driver) = (&device.name, &device.driver);
     let mut namesakes = others.iter().filter(|other| **other != device && other.name == *name).peekable();
@@ -113,6 +116,7 @@ mod tests {
     use std::collections::BTreeSet;
     use std::path::Path;
 
+    /// Tests which names stay as they are, and that changed names are safe and different.
     #[test]
     fn names_become_words_of_file_names_and_stay_different() {
         for plain in ["exit sign", "Küche (Süd)", "front 2", "r0.4", "a-b_c"] {
@@ -153,6 +157,7 @@ mod tests {
         }
     }
 
+    /// Tests the names of devices that have the same name, or also the same driver.
     #[test]
     fn two_drivers_of_one_name_are_told_apart() {
         let device = |name: &str, driver: &str, api: &str| {

@@ -1,4 +1,4 @@
-//! The other devices of this machine: compares the images that each other device makes of a view with those of the base
+//! Opens the other devices of this machine, and compares the images that they make of a view with those of a base
 //! device.
 
 use super::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::stage::Globals;
 use ssct::gpu::{DeviceQuery, Gpu, device};
 
-/// Opens every usable device except `base`.
+/// Opens every usable device of the machine except `base`; `validation` turns the validation layers on.
 ///
 /// # Errors
 /// Errors of opening a device.
@@ -27,7 +27,7 @@ pub fn validated(gpu: &Gpu) -> Result<Gpu> {
 /// Opens a device once more, for compiling only.
 ///
 /// # Errors
-/// Errors of opening a device; [`NoDevice`](ssct::Error::NoDevice) for a device that does not report what its compiler made.
+/// Errors of opening a device; [`NoDevice`](ssct::Error::NoDevice) for a device that reports nothing of its compiler.
 pub fn compiler(gpu: &Gpu) -> Result<Gpu> {
     let device = gpu.index().map(|index| index.to_string());
     Ok(Gpu::open(&DeviceQuery { device, compiles_only: true, ..DeviceQuery::default() })?)
@@ -40,7 +40,8 @@ fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> 
     Ok(Gpu::open(&DeviceQuery { device, validation, isotropic, ..DeviceQuery::default() })?)
 }
 
-/// Compares the images that devices make from the G-buffer that `base` draws with the images that `base` makes from it.
+/// Compares the images that other devices make from a G-buffer with the images that `base` makes from it; `base` draws
+/// the G-buffer.
 ///
 /// # Errors
 /// The error of the first device that fails.
@@ -59,14 +60,14 @@ pub fn compare<'g>(
     Ok(records)
 }
 
-/// Compares the G-buffers that two devices draw, the first of them the base: as methods see them, then without anisotropy, then
-/// without normal maps, too.
+/// Compares the G-buffers that two devices draw, the first of which is the base. The three records are of G-buffers as
+/// methods see them, without anisotropy, and without anisotropy and normal maps.
 ///
 /// # Errors
 /// Errors of the devices.
 pub fn compare_drawn(devices: [&Gpu; 2], validation: bool, spec: &AgreementSpec) -> Result<Vec<DrawnRecord>> {
-    let again = |gpu: &Gpu| open(gpu.index(), validation, true);
-    let isotropic = [again(devices[0])?, again(devices[1])?];
+    let open_isotropic = |gpu: &Gpu| open(gpu.index(), validation, true);
+    let isotropic = [open_isotropic(devices[0])?, open_isotropic(devices[1])?];
     let plain = Globals { normal_deviation: Some(0.0), ..spec.globals };
     let mut records = Vec::new();
     for (gpus, globals, is_isotropic) in [

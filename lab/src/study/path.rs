@@ -1,5 +1,5 @@
-//! The camera on its way: methods are drawn in turn, frame by frame, along a path. The result is each method's frames per
-//! second, as Schmidt's figures 42 and 52 plot them (2013, sections 5.3.2 and 5.4.2).
+//! The path study: the camera moves along a path, and each frame is drawn by all methods in turn. The result is each
+//! method's frames per second, as Schmidt's figures 42 and 52 plot them (2013, sections 5.3.2 and 5.4.2).
 
 use super::cell_list::{CellList, ListedResult};
 use super::columns::{columns, nested, part, series, time};
@@ -20,11 +20,11 @@ use ssct_scenes::{CameraPath, Scene, View};
 
 /// Methods and settings of the study, with the path of the camera.
 pub struct PathStudy {
-    /// Scene, whose own lens and materials are used on the whole way.
+    /// Scene, whose own lens and materials are used along the whole path.
     pub scene: Scene,
     /// Path of the camera.
     pub path: CameraPath,
-    /// Methods, drawn in turn at every frame.
+    /// Methods; each frame is drawn by all of them in turn.
     pub methods: Vec<&'static MethodInfo>,
     /// Sizes in pixels.
     pub sizes: Vec<[u32; 2]>,
@@ -32,9 +32,9 @@ pub struct PathStudy {
     pub globals: Globals,
     /// Setup of the methods; each of `sizes` replaces its size.
     pub setup: Setup,
-    /// Frames at the first place that warm up and do not count.
+    /// Number of frames at the beginning of the path that warm up and do not count.
     pub warmup: usize,
-    /// Frames from the first key frame to the last, ≥ 1.
+    /// Number of frames from the first key frame of the path to the last, ≥ 1.
     pub frames: usize,
 }
 
@@ -91,11 +91,11 @@ impl Row for PathRecord {
         &self.head.program
     }
 
-    /// Draws frames per second over the frames, a line for each record.
+    /// Draws a line for each record: frames per second over the frames.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
         let line = |r: &Self| {
-            let points = r.frames.iter().enumerate().map(|(n, f)| (n as f64, f.fps));
+            let points = r.frames.iter().enumerate().map(|(n, frame)| (n as f64, frame.fps));
             Line { name: r.head.line_name(&heads, &r.head.method_and_fallback()), points: points.collect() }
         };
         let axes = ["frame along the path", "frames per second, whole frame on the device"].map(str::to_owned);
@@ -107,7 +107,8 @@ impl Row for PathRecord {
         (0..frames_of(list)).all(|n| kept(journal, &key(&result.key, n)).is_some())
     }
 
-    /// Makes the record from the journal's frames; a run that was ended early has fewer frames.
+    /// Makes the record of a method from its frames in the journal, of which a run that was ended early has fewer. No
+    /// record is made without frames.
     fn read(list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         let frame = |n: usize| {
             let sample = kept(journal, &key(&result.key, n))?;
@@ -117,55 +118,57 @@ impl Row for PathRecord {
         let frames: Vec<PathFrame> = (0..frames_of(list)).filter_map(frame).collect();
         let head = Head::deserialize(&result.record_head).ok().filter(|_| !frames.is_empty());
         let record = |head| {
-            let whole: Vec<f64> = frames.iter().map(|f| f.frame_ms).collect();
-            let effect: Vec<f64> = frames.iter().map(|f| f.effect_ms).collect();
-            let fps = Fps::from_frame_times(&whole);
-            Self { head, frame: Stats::from_samples(&whole), effect: Stats::from_samples(&effect), fps, frames }
+            let frame_ms: Vec<f64> = frames.iter().map(|f| f.frame_ms).collect();
+            let effect_ms: Vec<f64> = frames.iter().map(|f| f.effect_ms).collect();
+            let fps = Fps::from_frame_times(&frame_ms);
+            Self { head, frame: Stats::from_samples(&frame_ms), effect: Stats::from_samples(&effect_ms), fps, frames }
         };
         head.map(record).into_iter().collect()
     }
 }
 
-/// The number of frames of the way, from the study's settings.
+/// Returns the number of frames along the path, which the settings of the list have.
 fn frames_of(list: &CellList) -> usize {
     list.settings["frames"].as_u64().unwrap_or(0) as usize
 }
 
-/// The key of a frame in the journal; `prefix` begins the keys of all frames of a method.
+/// Returns the key of a frame in the journal; `prefix` is the beginning of the keys of all frames of a method.
 fn key(prefix: &str, frame: usize) -> String {
     format!("{prefix} {frame}")
 }
 
 impl Fps {
-    /// Frame rates from the times of frames in milliseconds; all 0 for no frames.
+    /// Computes frame rates from the times of frames in milliseconds; all are 0 without frames.
     fn from_frame_times(frame_ms: &[f64]) -> Self {
         let fps = |ms: f64| if ms > 0.0 { 1000.0 / ms } else { 0.0 };
         let stats = Stats::from_samples(frame_ms);
+        // The slowest hundredth of the frames, at least one.
         let mut slowest = frame_ms.to_vec();
         slowest.sort_by(|a, b| b.total_cmp(a));
         slowest.truncate(frame_ms.len().div_ceil(100));
-        let mean = slowest.iter().sum::<f64>() / slowest.len().max(1) as f64;
-        Self { median: fps(stats.median_ms), p95: fps(stats.p95_ms), low_1_percent: fps(mean) }
+        let slowest_mean_ms = slowest.iter().sum::<f64>() / slowest.len().max(1) as f64;
+        Self { median: fps(stats.median_ms), p95: fps(stats.p95_ms), low_1_percent: fps(slowest_mean_ms) }
     }
 }
 
 impl PathStudy {
-    /// The view at a frame of the path.
+    /// Returns the view of a frame, counted from 0; the first frame is at the path's beginning, and the last at its
+    /// end.
     fn view(&self, frame: usize) -> View {
         let (eye, look_at) = self.path.eye_and_look_at(frame as f32 / (self.frames - 1).max(1) as f32);
         View { name: self.path.name.clone(), eye, look_at, ..View::default() }
     }
 
-    /// The prefix of each method's keys in the journal, at a size.
+    /// Returns for each method the beginning of its frames' keys in the journal, at a size in pixels.
     fn prefixes(&self, gpu: &Gpu, extent: [u32; 2]) -> Vec<String> {
         let key = self.planned(extent).key::<PathRecord>(gpu);
         self.methods.iter().map(|method| format!("{key} {}", method.name)).collect()
     }
 
-    /// The cell of a size.
+    /// Returns the cell of a size.
     fn planned(&self, extent: [u32; 2]) -> Planned<[u32; 2]> {
-        let methods: Vec<_> =
-            self.methods.iter().map(|m| (m.name, self.setup.with_extent(extent).recorded(Some(m)))).collect();
+        let setup = self.setup.with_extent(extent);
+        let methods: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
         let (scene, path) = (scene_digest(&self.scene), format!("{:?}", self.path));
         Planned {
             name: cell_name(&self.scene.name, &self.path.name, extent, self.globals.roughness),
@@ -192,7 +195,7 @@ impl Study for PathStudy {
         self.sizes.iter().map(|extent| self.planned(*extent)).collect()
     }
 
-    /// Returns, for each method of a cell, the prefix of its frames' keys in the journal and the head of its record.
+    /// Returns for each method of a cell the beginning of its frames' keys in the journal, and the head of its record.
     fn results(&self, gpu: &Gpu, planned: &Planned<[u32; 2]>) -> Vec<(String, Value)> {
         let (start, setup) = (self.view(0), self.setup.with_extent(planned.cell));
         let head = |m| Head::new("path", gpu, (&self.scene, &start), RecordSubject::Method(m), &setup, &self.globals);
@@ -204,7 +207,8 @@ impl Study for PathStudy {
         self.methods.len() * (self.warmup + self.frames)
     }
 
-    /// Times every frame that the journal lacks. The rows are made of the journal, so that none is returned.
+    /// Times every frame that the journal lacks. No rows are returned, since [`PathRecord::read`] makes them of the
+    /// journal.
     fn measure(&mut self, extent: &[u32; 2], bench: &mut Bench) -> Result<Vec<PathRecord>> {
         let mut stage = Stage::new(bench.gpu, &self.scene)?;
         let start = self.view(0);
@@ -216,9 +220,10 @@ impl Study for PathStudy {
         let mut shots = shared.shots(&mut stage, methods, Wants::IMAGE, first, &materials)?;
         let rounds: Vec<Round> = (0..self.warmup + self.frames)
             .map(|n| {
-                let counts = n.checked_sub(self.warmup);
-                let camera = self.view(counts.unwrap_or(0)).camera(&self.scene, *extent);
-                Round { label: counts.map(|n| n.to_string()), mode: Mode::Timed, camera: Some(camera) }
+                // The number of a frame that counts; `None` for a frame that warms up, at the beginning of the path.
+                let frame = n.checked_sub(self.warmup);
+                let camera = self.view(frame.unwrap_or(0)).camera(&self.scene, *extent);
+                Round { label: frame.map(|frame| frame.to_string()), mode: Mode::Timed, camera: Some(camera) }
             })
             .collect();
         let Bench { journal, go_on, advance, .. } = bench;

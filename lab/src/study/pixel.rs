@@ -1,5 +1,6 @@
-//! One pixel explained: its colour by a method, and the end of its ray by the method, by the oracle and in the world. The
-//! explanation also names what hid the end from the screen, and the colours that were mixed (docs/dump.md, "One pixel").
+//! Explains one pixel: its colour by a method, and the end of its ray by the method, by the oracle and in the world.
+//! The explanation also names what hides the end from the screen, and the colours that the pixel's colour was mixed
+//! from (docs/dump.md, "One pixel").
 
 mod reasons;
 
@@ -19,13 +20,13 @@ use ssct_truth::reference::pixel::{
 use ssct_truth::reference::surface::World;
 use ssct_truth::reference::world_hits::WorldHit;
 
-/// Rays of each reference of a single pixel.
+/// Rays of each reference if a single pixel is explained.
 pub const RAYS: u32 = 256;
 
-/// Rays of each reference of a pixel when all pixels of a picture are judged.
+/// Rays a pixel of each reference if all pixels of a picture are judged.
 pub const PICTURE_RAYS: u32 = 16;
 
-/// Images of one size that a frame made, on the host.
+/// Images that a method made in a frame, read back; both have the size of the frame.
 #[derive(Clone, Copy)]
 pub struct MethodImages<'a> {
     /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
@@ -43,8 +44,8 @@ pub struct PixelMethod<'a> {
     pub bounces: u32,
 }
 
-/// Everything that is known of a pixel. Colours are linear; places on the screen are continuous pixel coordinates from the
-/// top left; places in the world are in metres.
+/// The report of a pixel. Colours are linear; places on the screen are continuous pixel coordinates from the top left;
+/// places in the world are in metres.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PixelReport {
     /// Column and row, from the top left.
@@ -204,7 +205,8 @@ pub struct LastCell {
     pub crossed: bool,
 }
 
-/// Explains a pixel of a frame; `None` outside the picture.
+/// Explains a pixel of a frame; `None` outside the picture. `made` has the images of the method, and `world` the scene
+/// that the frame shows.
 pub fn explain(
     inspection: &Inspection,
     made: MethodImages,
@@ -219,11 +221,14 @@ pub fn explain(
     let in_world = PixelInWorld::new(world, gbuffer, &first_hits, index);
     let reflects = gbuffer.reflects(index);
     let sampling = PixelSampling { rays: RAYS, bounces: method.bounces, oracle: inspection.oracle() };
+    // The colours of the screen reference and of the world reference.
     let references = reflects.then(|| references(world, gbuffer, &first_hits, index, sampling));
     let colors = ColorReport::new(gbuffer, made, pixel, references);
-    let shown = colors.fade * Vec3::from(colors.reflection);
-    let verdict =
-        references.map_or(PixelVerdict::NotReflecting, |(screen, world)| PixelVerdict::judge(shown, &screen, &world));
+    let faded_reflection = colors.fade * Vec3::from(colors.reflection);
+    let verdict = match references {
+        Some((screen, world)) => PixelVerdict::judge(faded_reflection, &screen, &world),
+        None => PixelVerdict::NotReflecting,
+    };
     let mut report = PixelReport {
         pixel,
         method: method.name.to_owned(),
@@ -240,7 +245,7 @@ pub fn explain(
     Some(report)
 }
 
-/// Judges the reflection of every pixel of a frame, rows from the top.
+/// Judges the reflection of every pixel of a frame, rows from the top. `world` is the scene that the frame shows.
 pub fn verdicts(inspection: &Inspection, made: MethodImages, world: &World, bounces: u32) -> Vec<PixelVerdict> {
     let gbuffer = &inspection.gbuffer;
     let sampling = PixelSampling { rays: PICTURE_RAYS, bounces, oracle: inspection.oracle() };
@@ -253,8 +258,8 @@ pub fn verdicts(inspection: &Inspection, made: MethodImages, world: &World, boun
 }
 
 impl SurfaceReport {
-    /// Describes the surface that a pixel of the G-buffer shows. `index` is the pixel's number, row by row; `mesh`
-    /// names the mesh that the pixel shows.
+    /// Describes the surface that a pixel of the G-buffer shows. `index` is the pixel's number, row by row; `mesh` is
+    /// the name of the mesh that the pixel shows.
     fn new(gbuffer: &GBufferData, index: usize, mesh: Option<String>) -> Self {
         let is_sky = gbuffer.depth[index] <= 0.0;
         let [x, y] = [index as u32 % gbuffer.width, index as u32 / gbuffer.width].map(|v| f64::from(v) + 0.5);
@@ -272,8 +277,8 @@ impl SurfaceReport {
 }
 
 impl ColorReport {
-    /// `references` are the colours of the screen reference and of the world reference; `None` if the pixel does not
-    /// reflect.
+    /// Collects the colours of the pixel (x, y). `references` are the colours of the screen reference and of the world
+    /// reference; `None` if the pixel does not reflect.
     fn new(
         gbuffer: &GBufferData,
         made: MethodImages,
@@ -284,11 +289,11 @@ impl ColorReport {
         let color = |pixels: &Pixels| [0, 1, 2].map(|c| pixels.texel(x, y)[c]);
         let image = color(made.composite);
         let fade = made.reflection.texel(x, y)[3];
-        let shown = fade * Vec3::from(color(made.reflection));
-        let reference = |found: EstimatedColor| ReferenceColor {
-            difference: difference(shown, found.color),
-            color: found.color.to_array(),
-            standard_error: found.standard_error.to_array(),
+        let faded_reflection = fade * Vec3::from(color(made.reflection));
+        let reference = |estimate: EstimatedColor| ReferenceColor {
+            difference: difference(faded_reflection, estimate.color),
+            color: estimate.color.to_array(),
+            standard_error: estimate.standard_error.to_array(),
             rays: RAYS,
         };
         Self {
@@ -305,23 +310,24 @@ impl ColorReport {
 }
 
 impl MethodEnd {
-    /// The end of a picked ray by the method; `None` if the method does not say how it ended, or the pixel has no ray.
+    /// Describes where the method says that a picked ray ends; `None` if it does not say so, or if the pixel has no
+    /// ray.
     fn new(ray: &PickedRay) -> Option<Self> {
-        let (code, place) = ray.method.filter(|(code, _)| *code != PathCode::None)?;
-        let in_world = ray.in_world.filter(|way| !matches!(way.code, PathCode::Sky | PathCode::Unknown));
+        let (code, place_on_screen) = ray.method.filter(|(code, _)| *code != PathCode::None)?;
+        let at_surface = ray.in_world.filter(|path| !matches!(path.code, PathCode::Sky | PathCode::Unknown));
         Some(Self {
             path: code as u8,
             end: code.words(),
             hits_screen: code.is_hit(),
-            pixel: code.is_hit().then_some(place),
-            place_m: in_world.map(|way| way.end.to_array()),
-            capture: ray.in_world.and_then(|way| way.capture),
+            pixel: code.is_hit().then_some(place_on_screen),
+            place_m: at_surface.map(|path| path.end.to_array()),
+            capture: ray.in_world.and_then(|path| path.capture),
         })
     }
 }
 
 impl OracleEnd {
-    /// The end of a picked ray by the oracle, in words and as a place on the screen.
+    /// Describes where the oracle says that a picked ray ends, in words and as a place on the screen.
     fn new(inspection: &Inspection, ray: &PickedRay) -> Self {
         Self {
             version: inspection.oracle().into(),
@@ -336,9 +342,10 @@ impl OracleEnd {
 }
 
 impl WorldEnd {
-    /// `None` for a pixel that does not reflect. For a ray that ends in the sky, every field is null or false.
+    /// Describes the end of a pixel's mirror ray in the world; `None` for a pixel that does not reflect. For a ray that
+    /// ends in the sky, every field is null or false.
     fn new(found: &PixelInWorld, camera: &Camera) -> Option<Self> {
-        let nowhere = Self {
+        let in_sky = Self {
             mesh: None,
             place_m: None,
             length_m: None,
@@ -351,7 +358,7 @@ impl WorldEnd {
         };
         let (position, pixel, view_z_m, length_m, visible) = match found.end {
             WorldHit::NotReflecting => return None,
-            WorldHit::Escaped => return Some(nowhere),
+            WorldHit::Escaped => return Some(in_sky),
             WorldHit::Hit { position, pixel, view_z_m, length_m, visible } => {
                 (position, pixel, view_z_m, length_m, visible)
             }
@@ -377,7 +384,7 @@ impl WorldEnd {
 }
 
 impl WalkReport {
-    /// The number of steps of a walk, its end in words, and its last cell.
+    /// Describes a walk by its number of steps, its end in words, and its last cell.
     fn new(walk: &Walk) -> Self {
         let last = walk.cells.last().map(|cell| LastCell {
             level: cell.level,

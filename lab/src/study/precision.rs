@@ -1,5 +1,6 @@
-//! The precision ladder. A G-buffer is traced in f64 through the pixels' centres, and stored in one set of formats after
-//! another. The methods' results on each are compared with the oracle and the screen reference on the unrounded G-buffer.
+//! The precision ladder. A G-buffer is traced in f64 through the pixels' centres, and stored in one set of formats
+//! after another; each set is a rung of the ladder. The methods' results on each stored G-buffer are compared with the
+//! oracle and the screen reference on the unrounded G-buffer.
 
 mod ladder;
 mod storage;
@@ -31,8 +32,8 @@ use ssct_truth::reference::hierarchy::Hierarchy;
 use ssct_truth::reference::screen::{Sampling, ScreenReference};
 use ssct_truth::reference::surface::{World, sky_color};
 
-/// Name in records of the oracle on the stored G-buffer, which measures the error of storage alone, without the methods'
-/// arithmetic.
+/// The name that stands for a method in the records of the oracle on a stored G-buffer. These records have the error of
+/// storage alone, without the methods' arithmetic.
 pub const ORACLE: &str = "oracle";
 
 columns! {
@@ -68,22 +69,25 @@ pub struct ExactGBuffer {
 }
 
 impl ExactGBuffer {
-    /// Traces a ray through the centre of each pixel, and makes the G-buffer of what the rays hit.
+    /// Traces a ray through the centre of each pixel, and makes the G-buffer of the surfaces that the rays hit.
     pub fn trace(world: &World, camera: &Camera, [width, height]: [u32; 2]) -> Self {
         let rays = PrimaryRays::new(camera, [width, height]);
         let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
         let world_to_view = camera.world_to_view.as_dmat4();
         let half = |v: f64| half::f16::from_f64(v).to_f32();
-        // Reversed depth, normal in view space, reflectivity, roughness, lit colour and kind of surface.
+        // Returns reversed depth, normal in view space, reflectivity, roughness, lit colour and kind of surface of a
+        // pixel.
         let pixel = |index: usize| {
+            // A step of one metre along the ray changes view-space z by `z_per_metre`.
             let (ray, z_per_metre) = rays.ray(index);
             let Some(hit) = world.closest(&ray) else {
                 return (0.0, Vec3::ZERO, 0.0, 0.0, sky_color(ray.direction).as_vec3(), Surface::Lit);
             };
             let point = world.point(&ray, &hit);
-            let z = glam::DVec3::new(0.0, 0.0, hit.t * z_per_metre);
+            // Depth depends on view-space z alone.
+            let on_axis = glam::DVec3::new(0.0, 0.0, hit.t * z_per_metre);
             (
-                view_to_clip.project_point3(z).z.clamp(0.0, 1.0),
+                view_to_clip.project_point3(on_axis).z.clamp(0.0, 1.0),
                 world_to_view.transform_vector3(point.normal).normalize_or_zero().as_vec3(),
                 half(point.reflectivity),
                 half(point.roughness),
@@ -109,7 +113,7 @@ impl ExactGBuffer {
     }
 }
 
-/// Scene, view and methods of one ladder.
+/// Inputs of one ladder.
 pub struct PrecisionSpec<'a> {
     /// Device.
     pub gpu: &'a Gpu,
@@ -130,15 +134,17 @@ pub struct PrecisionSpec<'a> {
 /// The unrounded G-buffer with its references.
 struct Truth {
     exact: ExactGBuffer,
-    /// Reflecting pixels.
+    /// Whether each pixel reflects.
     mask: Vec<bool>,
     /// The oracle's hits, if every reflector is a mirror.
     hits: Option<Hits>,
+    /// Linear reflection colour of the screen reference.
     color: Vec<[f32; 3]>,
+    /// Standard error of the screen reference.
     standard_error: f64,
 }
 
-/// Hits in pixels, `None` for a miss.
+/// The hit of each pixel's mirror ray, in pixels; `None` for a miss, and for pixels that do not reflect.
 type Hits = Vec<Option<[f64; 2]>>;
 
 impl Truth {
@@ -148,10 +154,11 @@ impl Truth {
         let world = World::new(spec.scene, &materials);
         let exact = ExactGBuffer::trace(&world, &spec.view.camera(spec.scene, spec.setup.extent), spec.setup.extent);
         let mask = exact.data.reflecting();
-        let mirrors = mask.iter().zip(&exact.data.roughness).all(|(m, r)| !m || *r <= 0.0);
+        let all_mirrors =
+            mask.iter().zip(&exact.data.roughness).all(|(reflects, roughness)| !reflects || *roughness <= 0.0);
         let screen = screen(&exact.data, &mask, spec);
         Self {
-            hits: mirrors.then(|| oracle_hits(&exact.data, &mask)),
+            hits: all_mirrors.then(|| oracle_hits(&exact.data, &mask)),
             color: screen.color.iter().map(Vec3::to_array).collect(),
             standard_error: screen.overall_standard_error,
             exact,
@@ -159,7 +166,8 @@ impl Truth {
         }
     }
 
-    /// The record of a subject on a stored G-buffer, whose colours and hits are compared with those on the exact one.
+    /// Makes the record of a subject on the G-buffer `stored`, whose formats are `storage`. The subject's reflection
+    /// `color` and `hits` are compared with the references on the unrounded G-buffer.
     fn record(
         &self,
         spec: &PrecisionSpec,
@@ -168,34 +176,36 @@ impl Truth {
         color: &[[f32; 3]],
         hits: Option<&Hits>,
     ) -> PrecisionRecord {
-        let compared = self.hits.as_ref().zip(hits);
+        let true_and_own_hits = self.hits.as_ref().zip(hits);
+        let is_lost = |(reflects, depth): &(&bool, &f32)| **reflects && **depth <= 0.0;
         PrecisionRecord {
             head: Head::new("precision", spec.gpu, (spec.scene, spec.view), subject, &spec.setup, &spec.globals),
             storage,
             bytes_per_pixel: storage.bytes_per_pixel(),
-            lost: self.mask.iter().zip(&stored.depth).filter(|(m, d)| **m && **d <= 0.0).count(),
-            hits: compared.map(|(truth, hits)| HitAgreement::new(&self.mask, hits, truth)).unwrap_or_default(),
+            lost: self.mask.iter().zip(&stored.depth).filter(is_lost).count(),
+            hits: true_and_own_hits.map(|(truth, own)| HitAgreement::new(&self.mask, own, truth)).unwrap_or_default(),
             rmse: masked_rmse(&self.color, color, &self.mask),
             standard_error: self.standard_error,
         }
     }
 }
 
-/// Samples the screen reference with a fixed seed, so that differences come from the G-buffers alone.
+/// Renders the screen reference of a G-buffer in the pixels of `mask`. The seed, 3, is equal for all G-buffers, so that
+/// their references differ by the G-buffers alone.
 fn screen(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
     let bounces = spec.setup.effect().bounces;
     let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, bounces };
     ScreenReference::render(data, mask, sampling, &|| ())
 }
 
-/// The hits of the mirror rays of reflecting pixels, by version 1 of the oracle.
+/// Traces the mirror ray of each pixel of `mask` by version 1 of the oracle.
 fn oracle_hits(data: &GBufferData, mask: &[bool]) -> Hits {
     let hierarchy = Hierarchy::new(data);
     let hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position_px());
     (0..mask.len() as u32).into_par_iter().map(|i| hit(i).flatten()).collect()
 }
 
-/// Methods on views of a scene, at several roughness values.
+/// The study of precision: a ladder for each view of a scene and each set of factors.
 pub struct PrecisionStudy {
     /// Scene.
     pub scene: Scene,
@@ -224,17 +234,19 @@ impl Study for PrecisionStudy {
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
         let digest = scene_digest(&self.scene);
-        let cell = |n: usize, globals: Globals| {
-            let view = &self.views[n];
+        let planned = |(view_index, globals): (usize, Globals)| {
+            let view = &self.views[view_index];
             Planned {
                 name: cell_name(&self.scene.name, &view.name, self.setup.extent, globals.roughness),
                 setup: json!([digest, format!("{view:?}"), globals, methods, self.rays]),
-                cell: (n, globals),
+                cell: (view_index, globals),
             }
         };
-        (0..self.views.len()).flat_map(|n| self.globals.iter().map(move |g| (n, *g))).map(|(n, g)| cell(n, g)).collect()
+        let cells = (0..self.views.len()).flat_map(|view| self.globals.iter().map(move |globals| (view, *globals)));
+        cells.map(planned).collect()
     }
 
+    /// Measures the ladder of a view with a set of factors.
     fn measure(&mut self, (view, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<PrecisionRecord>> {
         measure(&PrecisionSpec {
             gpu: bench.gpu,
@@ -248,7 +260,8 @@ impl Study for PrecisionStudy {
     }
 }
 
-/// Measures every rung of the ladder for a view: the oracle (mirrors only) and each method.
+/// Measures every rung of a ladder: each method on the stored G-buffer, and before them the oracle, if every reflector
+/// is a mirror.
 pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
     let truth = Truth::new(spec);
     let mut context = FrameContext::new(spec.gpu)?;
@@ -272,15 +285,15 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
         }
         // A method that follows the oracle loads normals and colours as 16-bit floats alone; the other methods see 32-bit
         // floats.
-        let wide = GBufferImages::upload_wide(&mut context, &stored)?;
-        let own = GBufferImages::upload(&mut context, &stored)?;
+        let images_32_bit = GBufferImages::upload_wide(&mut context, &stored)?;
+        let images_16_bit = GBufferImages::upload(&mut context, &stored)?;
         for (method, effect) in &effects {
-            let images = if method.follows_oracle { &own } else { &wide };
+            let images = if method.follows_oracle { &images_16_bit } else { &images_32_bit };
             let input = Input { sky: Some(&sky), ..Input::of_screen(images.gbuffer(), &stored.camera) };
             let output = reflect_at_rest(&mut context, effect, &input)?;
             let color: Vec<_> = reflection(&mut context, &output)?.texels().map(|t| [t[0], t[1], t[2]]).collect();
-            let hits = output.traced.hits.map(|h| context.read(h.0.all())).transpose()?;
-            let hits = hits.map(|image| hit_positions(&image));
+            let hit_image = output.traced.hits.map(|hits| context.read(hits.0.all())).transpose()?;
+            let hits = hit_image.map(|image| hit_positions(&image));
             records.push(truth.record(spec, RecordSubject::Method(method), (storage, &stored), &color, hits.as_ref()));
         }
     }

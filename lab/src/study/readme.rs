@@ -1,8 +1,9 @@
-//! Compares the README's numbers with measurements on a device: which of them are the same there, which differ, and which this
-//! study does not measure.
+//! Compares the numbers that the README quotes with measurements on a device: which numbers are the same there, which
+//! differ, and which are not measured.
 //!
-//! The README's figures are medians over many views. This study measures a few of these views, and compares their medians with
-//! those of the same views in the README's own records. `make docs` writes these numbers to `readme.csv`.
+//! The README's numbers are medians over many views. Some of these views are measured again, and the medians over them
+//! are compared with the medians over the same views in the README's own records. `make docs` writes the latter to
+//! `readme.csv`.
 
 use super::error::{ErrorRecord, ErrorReference, Variant};
 use super::exhibit::Table;
@@ -13,7 +14,7 @@ use ssct::methods::setup::{BeyondScreen, Stage};
 use ssct::methods::{self, EffectParams, Setup};
 use ssct_truth::metrics::bootstrap::median_of;
 
-/// The file that `make docs` writes.
+/// The README's numbers on each view, in the file that `make docs` writes.
 const QUOTED: &str = include_str!("readme.csv");
 
 /// The size at which the README's times were measured.
@@ -24,18 +25,19 @@ pub const JUDGED_SIZE: [u32; 2] = [480, 270];
 pub const VIEWS: [[&str; 2]; 4] =
     [["rooms", "corridor"], ["atrium", "hall"], ["museum", "exit-sign"], ["street", "car"]];
 
-/// The scenes among [`VIEWS`] that the README's table of the screen has, at several roughness values. The README's
-/// table of the triangles has mirrors alone.
+/// The scenes among [`VIEWS`] that are in the README's table of the screen, where they have several roughness values.
+/// The README's table of the triangles has mirrors alone.
 pub const SCREEN_SCENES: [&str; 2] = ["rooms", "atrium"];
 
 /// The greatest relative difference of a ratio of times from the README's that counts as the same.
 const TIME_TOLERANCE: f64 = 0.1;
-/// Limit like [`TIME_TOLERANCE`] for a ratio of errors; the references' rays differ on another device's G-buffer.
+/// The greatest relative difference of a ratio of errors from the README's that counts as the same. The references'
+/// rays differ on another device's G-buffer.
 const ERROR_TOLERANCE: f64 = 0.05;
-/// Greatest absolute difference of a share of rays from the README's that counts as the same.
+/// The greatest absolute difference of a share of rays from the README's that counts as the same.
 const SHARE_TOLERANCE: f64 = 0.002;
 
-/// A number of the README, with its value on one view from the README's records.
+/// A number of the README, with its value on one view in the README's records.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Quoted")]
 pub struct QuotedNumber {
@@ -45,17 +47,17 @@ pub struct QuotedNumber {
     pub row: String,
     /// Column of the number in the table.
     pub column: String,
-    /// Number in the README, over all the README's views.
+    /// The number as the README has it, over all of the README's views.
     pub says: String,
     /// Kind of device that the number was measured on.
     pub measured_on: String,
     /// Kind of figure that the number is.
     pub figure: Figure,
-    /// Variant whose figure the number is; empty where this study does not measure it.
+    /// Variant whose figure the number is; empty if another command measures the number.
     pub variant: String,
-    /// Variant whose figure is the divisor; empty for a share.
+    /// Variant whose figure is the divisor of a ratio; empty for a share.
     pub over: String,
-    /// Command that measures the number where this study does not; else empty.
+    /// The other command that measures the number, if the number is not measured here; else empty.
     pub command: String,
     /// The roughness.
     pub roughness: Option<f32>,
@@ -63,7 +65,7 @@ pub struct QuotedNumber {
     pub scene: String,
     /// The view.
     pub view: String,
-    /// The number on that view.
+    /// The number on the view; `None` if it is not measured here.
     pub value: Option<f64>,
 }
 
@@ -91,7 +93,7 @@ pub enum Verdict {
     Same,
     /// The difference exceeds the tolerance.
     Other,
-    /// This study does not measure the number.
+    /// The number was not measured here.
     NotComparable,
 }
 
@@ -106,7 +108,7 @@ impl Verdict {
     }
 }
 
-/// A number of the README beside the number of a device.
+/// A number of the README beside the number that a device measured.
 #[derive(Debug, Clone, Serialize)]
 pub struct ReadmeRecord {
     /// Always `readme`.
@@ -114,11 +116,11 @@ pub struct ReadmeRecord {
     /// The number, with its place in the README.
     #[serde(flatten)]
     pub quoted: QuotedNumber,
-    /// Median of the README's records over the views that were measured here.
+    /// Median in the README's records, over the views that were measured here.
     pub there: Option<f64>,
-    /// Median of the measurements here over the same views.
+    /// Median in the measurements here, over the same views.
     pub here: Option<f64>,
-    /// The number of these views.
+    /// Number of the views that were measured here.
     pub views: usize,
     /// Verdict on the difference.
     pub verdict: Verdict,
@@ -132,11 +134,11 @@ pub struct MeasuredRecords<'a> {
     pub errors: &'a [ErrorRecord],
 }
 
-/// The variants in the README's tables, with the names that they have there. On a GPU all are compute shaders, for a fair
-/// comparison. On a CPU each runs in its default stage, as it did for the README.
+/// Makes the variants of the README's tables, for a size in pixels. On a GPU, all run in compute shaders, for a fair
+/// comparison. On a CPU, each runs in its default stage, as it did for the README.
 ///
 /// # Errors
-/// [`Usage`](ssct::Error::Usage) if there is no such method.
+/// [`Usage`](ssct::Error::Usage) if a method of the tables does not exist.
 pub fn variants(extent: [u32; 2], is_cpu: bool) -> Result<Vec<Variant>> {
     let plain = Setup::new(extent);
     let stage = if is_cpu { plain.effect().stage } else { Stage::Compute };
@@ -151,43 +153,43 @@ pub fn variants(extent: [u32; 2], is_cpu: bool) -> Result<Vec<Variant>> {
         .collect()
 }
 
-/// Name of `unified` in a table of the screen alone.
+/// The README's name of `unified` on the screen alone.
 pub const ON_SCREEN: &str = "unified on the screen";
 
-/// The README's name of the variant that a record is about.
+/// Returns the README's name of the variant that a record is about.
 fn name(head: &Head) -> String {
-    let is_alone = head.method == "unified" && head.setting("beyond") == "none";
-    if is_alone { ON_SCREEN.to_owned() } else { head.method.clone() }
+    let is_on_screen = head.method == "unified" && head.setting("beyond") == "none";
+    if is_on_screen { ON_SCREEN.to_owned() } else { head.method.clone() }
 }
 
 impl MeasuredRecords<'_> {
-    /// The measured value, on the view of a number of the README.
+    /// Returns the measured value of a number of the README, on its view; `None` if it was not measured.
     fn value(&self, quoted: &QuotedNumber) -> Option<f64> {
-        let one = |variant: &str| match quoted.figure {
+        let figure_of = |variant: &str| match quoted.figure {
             Figure::Time => {
-                let mut own = self.times.iter().filter(|r| is_of(&r.head, quoted, variant));
-                own.next().map(|r| r.total.median_ms)
+                let mut records = self.times.iter().filter(|r| is_of(&r.head, quoted, variant));
+                records.next().map(|r| r.total.median_ms)
             }
             Figure::Error => {
                 let against = if quoted.variant == ON_SCREEN { ErrorReference::Screen } else { ErrorReference::World };
-                let own = self.error(quoted, variant, against)?;
+                let record = self.error(quoted, variant, against)?;
                 // The variance of the reference is subtracted, since it is no error of the method.
-                let noise = own.image.standard_error.unwrap_or_default();
-                own.image.rmse.map(|rmse| (rmse * rmse - noise * noise).max(0.0).sqrt())
+                let noise = record.image.standard_error.unwrap_or_default();
+                record.image.rmse.map(|rmse| (rmse * rmse - noise * noise).max(0.0).sqrt())
             }
             Figure::Ends => self.error(quoted, variant, ErrorReference::World)?.place_agreement,
             Figure::Hits => self.error(quoted, variant, ErrorReference::Oracle)?.hits.hit_agreement,
             Figure::Elsewhere => None,
         };
-        let value = one(&quoted.variant)?;
+        let value = figure_of(&quoted.variant)?;
         if quoted.over.is_empty() {
             Some(value)
         } else {
-            one(&quoted.over).filter(|over| *over > 0.0).map(|o| value / o)
+            figure_of(&quoted.over).filter(|divisor| *divisor > 0.0).map(|divisor| value / divisor)
         }
     }
 
-    /// The record of a variant's error against a reference, on the view of a number of the README.
+    /// Finds the record of a variant's error against a reference, on the view of a number of the README.
     fn error(&self, quoted: &QuotedNumber, variant: &str, against: ErrorReference) -> Option<&ErrorRecord> {
         self.errors.iter().find(|r| r.against == against && is_of(&r.head, quoted, variant))
     }
@@ -200,7 +202,7 @@ fn is_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
     is_there && head.roughness.zip(quoted.roughness).is_some_and(|(a, b)| near(a, b))
 }
 
-/// The README's numbers, one for each view.
+/// Reads the README's numbers: for each number, its value on each of its views.
 ///
 /// # Errors
 /// [`Usage`](ssct::Error::Usage) if the file cannot be read, which a test excludes.
@@ -209,8 +211,8 @@ pub fn quoted_numbers() -> Result<Vec<QuotedNumber>> {
     read.map_err(|e| Error::usage(format!("the README's numbers: {e}")))
 }
 
-/// Compares every number of the README with the measurements. Each number is a median over views. A record has the
-/// medians of the README's records and of the measurements, over the views that both have.
+/// Compares every number of the README with the measurements, and makes a record of each. A record has two medians over
+/// the views that were measured: one of the README's own values, and one of the measured values.
 ///
 /// # Errors
 /// Errors of [`quoted_numbers`].
@@ -220,29 +222,32 @@ pub fn compare(measured: &MeasuredRecords) -> Result<Vec<ReadmeRecord>> {
     let is_same_cell =
         |a: &QuotedNumber, b: &QuotedNumber| (&a.place, &a.row, &a.column) == (&b.place, &b.row, &b.column);
     for views in all.chunk_by(is_same_cell) {
+        // The README's value and the measured value on each view that was measured.
         let pairs: Vec<_> = views.iter().filter_map(|q| q.value.zip(measured.value(q))).collect();
-        let medians = || (median_of(pairs.iter().map(|p| p.0)), median_of(pairs.iter().map(|p| p.1)));
+        let medians =
+            || (median_of(pairs.iter().map(|(there, _)| *there)), median_of(pairs.iter().map(|(_, here)| *here)));
         let both = (!pairs.is_empty()).then(medians);
         let verdict = both.map_or(Verdict::NotComparable, |both| verdict(views[0].figure, both));
-        let (quoted, there, here) = (views[0].clone(), both.map(|b| b.0), both.map(|b| b.1));
+        let (there, here) = both.unzip();
+        let quoted = views[0].clone();
         records.push(ReadmeRecord { kind: "readme", quoted, there, here, views: pairs.len(), verdict });
     }
     Ok(records)
 }
 
-/// Whether a number of the README's records and the number that was measured here are the same within the figure's
-/// tolerance.
+/// Says whether the number `there` of the README's records and the number `here` that was measured are the same within
+/// the figure's tolerance.
 fn verdict(figure: Figure, (there, here): (f64, f64)) -> Verdict {
-    let near = match figure {
+    let is_same = match figure {
         Figure::Time => (here / there - 1.0).abs() <= TIME_TOLERANCE,
         Figure::Error => (here / there - 1.0).abs() <= ERROR_TOLERANCE,
         Figure::Ends | Figure::Hits => (here - there).abs() <= SHARE_TOLERANCE,
         Figure::Elsewhere => return Verdict::NotComparable,
     };
-    if near { Verdict::Same } else { Verdict::Other }
+    if is_same { Verdict::Same } else { Verdict::Other }
 }
 
-/// The table of the comparison for the page.
+/// Makes the table of the comparison, in which numbers that can be compared come first.
 pub fn table(records: &[ReadmeRecord]) -> Table {
     let about = format!(
         "A row has a number as the README says it, over all the README's views. Beside it stand two medians over the views that were \
@@ -274,9 +279,9 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
         "measured by",
     ];
     let mut cells = vec![head.map(str::to_owned).to_vec()];
-    // Numbers that can be compared come first.
-    let (others, compared): (Vec<_>, Vec<_>) = records.iter().partition(|r| r.verdict == Verdict::NotComparable);
-    for r in compared.into_iter().chain(others) {
+    let (not_comparable, compared): (Vec<_>, Vec<_>) =
+        records.iter().partition(|r| r.verdict == Verdict::NotComparable);
+    for r in compared.into_iter().chain(not_comparable) {
         let is_share = matches!(r.quoted.figure, Figure::Ends | Figure::Hits);
         let shown = |value: Option<f64>| match value {
             None => "-".to_owned(),

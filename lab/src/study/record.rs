@@ -12,7 +12,7 @@ use ssct::passes::gbuffer::DrawnCounts;
 use ssct_ground::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
 use ssct_scenes::{FieldOfView, Lens, Scene, View};
 
-/// The version of docs/definitions.md that figures follow.
+/// The version of docs/definitions.md that the figures of this program follow.
 pub const DEFINITIONS: u32 = 3;
 
 columns! {
@@ -31,20 +31,20 @@ columns! {
 }
 
 impl Stats {
-    /// The statistics of samples; all zero without samples.
+    /// Computes the statistics of samples; all are 0 without samples.
     pub fn from_samples(samples: &[f64]) -> Self {
         let mut sorted = samples.to_vec();
         sorted.sort_by(f64::total_cmp);
-        let n = sorted.len();
-        if n == 0 {
+        let count = sorted.len();
+        if count == 0 {
             return Self { median_ms: 0.0, min_ms: 0.0, p95_ms: 0.0, samples: 0 };
         }
-        let p95 = (0.95 * n as f64).ceil() as usize - 1;
+        let p95_index = (0.95 * count as f64).ceil() as usize - 1;
         Self {
-            median_ms: (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0,
+            median_ms: (sorted[(count - 1) / 2] + sorted[count / 2]) / 2.0,
             min_ms: sorted[0],
-            p95_ms: sorted[p95],
-            samples: n,
+            p95_ms: sorted[p95_index],
+            samples: count,
         }
     }
 }
@@ -52,14 +52,14 @@ impl Stats {
 /// The times of a pass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PassRecord {
-    /// Label; a slash precedes the number of a chain's level.
+    /// Label of the pass; the number of a level stands behind a slash.
     pub name: String,
     /// Whether the pass counts towards the total (scene passes don't).
     pub counted: bool,
     /// Times of the pass.
     #[serde(flatten)]
     pub stats: Stats,
-    /// How far the pass's time strays from itself, as a share, if the method was timed against itself
+    /// Noise floor of the pass's time, as a share, if the method was timed against itself
     /// ([`super::timing::TimeSpec::a_a`]).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_floor: Option<f64>,
@@ -87,13 +87,13 @@ impl Provenance {
     /// The commit that the program was built from.
     const COMMIT: &'static str = env!("SSCT_COMMIT");
 
-    /// The commit that the program was built from, with a remark if the program uses other shaders than those of that commit.
+    /// Returns the commit that the program was built from, with a remark if the program uses shaders of another folder.
     pub fn commit() -> String {
-        let others = ssct::gpu::sources::named().map_or("", |_| " with other shaders");
-        format!("{}{others}", Self::COMMIT)
+        let remark = if ssct::gpu::sources::named().is_some() { " with other shaders" } else { "" };
+        format!("{}{remark}", Self::COMMIT)
     }
 
-    /// The provenance of measurements by this program on a device.
+    /// Returns the provenance of measurements by this program on a device.
     pub fn on(gpu: &Gpu) -> Self {
         Self {
             definitions: DEFINITIONS,
@@ -108,15 +108,17 @@ impl Provenance {
 /// effect and of the method. A value that is not set, such as a roughness that the materials keep, is null.
 pub type RecordedSetup = Map<String, Json>;
 
-/// Everything that is set for a measurement of a method: its setup, the lens and the global factors, by name.
+/// Collects everything that is set for a measurement: the setup with the parameters of the effect and of `method`, the
+/// lens and the global factors, by name.
 pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals: &Globals) -> RecordedSetup {
     let named = |(name, value): (&str, Value)| (name.to_owned(), json!(value));
     let mut all: RecordedSetup = setup.recorded(method).into_iter().map(named).collect();
+    // Only the records of orthographic cameras have this name.
     let height = match lens.opening {
         FieldOfView::Angle(_) => None,
         FieldOfView::Height(height) => Some(("orthographic_height_m", Some(height))),
     };
-    let factors = [
+    let lens_and_factors = [
         ("fov_degrees", lens.fov_y_radians().map(f32::to_degrees)),
         ("near_m", Some(lens.near_m)),
         ("far_m", Some(lens.far_m)),
@@ -124,13 +126,12 @@ pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals
         ("reflectivity", Some(globals.reflectivity)),
         ("normal_deviation", globals.normal_deviation),
     ];
-    all.extend(
-        factors.into_iter().chain(height).map(|(name, value)| (name.to_owned(), json!(value.map(Value::Number)))),
-    );
+    let numbers = lens_and_factors.into_iter().chain(height);
+    all.extend(numbers.map(|(name, value)| (name.to_owned(), json!(value.map(Value::Number)))));
     all
 }
 
-/// A value of a [`RecordedSetup`] as text: nothing for null.
+/// Returns a value of a [`RecordedSetup`] as text; null is an empty text.
 pub fn cell(value: &Json) -> String {
     match value {
         Json::Null => String::new(),
@@ -167,7 +168,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// The head of a measurement by this program. A subject that is no method, such as a reference, has a name of its own.
+    /// Makes the head of a record of a measurement by this program. `place` is the scene with its view.
     pub fn new(
         kind: &str,
         gpu: &Gpu,
@@ -195,44 +196,47 @@ impl Head {
         }
     }
 
-    /// A value of the setup as text; empty if it is null or missing.
+    /// Returns a value of the setup as text; empty if it is null or missing.
     pub fn setting(&self, name: &str) -> String {
         self.setup.get(name).map(cell).unwrap_or_default()
     }
 
-    /// The method with its fallback, if it has one.
+    /// Returns the method's name, followed by " + " and the fallback if it has one.
     pub fn method_and_fallback(&self) -> String {
         match self.setting("fallback").as_str() {
             "" | "none" => self.method.clone(),
-            behind => format!("{} + {behind}", self.method),
+            fallback => format!("{} + {fallback}", self.method),
         }
     }
 
-    /// The name of the record's line in a chart: `first`, and the properties in which the record differs from some record of
-    /// `all`.
+    /// Returns the name of the record's line in a chart: the text `first`, and those of the method, place, roughness
+    /// and size in which the record differs from some record of `all`. A property with which `first` begins is not
+    /// repeated.
     pub fn line_name(&self, all: &[&Self], first: &str) -> String {
         let method = |h: &Self| h.method_and_fallback();
         let place = |h: &Self| format!("{} {}", h.scene, h.view);
         let rough = |h: &Self| format!("r {}", roughness(h.roughness));
         let size = |h: &Self| format!("{} × {}", h.width, h.height);
-        let tell: [&dyn Fn(&Self) -> String; 4] = [&method, &place, &rough, &size];
-        let differs = tell
+        let properties: [&dyn Fn(&Self) -> String; 4] = [&method, &place, &rough, &size];
+        let differing = properties
             .iter()
             .filter(|property| all.iter().any(|other| property(other) != property(self)))
             .map(|property| property(self));
-        let words = std::iter::once(first.to_owned()).chain(differs.filter(|word| !first.starts_with(word.as_str())));
-        words.collect::<Vec<_>>().join(", ")
+        let not_in_first = differing.filter(|word| !first.starts_with(word.as_str()));
+        std::iter::once(first.to_owned()).chain(not_in_first).collect::<Vec<_>>().join(", ")
     }
 
-    /// The name of a variant: method, fallback, preset, and the parameters that differ from the preset's values.
+    /// Returns the name of the record's variant: the method, its fallback, the preset unless it is the default, and the
+    /// parameters that differ from the preset's values.
     pub fn variant(&self) -> String {
         let rows = methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::reads);
         let has_presets = rows.iter().any(|row| row.author != row.published);
         let preset = Some(self.preset.name()).filter(|_| has_presets && self.preset != Preset::default());
-        let fallback = |row: &&Parameter| row.name != "fallback";
-        let differs =
-            rows.iter().filter(fallback).filter_map(|row| differing(row, self.preset, &self.setting(row.name)));
-        let words = preset.map(str::to_owned).into_iter().chain(differs);
+        // The fallback stands behind the method already.
+        let is_no_fallback = |row: &&Parameter| row.name != "fallback";
+        let changed =
+            rows.iter().filter(is_no_fallback).filter_map(|row| differing(row, self.preset, &self.setting(row.name)));
+        let words = preset.map(str::to_owned).into_iter().chain(changed);
         words.fold(self.method_and_fallback(), |name, word| format!("{name} {word}"))
     }
 }
@@ -258,8 +262,8 @@ impl Columns for Head {
     }
 }
 
-/// A parameter's value in a few words, if it differs from the preset's; `text` is the value in a record. `None` also if the
-/// record is older than the parameter, and does not have it.
+/// Describes a parameter's value in a few words, if it differs from the preset's; `text` is the value in a record.
+/// `None` if it does not differ, or if the text is empty, since the record is older than the parameter.
 pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> {
     if text.is_empty() || text == cell(&json!(row.preset_value(preset))) {
         return None;
@@ -320,12 +324,13 @@ columns! {
 }
 
 impl TimeRecord {
-    /// Sum of the medians of all passes over the median of the frame: 1 if no time passes between the passes.
+    /// Returns the sum of the medians of all passes divided by the median of the frame: 1 if no time passes between
+    /// passes.
     pub fn sum_over_frame(&self) -> f64 {
         self.passes.iter().map(|p| p.stats.median_ms).sum::<f64>() / self.frame.median_ms
     }
 
-    /// Sum of the counted passes in each frame, in milliseconds.
+    /// Returns the sum of the counted passes in each frame, in milliseconds.
     pub fn totals(&self) -> Vec<f64> {
         let counted = |frame: &Vec<f64>| {
             let passes = self.passes.iter().zip(frame).filter(|(pass, _)| pass.counted);
@@ -334,13 +339,15 @@ impl TimeRecord {
         self.samples.iter().map(counted).collect()
     }
 
-    /// Medians of the passes that count towards the time of the method, in order, as [`Self::grouped`] adds them up.
+    /// Returns the names and the median milliseconds of the passes that count towards the time of the method, as
+    /// [`Self::grouped`] does.
     pub fn stages(&self) -> Vec<(String, f64)> {
         self.grouped(true)
     }
 
-    /// Medians of the passes that count, or of those that do not, in order. The times of a chain's levels are added up in each
-    /// frame. A record without its samples adds the medians of the levels instead.
+    /// Returns the names and the median milliseconds of the passes that count, or of those that do not, in order. The
+    /// passes of one [`group_of`] become one: their times are added up in each frame. Without samples, their medians
+    /// are added up.
     pub fn grouped(&self, counted: bool) -> Vec<(String, f64)> {
         let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
         for (n, pass) in self.passes.iter().enumerate().filter(|(_, p)| p.counted == counted) {
@@ -353,17 +360,19 @@ impl TimeRecord {
         groups.into_iter().map(|(name, parts)| (name, self.median_of_sum(&parts))).collect()
     }
 
-    /// The median over the frames of the sum of some passes, given by their indices.
-    fn median_of_sum(&self, parts: &[usize]) -> f64 {
+    /// Returns the median over the frames of the sum of some passes, given by their indices, in milliseconds. Without
+    /// samples, returns the sum of their medians.
+    fn median_of_sum(&self, passes: &[usize]) -> f64 {
         if self.samples.is_empty() {
-            return parts.iter().filter_map(|n| self.passes.get(*n)).map(|pass| pass.stats.median_ms).sum();
+            return passes.iter().filter_map(|n| self.passes.get(*n)).map(|pass| pass.stats.median_ms).sum();
         }
-        let sum = |frame: &Vec<f64>| parts.iter().filter_map(|n| frame.get(*n)).sum();
+        let sum = |frame: &Vec<f64>| passes.iter().filter_map(|n| frame.get(*n)).sum();
         Stats::from_samples(&self.samples.iter().map(sum).collect::<Vec<_>>()).median_ms
     }
 }
 
-/// The name of the group of a label: all levels of a chain have the part of the label before the slash in common.
+/// Returns the name of the group of a pass: the part of its label before the slash, which all levels of a chain have in
+/// common, or the whole label without a slash.
 pub fn group_of(label: &str) -> &str {
     label.split('/').next().unwrap_or(label)
 }
@@ -373,7 +382,7 @@ pub(crate) mod tests {
     use super::*;
     use ssct::methods::METHODS;
 
-    /// A value that the parameter allows, other than the given one.
+    /// Returns a value that the parameter allows, other than the given value.
     pub(crate) fn another(parameter: &Parameter, value: Value) -> Value {
         use ssct_ground::parameter::Domain;
         let candidates = match parameter.domain {
@@ -384,7 +393,7 @@ pub(crate) mod tests {
         candidates.into_iter().find(|c| *c != value && parameter.domain.has(*c)).expect("more than one value")
     }
 
-    /// Tests that the recorded setup shows whichever parameter is changed.
+    /// Tests that changing one parameter changes the value with its name in the recorded setup, and no other value.
     #[test]
     fn a_changed_parameter_changes_the_recorded_setup_of_each_method_that_reads_it() {
         for method in METHODS {

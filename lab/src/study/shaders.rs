@@ -1,5 +1,5 @@
-//! Statistics of a device's compiler about the programs that methods run: registers, instructions, occupancy and whatever else
-//! the driver reports (VK_KHR_pipeline_executable_properties). A device that compiles only
+//! The study of compiled programs: for the programs that methods run, the registers, instructions, occupancy and other
+//! statistics that the driver reports (VK_KHR_pipeline_executable_properties). A device that only compiles
 //! ([`ssct::gpu::DeviceQuery::compiles_only`]) is enough, so that the hardware need not be in the machine.
 
 pub mod compare;
@@ -22,13 +22,13 @@ use ssct::gpu::frame::Mode;
 use ssct::methods::Wants;
 use ssct_scenes::{Scene, View};
 
-/// Frames that are recorded at rest: one program begins a history, and another continues it.
+/// Number of frames of a camera at rest that are recorded: one program begins a history, and another continues it.
 const FRAMES_AT_REST: usize = 2;
-/// Motion of the camera, in metres, in the frame after the frames at rest, which makes a history search for the surfaces that
-/// it showed.
+/// Motion of the camera, in metres, before the frame that follows the frames at rest. A history runs another program
+/// where the camera moves.
 const MOVED_M: f32 = 0.01;
 
-/// Scene, view and variants whose frames run the programs that are compiled.
+/// The study of compiled programs: scene, view and variants whose frames run the programs.
 pub struct ShadersStudy {
     /// Scene.
     pub scene: Scene,
@@ -81,12 +81,13 @@ columns! {
 }
 
 impl ShaderRecord {
-    /// A statistic by the driver's name.
+    /// Returns the value of a statistic, by the driver's name.
     pub fn statistic(&self, name: &str) -> Option<f64> {
         self.statistics.iter().find(|s| s.name == name).map(|s| s.value)
     }
 
-    /// The values that identify a record among others of a run: variant, roughness, when it runs, program, constants and stage.
+    /// Returns the values that tell the record from the others of a run: variant, roughness, when the program runs,
+    /// program, constants and stage.
     pub fn identity(&self) -> [String; 6] {
         let Self { head, runs_in, program, constants, stage, .. } = self;
         let roughness = super::names::roughness(head.roughness);
@@ -94,7 +95,7 @@ impl ShaderRecord {
     }
 }
 
-/// The names of some records' statistics, in the driver's order, without those that only identify code.
+/// Returns the names of some records' statistics, in the driver's order, without those that only identify code.
 fn statistic_names(records: &[ShaderRecord]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for statistic in records.iter().flat_map(|r| &r.statistics) {
@@ -105,9 +106,14 @@ fn statistic_names(records: &[ShaderRecord]) -> Vec<String> {
     names
 }
 
-/// A statistic as tables show it: without digits behind the point if it is whole, and a dash if it is missing.
+/// Returns the text of a statistic in tables: without digits behind the point if it is whole, and a dash if it is
+/// missing.
 fn statistic_text(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".into(), |v| if v.fract() == 0.0 { format!("{v:.0}") } else { format!("{v:.2}") })
+    match value {
+        Some(value) if value.fract() == 0.0 => format!("{value:.0}"),
+        Some(value) => format!("{value:.2}"),
+        None => "-".into(),
+    }
 }
 
 const FRAMES_TABLE: &str = "What the programs of one frame come to while the camera moves: each program once, however many \
@@ -126,7 +132,7 @@ impl Row for ShaderRecord {
         &self.head.program
     }
 
-    /// The tables of whole frames, of the programs of frames, and of all programs.
+    /// Makes the tables of whole frames, of the programs of frames, and of all programs.
     fn tables(rows: &[Self], _settings: &Value) -> Vec<Table> {
         let names = statistic_names(rows);
         let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
@@ -140,26 +146,28 @@ impl Row for ShaderRecord {
     }
 }
 
-/// Makes a table with a line for each variant and roughness, in which the numbers of a frame's programs are combined.
+/// Makes the cells of a table with a line for each variant and roughness, which combines the statistics `names` over
+/// the programs of a frame.
 fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let folded: Vec<(&String, Fold)> =
         names.iter().filter_map(|name| Some((*name, Kind::named(name).fold()?))).collect();
     let header = ["method", "roughness", "programs"].map(str::to_owned).into_iter();
     let mut cells = vec![header.chain(folded.iter().map(|(name, _)| (*name).clone())).collect()];
-    let frame = |r: &ShaderRecord| (r.head.variant(), super::names::roughness(r.head.roughness));
-    for (variant, roughness) in super::exhibit::distinct(rows.iter().map(frame)) {
-        let here: Vec<&ShaderRecord> =
-            rows.iter().filter(|r| r.runs_in == FRAME && frame(r) == (variant.clone(), roughness.clone())).collect();
+    let variant_and_roughness = |r: &ShaderRecord| (r.head.variant(), super::names::roughness(r.head.roughness));
+    for (variant, roughness) in super::exhibit::distinct(rows.iter().map(variant_and_roughness)) {
+        let is_here = |r: &&ShaderRecord| variant_and_roughness(r) == (variant.clone(), roughness.clone());
+        let of_frame: Vec<&ShaderRecord> = rows.iter().filter(|r| r.runs_in == FRAME && is_here(r)).collect();
         let value = |(name, fold): &(&String, Fold)| {
-            statistic_text(here.iter().filter_map(|r| r.statistic(name)).reduce(|a, b| fold.join(a, b)))
+            statistic_text(of_frame.iter().filter_map(|r| r.statistic(name)).reduce(|a, b| fold.join(a, b)))
         };
-        let count = here.len().to_string();
+        let count = of_frame.len().to_string();
         cells.push([variant, roughness, count].into_iter().chain(folded.iter().map(value)).collect());
     }
     cells
 }
 
-/// Makes a table with a line for each program that frames run; programs whose lines are equal share one.
+/// Makes the cells of a table with a line for each program that frames run, and columns for the statistics `names`.
+/// Programs whose lines are equal share one line.
 fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = ["program", "constants", "stage", "subgroup"].map(str::to_owned).into_iter();
     let mut cells: Vec<Vec<String>> = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
@@ -174,7 +182,7 @@ fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<Strin
     cells
 }
 
-/// Makes a table with a line for each record.
+/// Makes the cells of a table with a line for each record, and columns for the statistics `names`.
 fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = ["method", "roughness", "runs in", "program", "constants", "stage", "subgroup", "passes"];
     let header = header.map(str::to_owned).into_iter();
@@ -186,12 +194,13 @@ fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     cells
 }
 
-/// The times at which a program can run.
+/// The program runs in frames of a camera that moves.
 const FRAME: &str = "frame";
+/// The program runs in frames of a camera at rest alone.
 const FRAME_AT_REST: &str = "frame at rest";
+/// The program runs once, before the first frame.
 const PREPARE: &str = "prepare";
 
-/// A cell is a variant with a set of factors.
 impl Study for ShadersStudy {
     type Cell = (usize, Globals);
     type Row = ShaderRecord;
@@ -200,31 +209,32 @@ impl Study for ShadersStudy {
         vec![&self.scene]
     }
 
-    /// A cell is a variant, by its index, with a set of factors.
+    /// Lists a cell for each variant, by its index, and each set of factors.
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let digest = scene_digest(&self.scene);
-        let planned = |n: usize, globals: &Globals| {
-            let variant = &self.variants[n];
+        let planned = |(index, globals): (usize, &Globals)| {
+            let variant = &self.variants[index];
             let place = cell_name(&self.scene.name, &self.view.name, self.extent, globals.roughness);
             Planned {
-                name: format!("{place} {} {n}", variant.method.name),
+                name: format!("{place} {} {index}", variant.method.name),
                 setup: json!([digest, format!("{:?}", self.view), variant.settings(self.extent), globals]),
-                cell: (n, *globals),
+                cell: (index, *globals),
             }
         };
         let pairs = (0..self.variants.len()).flat_map(|n| self.globals.iter().map(move |globals| (n, globals)));
-        pairs.map(|(n, globals)| planned(n, globals)).collect()
+        pairs.map(planned).collect()
     }
 
-    /// Compiles the programs of a variant, and makes a record of each stage.
-    fn measure(&mut self, &(n, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<ShaderRecord>> {
+    /// Compiles the programs of a variant, and makes a record of each stage of each program.
+    fn measure(&mut self, &(variant, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<ShaderRecord>> {
         let stage = self.stage.get_or_make((), || Stage::new(bench.gpu, &self.scene))?;
-        compiled(stage, (&self.scene, &self.view), &self.variants[n], self.extent, &globals)
+        compiled(stage, (&self.scene, &self.view), &self.variants[variant], self.extent, &globals)
     }
 }
 
-/// Compiles the programs of a variant: those that prepare it, those of a frame whose camera moved, and those that only
-/// frames at rest run. The stage has the scene, and a device that only compiles.
+/// Compiles the programs of a variant, and makes a record of each stage of each program. Some programs prepare the
+/// variant, some run in a frame whose camera moved, and some run in frames at rest alone. `stage` has the scene, on a
+/// device that only compiles.
 ///
 /// # Errors
 /// [`Usage`](ssct::Error::Usage) on a device that was opened for something else, and errors of the driver.
@@ -236,7 +246,7 @@ pub fn compiled(
     globals: &Globals,
 ) -> Result<Vec<ShaderRecord>> {
     let (gpu, setup) = (stage.context.gpu().clone(), setup.with_extent(extent));
-    // Programs that were compiled before belong to other frames.
+    // Discards programs that were compiled before for something else.
     gpu.take_programs()?;
     let (camera, materials) = (view.camera(scene, extent), globals.materials(scene, view));
     let mut shot = Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials)?;
@@ -247,17 +257,19 @@ pub fn compiled(
     let mut rested = gpu.take_programs()?;
     shot.camera.world_to_view = Mat4::from_translation(Vec3::X * MOVED_M) * camera.world_to_view;
     stage.run(&shot, Mode::Plain)?;
-    let mut ran = gpu.take_programs()?;
-    ran.retain(|p| p.counted);
-    let is_other = |p: &CompiledProgram| ran.iter().all(|r| (&r.program, &r.constants) != (&p.program, &p.constants));
-    rested.retain(|p| p.counted && is_other(p));
+    let mut moved = gpu.take_programs()?;
+    moved.retain(|p| p.counted);
+    let is_of_rest_alone =
+        |p: &CompiledProgram| moved.iter().all(|m| (&m.program, &m.constants) != (&p.program, &p.constants));
+    rested.retain(|p| p.counted && is_of_rest_alone(p));
     let head = Head::new("shaders", &gpu, (scene, view), RecordSubject::Method(method), &setup, globals);
-    let all = [(FRAME, &ran), (FRAME_AT_REST, &rested), (PREPARE, &prepared)];
-    Ok(all.into_iter().flat_map(|(when, ran)| records(&head, when, ran)).collect())
+    let all = [(FRAME, &moved), (FRAME_AT_REST, &rested), (PREPARE, &prepared)];
+    Ok(all.into_iter().flat_map(|(runs_in, programs)| records(&head, runs_in, programs)).collect())
 }
 
 impl ShaderRecord {
-    /// A table with the main numbers of the programs that frames run; programs whose lines are equal share one.
+    /// Makes a table with the main statistics of the programs that frames run; programs whose lines are equal share one
+    /// line.
     pub fn table(records: &[Self]) -> Table {
         let names = statistic_names(records);
         let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
@@ -265,10 +277,11 @@ impl ShaderRecord {
     }
 }
 
-/// A record for each stage of each program, in the order in which they first ran.
-fn records(head: &Head, runs_in: &str, ran: &[CompiledProgram]) -> Vec<ShaderRecord> {
+/// Makes a record for each stage of each program, in the order in which the programs first ran. A program that several
+/// passes run has one record, which lists these passes.
+fn records(head: &Head, runs_in: &str, programs: &[CompiledProgram]) -> Vec<ShaderRecord> {
     let mut all: Vec<ShaderRecord> = Vec::new();
-    for program in ran {
+    for program in programs {
         for executable in program.executables.iter().filter(|e| is_listed(program, e)) {
             let new = record(head, runs_in, program, executable);
             match all.iter_mut().find(|known| known.identity() == new.identity()) {
@@ -281,12 +294,13 @@ fn records(head: &Head, runs_in: &str, ran: &[CompiledProgram]) -> Vec<ShaderRec
     all
 }
 
-/// Leaves out the vertex stage of a pipeline that has a fragment stage: its only work is a triangle that covers the targets.
+/// Whether a stage of a program gets a record. The vertex stage of a program with a fragment stage gets none: its only
+/// work is a triangle that covers the targets.
 fn is_listed(program: &CompiledProgram, executable: &Executable) -> bool {
     executable.stage != "vertex" || program.executables.iter().all(|e| e.stage == "vertex")
 }
 
-/// The record of one stage of a program.
+/// Makes the record of one stage of a program.
 fn record(head: &Head, runs_in: &str, program: &CompiledProgram, executable: &Executable) -> ShaderRecord {
     let constants: Vec<String> = program.constants.iter().map(|(id, bits)| format!("{id}={bits}")).collect();
     let statistic = |s: &ssct::gpu::executables::Statistic| ShaderStatistic {

@@ -1,13 +1,13 @@
-//! Shards: the cells of a study are divided among machines that do not communicate (docs/many-machines.md, "Shards"). The shard
-//! of a cell follows from the setups of all cells, and not from their order, the device or the machine. Every machine therefore
-//! divides a study in the same way.
+//! Shards divide the cells of a study among machines that do not communicate (docs/many-machines.md, "Shards"). The
+//! shard of a cell follows from the setups of all cells, and not from their order, the device or the machine, so that
+//! every machine divides a study in the same way.
 
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::str::FromStr;
 
-/// One of several shards.
+/// One of the shards into which a study is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     /// The number of this shard, from 1 to `count`.
@@ -23,7 +23,7 @@ const MOST: u32 = 1_000_000;
 impl FromStr for Shard {
     type Err = String;
 
-    /// Reads a shard such as `3/8`.
+    /// Reads a shard such as `3/8`, the third of eight.
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || format!("{text:?} is no shard; write it as 3/8, the third of eight");
         let (index, count) = text.split_once('/').ok_or_else(wrong)?;
@@ -45,13 +45,13 @@ impl fmt::Display for Shard {
     }
 }
 
-/// The shard of each cell, counted from 1, in the order of the cells. Cells are dealt to shards in turn, in the order of
-/// `setups`, which are digests of the cells' setups by [`super::journal::setup_digest`]. Cells with the same setup belong to
-/// the same shard.
+/// Returns the number of the shard that each cell belongs to, from 1 to `count`. `setups` has the digest of each cell's
+/// setup ([`super::journal::setup_digest`]). The distinct digests are sorted, and dealt to the shards in turn, so that
+/// cells with the same setup belong to the same shard.
 pub fn owners(setups: &[String], count: u32) -> Vec<u32> {
-    let unique: BTreeSet<&str> = setups.iter().map(String::as_str).collect();
-    let owner: BTreeMap<&str, u32> = unique.into_iter().zip((1..=count.max(1)).cycle()).collect();
-    setups.iter().map(|setup| owner[setup.as_str()]).collect()
+    let distinct_setups: BTreeSet<&str> = setups.iter().map(String::as_str).collect();
+    let shard_of: BTreeMap<&str, u32> = distinct_setups.into_iter().zip((1..=count.max(1)).cycle()).collect();
+    setups.iter().map(|setup| shard_of[setup.as_str()]).collect()
 }
 
 #[cfg(test)]
@@ -61,6 +61,7 @@ mod tests {
     use proptest::prelude::*;
     use serde_json::json;
 
+    /// Makes the digests of the setups of some cells, which all differ.
     fn setups(cells: usize) -> Vec<String> {
         (0..cells).map(|n| setup_digest(&json!(["cell", n]))).collect()
     }
@@ -75,8 +76,8 @@ mod tests {
     }
 
     proptest! {
-        /// Every cell has one owner, for every number of shards and every order of the cells; and the numbers of cells of two
-        /// shards differ by one at most.
+        /// Tests that a cell belongs to the same shard in every order of the cells, and that the numbers of cells of
+        /// two shards differ by one at most.
         #[test]
         fn every_cell_has_one_owner_whatever_their_order(
             cells in 1_usize..60,

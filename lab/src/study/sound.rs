@@ -1,5 +1,5 @@
-//! Checks whether the values of records in a file are possible: a foreign or damaged file is refused if it has a value that no
-//! measurement gives.
+//! Checks whether the values of records in a file are possible. A foreign or damaged file is refused if it has a value
+//! that no measurement gives.
 
 use super::columns::Columns;
 use super::names::safe_word;
@@ -9,18 +9,20 @@ use std::collections::BTreeMap;
 /// The greatest width or height of an image.
 const MOST_PIXELS: f64 = 65536.0;
 
-/// The field with everything that was set, which is not checked; its numbers have the ranges of their parameters.
+/// The field of a record with everything that was set. It is not checked, since its numbers have the ranges of their
+/// parameters.
 const SETUP: &str = "setup";
 
-/// Why a record is impossible, as the end of a sentence about it; `None` if it is possible.
+/// Says why a record of the row type `R` is impossible, as the end of a sentence that begins with the record; `None` if
+/// it is possible.
 pub fn fault<R: Columns>(record: &Value) -> Option<String> {
     let mut ranges = R::columns().ranges;
     ranges.extend(["width", "height"].map(|name| (name, [1.0, MOST_PIXELS])));
     range_fault(record, &ranges)
 }
 
-/// The first fault among the fields of a value, at whatever depth; `ranges` has the least and the greatest value of a
-/// field.
+/// Finds the first fault among the fields of a value, at whatever depth; `ranges` has the least and the greatest number
+/// of fields, by their names.
 fn range_fault(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
     match value {
         Value::Array(items) => items.iter().find_map(|item| range_fault(item, ranges)),
@@ -31,27 +33,28 @@ fn range_fault(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Opti
     }
 }
 
-/// The fault of a field: a number out of its range, a method's name that is not safe in a file's name, or a fault in a
-/// part of the value. `None` if the value is possible.
+/// Finds the fault of a field: a number out of its range, a method's name that is not safe in a file's name, or a fault
+/// in a part of the value. `None` if the value is possible.
 fn field(name: &str, value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
     if let (Some([least, most]), Some(number)) = (ranges.get(name), value.as_f64()) {
-        let can_be = number >= *least && number <= *most;
-        return (!can_be).then(|| format!("has the {name} {number}, which cannot be"));
+        let is_possible = number >= *least && number <= *most;
+        return (!is_possible).then(|| format!("has the {name} {number}, which cannot be"));
     }
     // Names of methods are used in names of files, and must be safe there.
     if let ("method", Some(method)) = (name, value.as_str()) {
-        let is_name = safe_word(method) == method;
-        return (!is_name).then(|| format!("has the method {method:?}, which is no name of a method"));
+        let is_safe = safe_word(method) == method;
+        return (!is_safe).then(|| format!("has the method {method:?}, which is no name of a method"));
     }
     range_fault(value, ranges)
 }
 
-/// The fields of samples that are durations.
+/// Names of the fields of samples that are durations in milliseconds.
 const DURATIONS: [&str; 4] = ["ms", "frame_ms", "record_ms", "wait_ms"];
 
-/// Why sampled times are impossible, as the end of a sentence about them; `None` if they are possible: no duration is negative.
+/// Says why a sample of times is impossible, as the end of a sentence that begins with the sample; `None` if no
+/// duration is negative.
 pub fn fault_of_sample(sample: &Value) -> Option<String> {
-    /// The first negative duration among some fields, at whatever depth.
+    /// Finds the first negative duration among some fields, at whatever depth.
     fn negative(fields: &Map<String, Value>) -> Option<String> {
         fields.iter().find_map(|(name, value)| match value {
             Value::Number(n) if DURATIONS.contains(&name.as_str()) && n.as_f64().is_some_and(|n| n < 0.0) => {
@@ -63,7 +66,7 @@ pub fn fault_of_sample(sample: &Value) -> Option<String> {
         })
     }
     match sample {
-        Value::Object(fields) => negative(fields).map(|what| format!("{what}, which cannot be")),
+        Value::Object(fields) => negative(fields).map(|duration| format!("{duration}, which cannot be")),
         _ => Some("is no sample of times".to_owned()),
     }
 }
@@ -88,7 +91,7 @@ mod tests {
         }
     }
 
-    /// Tests that an impossible value is found and named.
+    /// Tests that an impossible value of a record or of a sample is found and named.
     #[test]
     fn what_no_measurement_finds_is_named() {
         let good = json!({

@@ -1,5 +1,5 @@
-//! Number of cells that the rays of `unified` look at. The CPU twin of its traversal counts them, since both take the same
-//! steps.
+//! Counts the cells that the rays of `unified` look at, which are their steps. The twin of its walk counts on the CPU,
+//! since both take the same steps.
 
 use super::columns::{AsDatum, Datum, columns, figure};
 use super::exhibit::Table;
@@ -15,23 +15,23 @@ use ssct_scenes::{Aabb, GBufferData, Scene, View};
 use ssct_truth::reference::CaptureData;
 use ssct_truth::reference::unified::{CaptureTraversal, ScreenRayEnd, Traversal};
 
-/// Number of lanes of a CPU device that walk together, and wait for the slowest.
+/// Number of lanes of a CPU device whose rays walk together, so that all of them wait for the longest walk.
 const LANES: usize = 8;
 
 /// The images in which steps are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepsIn {
-    /// On the screen, as the only image.
+    /// On the screen, which is the only image.
     Screen,
-    /// On the screen, with captures behind it: the walk on the screen ends where the screen loses the ray.
+    /// On the screen, for rays that go on in captures: a walk ends where the screen loses the ray.
     ScreenBeforeCaptures,
     /// In captures, for rays that the screen lost.
     Captures,
 }
 
 impl StepsIn {
-    /// The name of the images on a page.
+    /// Returns the name of the images on a page.
     fn label(self) -> &'static str {
         match self {
             Self::Screen => "the screen alone",
@@ -85,52 +85,55 @@ const ABOUT: &str = "How many cells a mirror ray of unified looks at, counted by
     Mean of eight: the mean of the most among eight rays beside each other, as threads wait that walk together.";
 
 impl StepsRecord {
-    /// The steps as a table.
+    /// Makes a table of the steps.
     pub fn table(rows: &[Self]) -> Table {
         Table { title: "Steps".to_owned(), about: ABOUT.to_owned(), ..Table::of_rows("steps", rows) }
     }
 }
 
-/// Counts the steps on a G-buffer of a view: without captures, and with four captures that the program places. The
-/// three records are in the order of [`StepsIn`].
+/// Counts the steps of the mirror rays of a view, whose G-buffer is `data`: without captures, and with four captures
+/// that the program places. Returns a record for each of [`StepsIn`], in that order.
 ///
 /// # Errors
 /// Errors of the device.
 pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GBufferData) -> Result<[StepsRecord; 3]> {
-    let alone = Traversal::new(data);
+    let screen_alone = Traversal::new(data);
     let pixels = blocks(data);
-    let on_screen = |(x, y): &(u32, u32)| alone.mirror_steps(*x, *y);
-    let on_screen: Vec<u32> = pixels.par_iter().filter_map(on_screen).collect();
+    let steps_alone = |(x, y): &(u32, u32)| screen_alone.mirror_steps(*x, *y);
+    let steps_alone: Vec<u32> = pixels.par_iter().filter_map(steps_alone).collect();
 
     let (captures, bounds) = captures(gpu, scene, view, globals)?;
-    let (screen, walk) = (alone.followed(), CaptureTraversal::new(&data.camera, &captures).with_bounds(bounds));
-    let before = |(x, y): &(u32, u32)| screen.mirror_steps(*x, *y);
-    let before: Vec<u32> = pixels.par_iter().filter_map(before).collect();
-    let lost = |(x, y): &(u32, u32)| match walk.trace_screen(&screen, *x, *y) {
+    let screen_before = screen_alone.followed();
+    let beyond = CaptureTraversal::new(&data.camera, &captures).with_bounds(bounds);
+    let steps_before = |(x, y): &(u32, u32)| screen_before.mirror_steps(*x, *y);
+    let steps_before: Vec<u32> = pixels.par_iter().filter_map(steps_before).collect();
+    let steps_in_captures = |(x, y): &(u32, u32)| match beyond.trace_screen(&screen_before, *x, *y) {
         ScreenRayEnd::Lost(ray) if data.reflects(data.index(*x, *y)) => {
-            Some(walk.trace_captures(&ray).steps.max(0) as u32)
+            Some(beyond.trace_captures(&ray).steps.max(0) as u32)
         }
         _ => None,
     };
-    let lost: Vec<u32> = pixels.par_iter().filter_map(lost).collect();
+    let steps_in_captures: Vec<u32> = pixels.par_iter().filter_map(steps_in_captures).collect();
 
     let record = |images, steps: Vec<u32>| StepsRecord::from_steps(gpu, [&scene.name, &view.name], data, images, steps);
     Ok([
-        record(StepsIn::Screen, on_screen),
-        record(StepsIn::ScreenBeforeCaptures, before),
-        record(StepsIn::Captures, lost),
+        record(StepsIn::Screen, steps_alone),
+        record(StepsIn::ScreenBeforeCaptures, steps_before),
+        record(StepsIn::Captures, steps_in_captures),
     ])
 }
 
-/// All pixels, block by block of 4 × 2, so that pixels beside each other follow each other.
+/// Returns the column and row of every pixel, block by block of 4 × 2 pixels, so that neighbours stand together in the
+/// list.
 fn blocks(data: &GBufferData) -> Vec<(u32, u32)> {
-    let block = |y: u32| (0..data.width.div_ceil(4)).map(move |x| (4 * x, 2 * y));
-    let corners = (0..data.height.div_ceil(2)).flat_map(block);
+    let row_of_corners = |row: u32| (0..data.width.div_ceil(4)).map(move |column| (4 * column, 2 * row));
+    let corners = (0..data.height.div_ceil(2)).flat_map(row_of_corners);
     let all = corners.flat_map(|(x, y)| (0..8).map(move |i| (x + i % 4, y + i / 4)));
     all.filter(|(x, y)| *x < data.width && *y < data.height).collect()
 }
 
-/// Four captures that the program places, drawn by the device, and the scene's bounds.
+/// Places four captures in the scene, as the program does, and draws them on the device. Returns the captures, and the
+/// scene's bounds.
 fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<(Vec<CaptureData>, Aabb)> {
     let mut scene = scene.clone();
     placement::with_captures(&mut scene, WantedCaptures::Count(4));
@@ -138,8 +141,8 @@ fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<
     let mut drawn: Vec<CaptureData> =
         scene.captures.iter().map(|c| CaptureData { place: c.position, faces: Vec::new() }).collect();
     let mut stage = Stage::new(gpu, &scene)?;
-    gbuffer::draw_captures(&mut stage, &materials, &scene.captures, |k, _, face| {
-        drawn[k].faces.push(face);
+    gbuffer::draw_captures(&mut stage, &materials, &scene.captures, |capture, _, face| {
+        drawn[capture].faces.push(face);
         Ok(())
     })?;
     Ok((drawn, stage.scene().bounds()))
@@ -147,12 +150,14 @@ fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<
 
 impl StepsRecord {
     /// Makes the record from the number of steps of each ray. The rays are in the order of [`blocks`], so that each
-    /// [`LANES`] of them that follow each other form a group of threads that wait for each other.
+    /// [`LANES`] consecutive rays form a group of threads that wait for each other.
     fn from_steps(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData, images: StepsIn, mut all: Vec<u32>) -> Self {
         let groups = all.chunks(LANES);
-        let (count, most) = (groups.len(), groups.map(|g| f64::from(g.iter().copied().max().unwrap_or(0))));
-        let mean_of_eight = most.sum::<f64>() / count.max(1) as f64;
+        let group_count = groups.len();
+        let most_in_groups = groups.map(|group| f64::from(group.iter().copied().max().unwrap_or(0)));
+        let mean_of_eight = most_in_groups.sum::<f64>() / group_count.max(1) as f64;
         all.sort_unstable();
+        // The number of steps that a share of the rays does not exceed.
         let rank = |share: f64| all.get(((all.len() as f64 * share) as usize).min(all.len().saturating_sub(1)));
         Self {
             kind: "steps".into(),

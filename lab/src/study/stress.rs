@@ -1,5 +1,5 @@
-//! Numerical stability: every method on adversarial G-buffers and cameras, its pixels checked bit by bit on the host, its hits
-//! compared with the oracle's.
+//! The stress study of numerical stability: methods run on adversarial G-buffers, cameras, captures and triangles. The
+//! bits of their pixels are checked on the host, and their hits are compared with the oracle's or the world's.
 
 pub mod captures;
 pub mod cases;
@@ -31,17 +31,18 @@ use ssct_scenes::{GBufferData, Lens, Scene, View};
 use ssct_truth::metrics::hits::HitVerdict;
 use ssct_truth::reference::hierarchy::Hierarchy;
 
-/// The method that must pass every case; published methods must only finish.
+/// The method that must pass every case. Published methods must only finish.
 pub const JUDGED: &str = "unified";
 
-/// Greatest number of reflecting pixels of a case whose hits are compared; of more pixels, a sample is compared.
+/// Greatest number of reflecting pixels of a case whose hits are compared; if there are more, a random sample is
+/// compared.
 pub const COMPARED_PIXELS: usize = 8192;
 
 /// Share of the compared pixels whose hits must agree with the oracle's; ties count as agreeing.
 pub const AGREEMENT: f64 = 0.9999;
 
-/// The greatest time of a frame that does not count as slow: milliseconds, plus milliseconds for each pixel. No method is
-/// nearly as slow on an idle device; an endless loop is slower, and a frame on a busy machine may be.
+/// The greatest time of a frame that does not count as slow: a number of milliseconds, and milliseconds for each pixel.
+/// No method is nearly as slow on an idle device; an endless loop is slower, and so may be a frame on a busy machine.
 const SLOW_MS: (f64, f64) = (5_000.0, 0.02);
 
 columns! {
@@ -99,7 +100,7 @@ columns! {
     }
 }
 
-/// Numbers of pixels by the kind of wrong value that they have.
+/// Numbers of pixels with a NaN, with an infinity, and with a negative number; a pixel may count in several.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct WrongPixels {
     nan: usize,
@@ -108,38 +109,41 @@ struct WrongPixels {
 }
 
 impl WrongPixels {
-    /// Counts pixels by the bits of their channels in some images of one size; `counts` says whether a pixel of an image is
-    /// checked.
-    fn count(images: &[&Pixels], counts: impl Fn(usize, usize) -> bool) -> Self {
+    /// Counts pixels by the bits of their channels in some images of one size. `is_checked` says whether a pixel is
+    /// checked in an image, by the index of the image and of the pixel.
+    fn count(images: &[&Pixels], is_checked: impl Fn(usize, usize) -> bool) -> Self {
         let mut wrong = Self::default();
         let pixels = images.first().map_or(0, |p| p.values.len() / p.channels);
-        for i in 0..pixels {
-            let mut seen = [false; 3];
-            for (_, image) in images.iter().enumerate().filter(|(n, _)| counts(*n, i)) {
-                let texel = &image.values[i * image.channels..][..image.channels];
-                texel.iter().filter_map(|v| wrong_kind(v.to_bits())).for_each(|kind| seen[kind] = true);
+        for pixel in 0..pixels {
+            // Whether a channel of the pixel has each of the kinds of `wrong_kind`, in any image.
+            let mut has_kind = [false; 3];
+            for (_, image) in images.iter().enumerate().filter(|(n, _)| is_checked(*n, pixel)) {
+                let texel = &image.values[pixel * image.channels..][..image.channels];
+                texel.iter().filter_map(|v| wrong_kind(v.to_bits())).for_each(|kind| has_kind[kind] = true);
             }
-            wrong.nan += usize::from(seen[0]);
-            wrong.inf += usize::from(seen[1]);
-            wrong.negative += usize::from(seen[2]);
+            wrong.nan += usize::from(has_kind[0]);
+            wrong.inf += usize::from(has_kind[1]);
+            wrong.negative += usize::from(has_kind[2]);
         }
         wrong
     }
 }
 
-/// Tells wrong numbers by the bits of an f32: 0 for a NaN, 1 for an infinity, 2 for a number below 0. `None` for any
-/// other number, including minus zero.
+/// Returns the kind of a wrong number by the bits of an f32: 0 for a NaN, 1 for an infinity, 2 for a number below 0.
+/// `None` for any other number, including minus zero.
 fn wrong_kind(bits: u32) -> Option<usize> {
     let (exponent, mantissa) = (bits >> 23 & 0xff, bits & 0x7f_ffff);
     match (exponent, mantissa) {
         (0xff, 0) => Some(1),
         (0xff, _) => Some(0),
+        // The sign is set, and another bit is, too.
         _ if bits >> 31 == 1 && bits << 1 != 0 => Some(2),
         _ => None,
     }
 }
 
-/// Runs screen-space methods, which were made for the case's size, on a case, and makes a record of each.
+/// Runs the screen-space methods of `lineup`, which are made for the case's size, on the G-buffer of a case, and makes
+/// a record of each.
 pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenMethods) -> Result<Vec<StressRecord>> {
     let data = case.gbuffer();
     let images = GBufferImages::upload_unsound(&mut lineup.context, &data)?;
@@ -155,15 +159,18 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenMethods) -> Result<Vec<Str
     Ok(records)
 }
 
-/// The reflecting pixels whose hits are compared, with the oracle's hits.
+/// The oracle's hits of the reflecting pixels that are compared.
 struct Truth<'a> {
     hierarchy: Hierarchy<'a>,
+    /// Indices of the compared pixels.
     pixels: Vec<u32>,
+    /// The hit of each of `pixels`, in pixels; `None` for a miss.
     hits: Vec<Option<[f64; 2]>>,
 }
 
 impl<'a> Truth<'a> {
-    /// Traces the mirror rays of the reflecting pixels, or of pixels drawn at random if there are too many.
+    /// Traces the mirror rays of the reflecting pixels of a G-buffer, or of [`COMPARED_PIXELS`] of them drawn at random
+    /// if there are more.
     fn new(data: &'a GBufferData) -> Self {
         let hierarchy = Hierarchy::new(data);
         let mut pixels: Vec<u32> = (0..data.depth.len() as u32).filter(|i| data.reflects(*i as usize)).collect();
@@ -177,25 +184,27 @@ impl<'a> Truth<'a> {
         Self { hierarchy, pixels, hits }
     }
 
-    /// Compares a method's hits with the oracle's; `None` for a method without hits. Ties are counted for [`JUDGED`]
-    /// alone, since each takes hundreds of rays to find.
+    /// Compares the hits `made` by a method with the oracle's; `None` for a method without hits. Ties are counted for
+    /// [`JUDGED`] alone, since each takes hundreds of rays to find.
     fn compare(&self, made: &FrameImages, method: &MethodInfo) -> Option<ComparedRays> {
         let hits = hit_positions(made.hits.as_ref()?);
         let verdict = |n: usize| HitVerdict::compare(hits[self.pixels[n] as usize], self.hits[n]);
         let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != HitVerdict::Agrees).collect();
         let width = self.hierarchy.rays().gbuffer.width;
-        let tie = |n: &&usize| {
+        let is_tied = |n: &&usize| {
             let pixel = self.pixels[**n];
             is_tie(&self.hierarchy, [pixel % width, pixel / width], hits[pixel as usize])
         };
-        let ties = (method.name == JUDGED).then(|| wrong.par_iter().filter(tie).count());
+        let ties = (method.name == JUDGED).then(|| wrong.par_iter().filter(is_tied).count());
         Some(ComparedRays { rays: self.pixels.len(), wrong: wrong.len(), ties, least: AGREEMENT })
     }
 }
 
-/// Rays of a frame whose ends were compared with the truth.
+/// Counts of the rays of a frame whose ends were compared with the truth.
 struct ComparedRays {
+    /// Compared rays.
     rays: usize,
+    /// Rays whose end differs from the truth.
     wrong: usize,
     /// Wrong rays that differ by rounding alone; `None` if they were not counted.
     ties: Option<usize>,
@@ -204,7 +213,7 @@ struct ComparedRays {
 }
 
 impl ComparedRays {
-    /// The share of the rays that are right; `None` without rays.
+    /// Returns the share of the rays that are right; `None` without rays.
     fn agreement(&self) -> Option<f64> {
         (self.rays > 0).then(|| (self.rays - self.wrong) as f64 / self.rays as f64)
     }
@@ -215,8 +224,9 @@ impl ComparedRays {
     }
 }
 
-/// The inputs of a frame that is judged.
+/// The fields of a record that do not follow from the images of a judged frame.
 struct JudgedFrame<'a> {
+    /// Name of the case.
     case: &'a str,
     setup: &'a Setup,
     globals: &'a Globals,
@@ -226,7 +236,7 @@ struct JudgedFrame<'a> {
 
 impl FrameImages {
     /// Makes the record of a method's frame on the G-buffer `data`: counts its wrong pixels, and says whether it
-    /// passes.
+    /// passes. `compared` has the counts of rays, if ends were compared with a truth.
     fn judge(
         &self,
         gpu: &Gpu,
@@ -235,11 +245,13 @@ impl FrameImages {
         data: &GBufferData,
         compared: Option<ComparedRays>,
     ) -> StressRecord {
-        let sound = |i: usize| data.color[i].to_array().iter().all(|v| wrong_kind(v.to_bits()).is_none());
-        let wrong = WrongPixels::count(&[&self.reflection, &self.composite], |image, i| image == 0 || sound(i));
-        let exhausted = self.hits.as_ref().map(|h| {
-            let out = |t: &&[f32]| PathCode::from_channel(t[3]).is_none_or(PathCode::is_exhausted);
-            h.texels().filter(out).count()
+        // The composite, which is image 1, includes the lit colour, and is checked where this is sound.
+        let is_lit_soundly = |i: usize| data.color[i].to_array().iter().all(|v| wrong_kind(v.to_bits()).is_none());
+        let wrong =
+            WrongPixels::count(&[&self.reflection, &self.composite], |image, i| image == 0 || is_lit_soundly(i));
+        let exhausted = self.hits.as_ref().map(|hits| {
+            let is_exhausted = |t: &&[f32]| PathCode::from_channel(t[3]).is_none_or(PathCode::is_exhausted);
+            hits.texels().filter(is_exhausted).count()
         });
         let pixels = data.depth.len();
         let time_ms = self.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
@@ -279,7 +291,8 @@ pub struct Place {
     pub offset: f32,
 }
 
-/// Cameras inside geometry, on a reflector, at a grazing angle, and far from the origin, made from the scene's first view.
+/// Makes unusual places of the camera from the scene's first view: inside geometry, on a reflector, at a grazing angle,
+/// and far from the origin. No places without a view.
 pub fn places(scene: &Scene) -> Vec<Place> {
     let Some(view) = scene.views.first() else { return Vec::new() };
     let bounds = scene.bounds();
@@ -290,37 +303,37 @@ pub fn places(scene: &Scene) -> Vec<Place> {
     };
     let floor = Vec3::new(view.eye.x, bounds.min.y, view.eye.z);
     let ahead = view.look_at - view.eye;
-    let level = Vec3::new(ahead.x, 0.0, ahead.z).normalize_or(Vec3::Z);
-    let long = Lens { near_m: 1e-3, far_m: 1e4, ..view.lens.unwrap_or(scene.lens) };
+    let level_ahead = Vec3::new(ahead.x, 0.0, ahead.z).normalize_or(Vec3::Z);
+    let wide_range = Lens { near_m: 1e-3, far_m: 1e4, ..view.lens.unwrap_or(scene.lens) };
     let mut all = vec![
         place("where it belongs", view.eye, view.look_at, 0.0),
-        place("on the floor", floor, floor + level, 0.0),
-        place("a millimetre above the floor", floor + 1e-3 * Vec3::Y, floor + level, 0.0),
-        place("a hand below the floor", floor - 0.1 * Vec3::Y, floor + level, 0.0),
+        place("on the floor", floor, floor + level_ahead, 0.0),
+        place("a millimetre above the floor", floor + 1e-3 * Vec3::Y, floor + level_ahead, 0.0),
+        place("a hand below the floor", floor - 0.1 * Vec3::Y, floor + level_ahead, 0.0),
         place("straight down", view.eye, view.eye - Vec3::Y, 0.0),
         place("straight up", view.eye, view.eye + Vec3::Y, 0.0),
         place("in a corner of the bounds", bounds.min, bounds.max, 0.0),
         place("outside, looking away", bounds.max + 10.0, bounds.max + 20.0, 0.0),
     ];
-    let mut wide = place("with a range of 1 to 10 million", view.eye, view.look_at, 0.0);
-    wide.view.lens = Some(long);
-    all.push(wide);
+    let mut with_wide_range = place("with a range of 1 to 10 million", view.eye, view.look_at, 0.0);
+    with_wide_range.view.lens = Some(wide_range);
+    all.push(with_wide_range);
     // Places that move the scene come last, so that those before them can share one scene.
     all.push(place("a kilometre from the origin", view.eye, view.look_at, 1e3));
     all.push(place("1000 km from the origin", view.eye, view.look_at, 1e6));
     all
 }
 
-/// A copy of the scene, moved by the offset of a place.
+/// Returns a copy of the scene, moved by the offset of a place.
 pub fn moved(scene: &Scene, place: &Place) -> Scene {
     let mut scene = scene.clone();
     scene.translate(Vec3::splat(place.offset));
     scene
 }
 
-/// Runs methods at an unusual place of the camera, as mirrors and as gloss, and makes a record of each. The methods
-/// were made with their hits for the [`moved`] scene. Hits of mirrors are compared with the oracle's on the G-buffer
-/// that the device drew.
+/// Runs the methods of `lineup` at an unusual place of the camera, with every surface as a mirror and as a glossy one,
+/// and makes a record of each run. The methods were made with their hits for the [`moved`] scene. Hits of mirrors are
+/// compared with the oracle's on the G-buffer that the device drew.
 pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneMethods) -> Result<Vec<StressRecord>> {
     let mut view = place.view.clone();
     view.eye += place.offset;
@@ -348,6 +361,7 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneMethods) -> Result<
 mod tests {
     use super::*;
 
+    /// Tests the kinds of wrong numbers, and numbers that are not wrong.
     #[test]
     fn numbers_are_told_apart_by_their_bits() {
         let float_kind = |v: f32| wrong_kind(v.to_bits());

@@ -1,4 +1,4 @@
-//! Variants that `ssct error` sweeps: methods with their settings.
+//! The sweeps of `ssct error`: variants of methods over ranges of their settings.
 
 use super::error::Variant;
 use ssct::methods::billboard::{self, BillboardParams};
@@ -14,7 +14,7 @@ use ssct_ground::parameter::Preset;
 /// The roughness values of the error study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
-/// Every variant of some methods: each method's own sweep, around a base setup.
+/// Makes the variants of some methods: each method with each of its [`setups`] around a base.
 pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
     let method_variants = |method: &&'static MethodInfo| {
         let method = *method;
@@ -23,8 +23,9 @@ pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
     methods.iter().flat_map(method_variants).collect()
 }
 
-/// The setups of a method around a base: the base as published, each of its parameters' sweeps, the author's values where they
-/// differ, and combinations of several parameters.
+/// Makes the setups of a method around a base. First come the published preset, and this preset with each value of each
+/// parameter's sweep. The same of the author's preset follows, if it has other values for the method, and then
+/// combinations of several parameters.
 pub fn setups(method: &MethodInfo, base: &Setup) -> Vec<Setup> {
     let rows = method.reads();
     let mut all: Vec<Setup> = Vec::new();
@@ -32,15 +33,15 @@ pub fn setups(method: &MethodInfo, base: &Setup) -> Vec<Setup> {
         if preset == Preset::Author && !rows.iter().any(|p| p.author != p.published) {
             continue;
         }
-        let of_preset = base.of_preset(preset);
-        all.push(of_preset.clone());
+        let preset_setup = base.of_preset(preset);
+        all.push(preset_setup.clone());
         for row in &rows {
-            let tried = row
+            let other_values = row
                 .sweep
                 .iter()
-                .filter(|(swept_preset, value)| *swept_preset == preset && of_preset.values.value(row) != *value);
-            all.extend(tried.map(|(_, value)| {
-                let mut setup = of_preset.clone();
+                .filter(|(swept_preset, value)| *swept_preset == preset && preset_setup.values.value(row) != *value);
+            all.extend(other_values.map(|(_, value)| {
+                let mut setup = preset_setup.clone();
                 setup.values.set(row, *value);
                 setup
             }));
@@ -50,16 +51,17 @@ pub fn setups(method: &MethodInfo, base: &Setup) -> Vec<Setup> {
     all
 }
 
-/// Setups of a method that differ from a base in several parameters.
+/// Makes the setups of a method that differ from a base in several parameters at once.
 fn combinations(method: &str, base: &Setup) -> Vec<Setup> {
     if method == stochastic::INFO.name {
         // Each pixel traces as many rays itself as the filter would gather from neighbours, and gathers none.
-        let alone = |rays| base.with(|p: &mut StochasticParams| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
-        vec![alone(4), alone(16)]
+        let with_rays =
+            |rays| base.with(|p: &mut StochasticParams| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
+        vec![with_rays(4), with_rays(16)]
     } else if method == dda::INFO.name {
-        // The march without the refinement that is added to it, at the other two strides.
-        let plain = |stride| base.with(|p: &mut DdaParams| (p.dda_stride, p.dda_refine) = (stride, false));
-        vec![plain(1), plain(16)]
+        // The march without refinement, at the other two strides.
+        let unrefined = |stride| base.with(|p: &mut DdaParams| (p.dda_stride, p.dda_refine) = (stride, false));
+        vec![unrefined(1), unrefined(16)]
     } else if method == linear::INFO.name {
         // The march of a hundred steps that span the screen.
         let fixed = |p: &mut LinearParams| (p.march, p.numbers.march_stride) = (LinearMarch::Fixed, 0.01);
@@ -73,7 +75,8 @@ fn combinations(method: &str, base: &Setup) -> Vec<Setup> {
     }
 }
 
-/// Variants of a method without captures, and with each number of captures at each size of face, around a base setup.
+/// Makes variants of a method without captures, and with each number of captures at each size of face, around a base
+/// setup.
 pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     use CaptureCount::{None, Number};
     use CaptureSide::{Scene, Side128, Side256, Side512, Side1024};
@@ -89,32 +92,35 @@ pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     std::iter::once((None, Scene)).chain(all).map(variant).collect()
 }
 
-/// Variants with each fallback: a screen-space method has none, the environment, or `pccm`; a method that takes captures or
-/// triangles also has the captures of `base`, and the triangles of the scene.
+/// Makes variants of a method with what can stand behind the screen. A screen-space method has no fallback, the
+/// environment, or `pccm`. If its rays can go on in captures or among triangles, it also has the captures of `base`,
+/// and the scene's triangles.
 pub fn fallbacks(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     use Fallback::{Environment, None, Pccm};
-    let behind: &[Fallback] = if method.is_screen_space() { &[None, Environment, Pccm] } else { &[None] };
-    let with = |fallback, captures, beyond| Variant {
+    let fallbacks: &[Fallback] = if method.is_screen_space() { &[None, Environment, Pccm] } else { &[None] };
+    let variant = |fallback, captures, beyond| Variant {
         method,
         setup: base.with(|p: &mut EffectParams| (p.fallback, p.captures, p.beyond) = (fallback, captures, beyond)),
     };
-    let (captures, on_screen) = (base.effect().captures, method.is_screen_space());
+    let (captures, is_on_screen) = (base.effect().captures, method.is_screen_space());
     // A method that traces in captures alone always keeps them.
-    let without = if on_screen { CaptureCount::None } else { captures };
-    let is_captured = on_screen && method.takes_captures && captures != CaptureCount::None;
-    let alone = if on_screen { BeyondScreen::None } else { base.effect().beyond };
-    let all = behind.iter().map(|fallback| with(*fallback, without, alone));
-    let is_among_triangles = on_screen && method.takes_triangles;
-    all.chain(is_captured.then(|| with(None, captures, BeyondScreen::Captures)))
-        .chain(is_among_triangles.then(|| with(None, without, BeyondScreen::Triangles)))
+    let least_captures = if is_on_screen { CaptureCount::None } else { captures };
+    let has_captures = is_on_screen && method.takes_captures && captures != CaptureCount::None;
+    let least_beyond = if is_on_screen { BeyondScreen::None } else { base.effect().beyond };
+    let with_fallbacks = fallbacks.iter().map(|fallback| variant(*fallback, least_captures, least_beyond));
+    let has_triangles = is_on_screen && method.takes_triangles;
+    with_fallbacks
+        .chain(has_captures.then(|| variant(None, captures, BeyondScreen::Captures)))
+        .chain(has_triangles.then(|| variant(None, least_captures, BeyondScreen::Triangles)))
         .collect()
 }
 
-/// Variants of a screen-space method with each number of bounces up to that of `base`; another method has one variant.
+/// Makes variants of a screen-space method with each number of bounces up to that of `base`; any other method has one
+/// variant, with one bounce.
 pub fn bounces(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     let most = if method.is_screen_space() { base.effect().bounces } else { 1 };
-    let with = |n| Variant { method, setup: base.with(|p: &mut EffectParams| p.bounces = n) };
-    (1..=most).map(with).collect()
+    let variant = |bounces| Variant { method, setup: base.with(|p: &mut EffectParams| p.bounces = bounces) };
+    (1..=most).map(variant).collect()
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The thesis's table 5.8: its times in print, and rows that compare them with measured times.
+//! The thesis's table 5.8: its printed times, and rows that compare them with measured times.
 
 use super::compare::{SEED, shown_drift};
 use super::drift::drift;
@@ -55,15 +55,15 @@ impl Published {
     }
 }
 
-/// The table's sizes in pixels, each once.
+/// Returns the table's sizes in pixels, each once.
 pub fn sizes() -> Vec<[u32; 2]> {
     let mut sizes: Vec<_> = TABLE_5_8.iter().map(|row| row.size).collect();
     sizes.dedup();
     sizes
 }
 
-/// Seconds that each size took on two cores of a CPU, with the command's default numbers of frames. The records are in
-/// benches/runs/2026-11-28-lavapipe/table-5.8-atrium (`tests/suite/time_files.rs` checks them).
+/// Seconds that the measurement of each size took on two cores of a CPU, with the command's default numbers of frames.
+/// The records are in benches/runs/2026-11-28-lavapipe/table-5.8-atrium (`tests/suite/time_files.rs` checks them).
 pub const SECONDS: [u32; 5] = [15, 22, 22, 37, 80];
 
 /// Lists the sizes of the table with the seconds that each takes, as the end of a sentence.
@@ -80,18 +80,17 @@ pub fn rows_and_seconds() -> String {
 /// The table's roughness values.
 pub const ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
-/// The factors of a row: the normal deviation is the roughness, as in the thesis.
+/// Returns the global factors of a row; the normal deviation is equal to the roughness, as in the thesis.
 pub const fn factors(roughness: f32, reflectivity: f32) -> Globals {
     Globals { roughness: Some(roughness), reflectivity, normal_deviation: Some(roughness) }
 }
 
-/// The methods that the table has times of.
+/// Returns the methods of which the table has times.
 pub fn methods() -> Vec<&'static MethodInfo> {
     METHODS.iter().filter(|m| TABLE_5_8[0].time_ms(m.name).is_some()).collect()
 }
 
-/// A row with the times and ratios in print, and those measured here. Ratios can be compared between machines; times
-/// cannot.
+/// A row with printed and measured times and ratios. Ratios can be compared between machines; times cannot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedRow {
     /// Width in pixels.
@@ -125,8 +124,8 @@ pub struct Column {
     pub interval: Option<[f64; 2]>,
 }
 
-/// The size, the roughness and the printed row of each row of the comparison: printed rows first, in their order, and then
-/// measured sizes that are not in print.
+/// Lists the rows of the comparison: first the printed rows, in their order, and then measured rows whose size is not
+/// in print. Each has a size in pixels, a roughness, and the printed row, if any.
 fn rows_of(records: &[TimeRecord]) -> Vec<([u32; 2], f32, Option<&'static Published>)> {
     let printed = TABLE_5_8.iter().map(|row| (row.size, row.roughness, Some(row)));
     let known = sizes();
@@ -149,22 +148,23 @@ impl Column {
 pub fn compare(records: &[TimeRecord]) -> Vec<ComparedRow> {
     let drifts = drift(records);
     let rows = rows_of(records).into_iter().filter_map(|(size, roughness, published)| {
-        let is_here = |r: &TimeRecord| [r.head.width, r.head.height] == size && r.head.roughness == Some(roughness);
-        let here: Vec<_> = records.iter().filter(|r| is_here(r)).collect();
-        let drift = records.iter().zip(&drifts).find(|(r, _)| is_here(r)).and_then(|(_, drift)| *drift);
-        let ssct = here.iter().find(|r| r.head.method == "ssct");
-        let columns: Vec<_> = here
+        let is_of_row = |r: &TimeRecord| [r.head.width, r.head.height] == size && r.head.roughness == Some(roughness);
+        let of_row: Vec<_> = records.iter().filter(|r| is_of_row(r)).collect();
+        let drift = records.iter().zip(&drifts).find(|(r, _)| is_of_row(r)).and_then(|(_, drift)| *drift);
+        let ssct = of_row.iter().find(|r| r.head.method == "ssct");
+        let columns: Vec<_> = of_row
             .iter()
             .filter_map(|r| {
+                // Leaves out methods that are not in the table.
                 TABLE_5_8[0].time_ms(&r.head.method)?;
                 let published_ms = published.and_then(|row| row.time_ms(&r.head.method));
-                let other = r.head.method != "ssct";
-                let measured = ssct.filter(|_| other).and_then(|ssct| time_ratio(r, ssct));
+                let has_ratio = r.head.method != "ssct";
+                let measured = ssct.filter(|_| has_ratio).and_then(|ssct| time_ratio(r, ssct));
                 Some(Column {
                     method: r.head.method.clone(),
                     published_ms,
                     measured_ms: r.total.median_ms,
-                    published_ratio: published_ms.zip(published).filter(|_| other).map(|(ms, row)| ms / row.ssct),
+                    published_ratio: published_ms.zip(published).filter(|_| has_ratio).map(|(ms, row)| ms / row.ssct),
                     measured_ratio: measured.map(|(ratio, _)| ratio),
                     interval: measured.and_then(|(_, interval)| interval),
                 })
@@ -176,10 +176,12 @@ pub fn compare(records: &[TimeRecord]) -> Vec<ComparedRow> {
     rows.collect()
 }
 
-/// The ratio of a record's time to that of another record with which it was timed in turn, and the ends of its interval, if
-/// there are enough turns. Records without samples have the ratio of their medians, without an interval.
+/// Returns the ratio of a record's time to the time of `base`, with which the record was timed in turn, and the ends of
+/// the ratio's interval, if there are enough turns. Records without samples have the ratio of their medians, without an
+/// interval.
 fn time_ratio(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f64; 2]>)> {
-    let pairs: Vec<_> = base.totals().into_iter().zip(record.totals()).map(|(base, own)| [base, own]).collect();
+    let pairs: Vec<_> =
+        base.totals().into_iter().zip(record.totals()).map(|(base_ms, own_ms)| [base_ms, own_ms]).collect();
     if pairs.is_empty() {
         return Some((record.total.median_ms / base.total.median_ms, None));
     }
@@ -190,7 +192,7 @@ fn time_ratio(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f6
 /// The title of the table beside our times.
 pub const TITLE: &str = "Table 5.8 of the thesis, and the same here";
 
-/// The description of the table.
+/// Returns the description of the table.
 pub fn about() -> String {
     format!(
         "Medians of the effect without the scene passes. A quotient measured here is the median over the turns in which both methods \
@@ -201,7 +203,8 @@ pub fn about() -> String {
     )
 }
 
-/// Header and rows of the thesis's table 5.8 beside our own: times, and ratios to SSCT.
+/// Makes the cells of the comparison, header first: the printed and the measured time of each method, and both ratios
+/// to SSCT of each other method.
 pub fn cells(rows: &[ComparedRow]) -> Vec<Vec<String>> {
     let Some(first) = rows.first() else { return Vec::new() };
     let mut header = vec!["resolution".to_owned(), "roughness".to_owned()];

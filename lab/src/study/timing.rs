@@ -1,5 +1,5 @@
-//! The time study: methods are timed in turn on one view, after a warm-up. Each sample is one submission, and goes into the
-//! journal at once.
+//! The time study: variants of methods are timed in turn on one view, after a warm-up. Each sample is the time of one
+//! frame, and goes into the journal at once.
 
 mod suite;
 mod verdicts;
@@ -33,46 +33,47 @@ pub struct TimeSpec<'a> {
     pub scene: &'a Scene,
     /// View of the scene.
     pub view: &'a View,
-    /// Methods with their parameters, taken in turn within each size and roughness.
+    /// Methods with their parameters, timed in turn within each size and set of factors.
     pub variants: Vec<Variant>,
     /// Sizes in pixels.
     pub sizes: Vec<[u32; 2]>,
-    /// Global factors of each run.
+    /// Sets of global factors.
     pub globals: Vec<Globals>,
-    /// Frames that warm up, in addition to the frame whose work is counted, which comes first.
+    /// Number of frames that warm up. The frame whose work is counted comes before them.
     pub warmup: usize,
     /// Number of timed frames.
     pub samples: usize,
-    /// Whether each variant is also timed against itself, by two series in each turn, which measures its noise floor.
+    /// Whether each variant is also timed against itself, by two shots in each turn, which measures its noise floor.
     pub a_a: bool,
 }
 
-/// One size with one set of factors, whose samples the journal keeps under one digest.
+/// A group: one size with one set of factors, at which all variants are timed in turn.
 struct Group<'a> {
     spec: &'a TimeSpec<'a>,
     extent: [u32; 2],
     globals: Globals,
+    /// Digest of everything that the samples depend on, which is a part of their keys in the journal.
     digest: String,
 }
 
 impl<'a> TimeSpec<'a> {
-    /// Frames that [`measure`] submits if the journal has none.
+    /// Returns the number of frames that [`measure`] draws if the journal has none.
     pub fn frames(&self) -> usize {
         let of_a_group = frames_of_a_group(self.variants.len(), self.warmup, self.samples, self.a_a);
         self.sizes.len() * self.globals.len() * of_a_group
     }
 
-    /// The groups in the order in which they are measured.
+    /// Returns the groups in the order in which they are measured: by size, and then by factors.
     fn groups(&'a self) -> impl Iterator<Item = Group<'a>> {
-        let scene = scene_digest(self.scene);
-        let size_groups = move |extent| {
-            let scene = scene.clone();
-            self.globals.iter().map(move |globals| self.group(extent, *globals, &scene))
+        let digest = scene_digest(self.scene);
+        let groups_of_size = move |extent| {
+            let digest = digest.clone();
+            self.globals.iter().map(move |globals| self.group(extent, *globals, &digest))
         };
-        self.sizes.iter().copied().flat_map(size_groups)
+        self.sizes.iter().copied().flat_map(groups_of_size)
     }
 
-    /// The group of a size and a set of factors.
+    /// Returns the group of a size and a set of factors.
     fn group(&'a self, extent: [u32; 2], globals: Globals, scene_digest: &str) -> Group<'a> {
         let variants = recorded(&self.variants, extent);
         // The number of samples is left out, since a later run may add more.
@@ -83,7 +84,8 @@ impl<'a> TimeSpec<'a> {
 }
 
 impl Group<'_> {
-    /// The prefix of the keys of a variant's samples. The index tells two variants of one method apart.
+    /// Returns the beginning of the keys of a variant's samples. The variant's index tells two variants of one method
+    /// apart.
     fn prefix(&self, variant: usize) -> String {
         let [width, height] = self.extent;
         let (scene, view) = (&self.spec.scene.name, &self.spec.view.name);
@@ -91,7 +93,7 @@ impl Group<'_> {
         format!("time {scene} {view} {width}x{height} {} {variant} {method}", self.digest)
     }
 
-    /// The head of a variant's record.
+    /// Returns the head of the record of a variant, given by its index.
     fn head(&self, variant: usize) -> Head {
         let Variant { method, setup } = &self.spec.variants[variant];
         let place = (self.spec.scene, self.spec.view);
@@ -111,7 +113,9 @@ impl Group<'_> {
         (0..spec.variants.len()).all(|n| is_whole(&self.prefix(n), spec.samples, spec.a_a, journal))
     }
 
-    /// Measures the samples that the journal lacks, the variants in turn; only variants that lack samples are warmed up.
+    /// Measures the samples that the journal lacks, with the variants in turn. Only variants that lack samples are
+    /// warmed up. If variants are timed against themselves, `shots` has two shots of each variant: first one of each,
+    /// and then the other.
     fn measure(
         &self,
         stage: &mut Stage,
@@ -125,25 +129,27 @@ impl Group<'_> {
         // Shots beyond the number of variants make the second series of the same variants.
         let key = |shot: usize, sample: &str| match shot.checked_sub(spec.variants.len()) {
             None => key(&self.prefix(shot), sample),
-            Some(twin) => key(&self.prefix(twin), second_series_label(sample)),
+            Some(variant) => key(&self.prefix(variant), second_series_label(sample)),
         };
         interleave(stage, (shared, shots), &rounds, &key, journal, progress)
     }
 }
 
-/// Shots with a key: the number that identifies the groups they belong to, and the size of their images.
+/// Shots with their key: the number of the groups that they belong to ([`LastShots::time`]), and the size of their
+/// images.
 type SizedShots = ((usize, [u32; 2]), (SharedImages, Vec<Shot>));
 
-/// The last stage and shots, which successive groups share.
+/// The stage and the shots of the last group, which the next group uses again if it can.
 #[derive(Default)]
 struct LastShots {
+    /// The name of the scene, and its stage.
     stage: Option<(String, Stage)>,
     shots: Option<SizedShots>,
 }
 
 impl LastShots {
-    /// Measures the samples of a group that the journal lacks. Groups with the same number have the same scene, view and
-    /// variants.
+    /// Measures the samples of a group that the journal lacks. Groups that are given the same `number` must have the
+    /// same scene, view and variants.
     fn time(
         &mut self,
         number: usize,
@@ -153,14 +159,14 @@ impl LastShots {
     ) -> Result<()> {
         let spec = group.spec;
         let shots_key = (number, group.extent);
-        let same = self.shots.take().filter(|(known, _)| *known == shots_key);
+        let same_shots = self.shots.take().filter(|(key, _)| *key == shots_key);
         if self.stage.as_ref().is_none_or(|(name, _)| *name != spec.scene.name) {
             self.stage = Some((spec.scene.name.clone(), Stage::new(spec.gpu, spec.scene)?));
         }
         let Some((_, stage)) = &mut self.stage else { return Ok(()) };
         let materials = group.globals.materials(spec.scene, spec.view);
         // Shots of another size were dropped above, since the device may not have room for both.
-        let shots = match same {
+        let shots = match same_shots {
             Some((_, (shared, mut shots))) => {
                 shots.iter_mut().try_for_each(|shot| shot.set_materials(stage, materials.clone()))?;
                 (shared, shots)
@@ -181,52 +187,54 @@ impl LastShots {
     }
 }
 
-/// Frames of some variants at one size with one set of factors, including the frame whose work is counted.
+/// Returns the number of frames of a group, including for each shot the frame whose work is counted.
 fn frames_of_a_group(variants: usize, warmup: usize, samples: usize, a_a: bool) -> usize {
     let series = if a_a { 2 } else { 1 };
     series * variants * (warmup + samples + 1)
 }
 
-/// The names of the methods of some variants, and everything that is set for them at a size.
+/// Returns a list of the names of variants' methods, each with everything that is set for the variant at a size.
 fn recorded(variants: &[Variant], extent: [u32; 2]) -> Value {
     let entry = |v: &Variant| (v.method.name, v.setup.with_extent(extent).recorded(Some(v.method)));
     json!(variants.iter().map(entry).collect::<Vec<_>>())
 }
 
-/// The key of a sample in the journal; `prefix` begins the keys of all samples of a variant.
+/// Returns the key of a sample in the journal, by its label; `prefix` is the beginning of the keys of all samples of a
+/// variant.
 fn key(prefix: &str, sample: impl Display) -> String {
     format!("{prefix} {sample}")
 }
 
-/// The record of a method, made of `samples` samples of the journal at most; `None` if the journal has none. The keys of the
-/// samples begin with `prefix`.
+/// Makes the record of a variant from its samples in the journal, whose keys begin with `prefix`. The samples with a
+/// number of at least `samples` are left out. `None` if the journal has none.
 fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
-    let series = |name: &dyn Fn(usize) -> String| -> Vec<Sample> {
-        (0..samples).filter_map(|n| kept(journal, &key(prefix, name(n)))).collect()
+    let series = |label: &dyn Fn(usize) -> String| -> Vec<Sample> {
+        (0..samples).filter_map(|n| kept(journal, &key(prefix, label(n)))).collect()
     };
-    let (reports, reports_again) = (series(&|n| n.to_string()), series(&|n| second_series_label(n)));
-    let first = reports.first()?;
+    let (frames, frames_again) = (series(&|n| n.to_string()), series(&|n| second_series_label(n)));
+    let first = frames.first()?;
     let work = kept(journal, &key(prefix, COUNTED)).map(|s| s.report.work).unwrap_or_default();
-    let times = |reports: &[Sample]| -> Vec<Vec<f64>> {
-        reports.iter().map(|r| r.report.passes.iter().map(|p| p.ms).collect()).collect()
+    // For each frame the milliseconds of each pass.
+    let pass_times = |frames: &[Sample]| -> Vec<Vec<f64>> {
+        frames.iter().map(|frame| frame.report.passes.iter().map(|p| p.ms).collect()).collect()
     };
-    let (samples, samples_again) = (times(&reports), times(&reports_again));
+    let (samples, samples_again) = (pass_times(&frames), pass_times(&frames_again));
     let of_pass = |samples: &[Vec<f64>], i: usize| samples.iter().filter_map(|s| s.get(i).copied()).collect::<Vec<_>>();
-    let totals = |reports: &[Sample]| reports.iter().map(Sample::effect_ms).collect::<Vec<_>>();
-    let pass = |(i, p): (usize, &PassTime)| PassRecord {
-        name: p.name.clone(),
-        counted: p.counted,
+    let totals = |frames: &[Sample]| frames.iter().map(Sample::effect_ms).collect::<Vec<_>>();
+    let pass_record = |(i, pass): (usize, &PassTime)| PassRecord {
+        name: pass.name.clone(),
+        counted: pass.counted,
         stats: Stats::from_samples(&of_pass(&samples, i)),
         noise_floor: noise_floor(&of_pass(&samples, i), &of_pass(&samples_again, i), SEED),
         work: work.get(i).copied(),
     };
-    let passes = first.report.passes.iter().enumerate().map(pass).collect();
+    let passes = first.report.passes.iter().enumerate().map(pass_record).collect();
     Some(TimeRecord {
         head,
         passes,
-        total: Stats::from_samples(&totals(&reports)),
-        noise_floor: noise_floor(&totals(&reports), &totals(&reports_again), SEED),
-        frame: Stats::from_samples(&reports.iter().map(|r| r.report.frame_ms).collect::<Vec<_>>()),
+        total: Stats::from_samples(&totals(&frames)),
+        noise_floor: noise_floor(&totals(&frames), &totals(&frames_again), SEED),
+        frame: Stats::from_samples(&frames.iter().map(|frame| frame.report.frame_ms).collect::<Vec<_>>()),
         drawn: first.drawn,
         recorded: first.report.recorded.clone(),
         skipped: first.report.skipped.clone(),
@@ -234,19 +242,20 @@ fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Opt
     })
 }
 
-/// Keys of every sample of a method, and of the frame that counts its work.
+/// Returns the keys of every sample of a variant, then those of the second series if `a_a`, and last the key of the
+/// frame whose work is counted. The keys begin with `prefix`.
 fn keys(prefix: &str, samples: usize, a_a: bool) -> Vec<String> {
-    let again = (0..samples).filter(|_| a_a).map(second_series_label);
-    let names = (0..samples).map(|n| n.to_string()).chain(again).chain([COUNTED.to_owned()]);
-    names.map(|name| key(prefix, name)).collect()
+    let second_series = (0..samples).filter(|_| a_a).map(second_series_label);
+    let labels = (0..samples).map(|n| n.to_string()).chain(second_series).chain([COUNTED.to_owned()]);
+    labels.map(|label| key(prefix, label)).collect()
 }
 
-/// Whether a journal has every sample of a method, and the frame that counts its work.
+/// Whether a journal has every sample of a variant, and the frame whose work is counted ([`keys`]).
 fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool {
     keys(prefix, samples, a_a).iter().all(|key| kept(journal, key).is_some())
 }
 
-/// The label of a sample of the second series in the journal.
+/// Returns the label in the journal of a sample of the second series, by the label of the same sample in the first.
 fn second_series_label(sample: impl Display) -> String {
     format!("again {sample}")
 }
@@ -254,7 +263,8 @@ fn second_series_label(sample: impl Display) -> String {
 /// The label of the frame whose work is counted.
 const COUNTED: &str = "work";
 
-/// Measures the samples that the journal lacks. `progress` is called after each frame; its error ends the study.
+/// Measures the samples of all groups that the journal lacks. `progress` is called after each frame; its error ends the
+/// study.
 ///
 /// # Errors
 /// Errors of the device, of the journal and of `progress`.
@@ -268,7 +278,7 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
     Ok(())
 }
 
-/// The records of all samples in the journal, in the order of sizes, factors and variants.
+/// Makes the records of all variants that have samples in the journal, in the order of sizes, factors and variants.
 pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
     let record = |group: &Group, n| record_of(group.head(n), &group.prefix(n), spec.samples, journal);
     let group_records = |group: Group| (0..spec.variants.len()).filter_map(|n| record(&group, n)).collect::<Vec<_>>();

@@ -3,7 +3,7 @@
 use ssct::gpu::shader::ThesisBlock;
 use ssct_truth::reference::hi_z_ray_trace::HiZConstants;
 
-/// The numbers that the Hi-Z traversal reads of a method's parameter block.
+/// Returns the numbers of a method's parameter block that the thesis's Hi-Z ray tracing reads.
 pub fn hi_z_constants(block: &ThesisBlock) -> HiZConstants {
     HiZConstants {
         start_level: block.start_level.max(0) as u32,

@@ -1,5 +1,5 @@
-//! Films: draws variants of methods on every frame of a camera's way, and compares each with the world reference of that frame
-//! (docs/definitions.md, "Films").
+//! The study of films: a camera moves through a scene, every frame is drawn by all variants of methods, and each
+//! variant's frames are compared with the world reference of these frames (docs/definitions.md, "Films").
 
 mod placed;
 mod record;
@@ -38,7 +38,7 @@ use ssct_truth::reference::world::WorldReference;
 pub struct VideoStudy {
     /// Scene.
     pub scene: Scene,
-    /// Way of the camera.
+    /// How the camera moves.
     pub way: CameraWay,
     /// Sizes in pixels.
     pub sizes: Vec<[u32; 2]>,
@@ -54,11 +54,11 @@ pub struct VideoStudy {
     pub rays: u32,
     /// Motion of the scene that is played, if any.
     pub play: Option<Motion>,
-    /// Names of the meshes that move in addition.
+    /// Names of the meshes that move in steps, in addition to `play`.
     pub moving: Vec<String>,
-    /// Motion of these meshes from one frame to the next, in metres along the world's axes.
+    /// Motion of the meshes `moving` from one frame to the next, in metres along the world's axes.
     pub step_m: Vec3,
-    /// Number of frames after which these meshes rest; `None` if they never do.
+    /// Number of frames after which the meshes `moving` rest; `None` if they never do.
     pub step_frames: Option<u32>,
     /// Names of the meshes that move with the camera, such as a hand in front of it.
     pub held: Vec<String>,
@@ -66,7 +66,7 @@ pub struct VideoStudy {
     pub jitter: bool,
 }
 
-/// The inputs of a film's measurement: one size with one set of factors.
+/// The inputs of a cell's measurement: the study at one size with one set of factors.
 struct VideoSpec<'a> {
     gpu: &'a Gpu,
     study: &'a VideoStudy,
@@ -82,43 +82,41 @@ impl Study for VideoStudy {
         vec![&self.scene]
     }
 
-    /// A cell is a size with a set of factors.
+    /// Lists a cell for each size and set of factors.
     fn cells(&self) -> Vec<Planned<Self::Cell>> {
         let digest = scene_digest(&self.scene);
         let Self { way, moving, frames, frames_per_second, rays, play, .. } = self;
         let step = (self.step_m.to_array(), self.step_frames);
         let played = play.as_ref().map(|motion| &motion.name);
         let carried = (&self.held, self.jitter);
-        let moves = json!([format!("{way:?}"), moving, step, frames, frames_per_second, rays, played, carried]);
-        let cell = |extent: [u32; 2], globals: Globals| {
+        let motion = json!([format!("{way:?}"), moving, step, frames, frames_per_second, rays, played, carried]);
+        let planned = |(extent, globals): ([u32; 2], Globals)| {
             let set: Vec<_> = self.variants.iter().map(|v| v.settings(extent)).collect();
             Planned {
                 name: cell_name(&self.scene.name, way.name(), extent, globals.roughness),
-                setup: json!([digest, set, globals, moves]),
+                setup: json!([digest, set, globals, motion]),
                 cell: (extent, globals),
             }
         };
-        self.sizes
-            .iter()
-            .flat_map(|size| self.globals.iter().map(move |g| (*size, *g)))
-            .map(|(s, g)| cell(s, g))
-            .collect()
+        let cells = self.sizes.iter().flat_map(|size| self.globals.iter().map(move |globals| (*size, *globals)));
+        cells.map(planned).collect()
     }
 
-    /// Films all variants, and keeps the films and that of the world as animated pictures.
+    /// Films all variants, keeps their films and the film of the world reference as animated pictures, and returns a
+    /// record of each variant.
     fn measure(&mut self, &(extent, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<VideoRecord>> {
         let spec = VideoSpec { gpu: bench.gpu, study: self, extent, globals };
         let (records, films) = measure(&spec, bench.go_on)?;
         let Some(first) = records.first() else { return Ok(records) };
-        let made = records.iter().map(|r| r.clip_file(&r.head.variant())).zip(films.variants);
-        for (path, film) in made.chain([(first.clip_file(WORLD), films.world)]) {
+        let variant_films = records.iter().map(|r| r.clip_file(&r.head.variant())).zip(films.variants);
+        for (path, film) in variant_films.chain([(first.clip_file(WORLD), films.world)]) {
             (bench.keep)(&ExtraFile { path, content: Content::Film(film, self.frames_per_second) })?;
         }
         Ok(records)
     }
 }
 
-/// The films of a measurement: the finished images.
+/// The films of a cell, which show the finished images.
 struct Films {
     /// Film of the world reference.
     world: Film,
@@ -126,42 +124,51 @@ struct Films {
     variants: Vec<Film>,
 }
 
-/// State of a variant while its film is made.
+/// The state of a variant while its film is made.
 struct VariantFilm {
+    /// The shot that is timed.
     shot: Shot,
     /// A second shot that makes an image of the reflection; `None` if the timed shot makes one.
     seen: Option<Shot>,
-    /// Linear reflection colour of the last frame.
+    /// Linear reflection colour of the last frame; empty before the first.
     before: Vec<Vec3>,
+    /// Figures and times of each frame.
     frames: Vec<VideoFrame>,
+    /// Changes of the reflection from frame to frame.
     change: Change,
+    /// The finished images.
     images: Film,
+    /// The images of the reflection alone.
     reflections: Film,
 }
 
 /// Sums over pairs of a pixel and the pixel that showed the same surface a frame before.
 #[derive(Default)]
 struct Change {
+    /// Number of pairs.
     pairs: usize,
+    /// Sum of the absolute changes of colour.
     flicker: f64,
+    /// Sum of the absolute differences between these changes and those of the world reference.
     error: f64,
 }
 
 impl Change {
-    /// Adds one frame: its number of pairs, and the means of the flicker and of the error over these pairs.
+    /// Adds a frame, by its number of pairs, and the means of the flicker and of the error over these pairs.
     fn add(&mut self, pairs: usize, flicker: f64, error: f64) {
         self.pairs += pairs;
         self.flicker += flicker * pairs as f64;
         self.error += error * pairs as f64;
     }
 
-    /// The mean over all pairs, from one of the sums; 0 without pairs.
+    /// Returns the mean over all pairs of `sum`, which is one of the sums; 0 without pairs.
     fn mean(&self, sum: f64) -> f64 {
         if self.pairs == 0 { 0.0 } else { sum / self.pairs as f64 }
     }
 }
 
-/// Films every variant, frame by frame in turn. `go_on` is called between two steps, and its error ends the filming.
+/// Draws the frames of a film, each by every variant in turn, and returns a record of each variant, and the films.
+/// `go_on` is called between two steps, and its error ends the measurement.
 ///
 /// # Errors
 /// [`Usage`](ssct::Error::Usage) if there are too few frames or rays; errors of the device and of `go_on`.
@@ -184,27 +191,29 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
         stage.settle(&filmed.shot)?;
     }
     let mut world = Truth::default();
-    let mut moved = spec.study.scene.clone();
+    // The scene of the world reference, in which the meshes that move stand at their places in the frame.
+    let mut moved_scene = spec.study.scene.clone();
     for frame in 0..spec.study.frames {
         let placed = spec.study.placed(frame);
         for (name, placement) in &placed {
             stage.scene_mut().place_meshes(name, *placement)?;
         }
         if frame > 0 && !placed.is_empty() {
-            moved.meshes.clone_from(&spec.study.scene.meshes);
-            moved.place_meshes(&placed);
+            moved_scene.meshes.clone_from(&spec.study.scene.meshes);
+            moved_scene.place_meshes(&placed);
         }
         let camera = spec.study.camera(frame, spec.extent);
         let mut made = Vec::new();
-        // Variants begin in turn, since the first shot of a frame may find colder caches.
+        // Each frame begins with another variant, since the first shot of a frame may find colder caches.
         let count = all.len();
         for turn in 0..count {
             go_on()?;
             let n = (frame as usize + turn) % count;
             made.push((n, shoot(&mut stage, &mut all[n], camera)?));
         }
+        // All variants draw one G-buffer; without variants there is no film.
         let Some(screen) = all.first().map(|f| gbuffer::read(&mut stage.context, &f.shot)).transpose()? else { break };
-        world.trace_frame(spec, screen, &moved, &materials, go_on)?;
+        world.trace_frame(spec, screen, &moved_scene, &materials, go_on)?;
         for (n, (effect_ms, reflection, image)) in made {
             all[n].add(&world, effect_ms, &reflection, &image);
         }
@@ -217,8 +226,8 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
     Ok((records.collect::<Result<_>>()?, films))
 }
 
-/// Makes the shots of a variant, and a film without frames. The second shot is kept only if the timed one makes no
-/// separate image of the reflection.
+/// Makes the shots of a variant, and its films without frames. The second shot is kept only if the timed shot makes no
+/// image of the reflection.
 fn start_film(
     spec: &VideoSpec,
     stage: &mut Stage,
@@ -228,13 +237,15 @@ fn start_film(
 ) -> Result<VariantFilm> {
     let setup = variant.setup.with_extent(spec.extent);
     let mut shot = |wants| Shot::new(stage, variant.method, &setup, wants, camera, materials.to_vec());
-    // The timed shot makes no separate image of the reflection, as in the time study.
+    // The timed shot is not asked for an image of the reflection, as in the time study; some methods make one
+    // nevertheless.
     let (timed, seen) = (shot(Wants::IMAGE)?, shot(Wants::REFLECTION)?);
-    let makes = stage.output(&timed)?.2.traced.reflection.is_some();
+    let (_, _, output) = stage.output(&timed)?;
+    let makes_reflection = output.traced.reflection.is_some();
     let film = || Film { width: spec.extent[0], height: spec.extent[1], frames: Vec::new() };
     Ok(VariantFilm {
         shot: timed,
-        seen: (!makes).then_some(seen),
+        seen: (!makes_reflection).then_some(seen),
         before: Vec::new(),
         frames: Vec::new(),
         change: Change::default(),
@@ -244,6 +255,7 @@ fn start_film(
 }
 
 /// Draws a frame, and returns the milliseconds of the method, the image of the reflection and the finished image.
+/// If the timed shot makes no image of the reflection, the second shot (`seen`) draws one, which is not timed.
 fn shoot(stage: &mut Stage, filmed: &mut VariantFilm, camera: Camera) -> Result<(f64, Pixels, Pixels)> {
     filmed.shot.camera = camera;
     let (report, _, output) = stage.output_in(Mode::Timed, &filmed.shot)?;
@@ -260,25 +272,32 @@ fn shoot(stage: &mut Stage, filmed: &mut VariantFilm, camera: Camera) -> Result<
     Ok((effect_ms, reflection, image))
 }
 
-/// The world reference of the film, with its last frame.
+/// The film of the world reference, with data of its current frame.
 #[derive(Default)]
 struct Truth {
+    /// G-buffer of the current frame; `None` before the first.
     screen: Option<GBufferData>,
+    /// Whether each pixel of the current frame reflects.
     mask: Vec<bool>,
     /// Linear reflection colour of the current frame.
     color: Vec<Vec3>,
-    /// Pairs of pixels that show the same surface in the last frame and in this one.
+    /// Pairs of a pixel of the current frame and the pixel that showed the same surface a frame before.
     pairs: Vec<SamePlace>,
-    /// Change of the reflection colour over each pair.
+    /// Change of the reflection colour over each of `pairs`.
     changes: Vec<Vec3>,
+    /// Sums over the pairs of all frames.
     change: Change,
+    /// Mean over the frames of the standard error, to which each frame adds its share.
     standard_error: f64,
+    /// The finished images.
     images: Film,
+    /// The images of the reflection alone.
     reflections: Film,
 }
 
 impl Truth {
-    /// Traces the world reference of the next frame, for the G-buffer that the variants see.
+    /// Traces the world reference of the next frame, for the G-buffer `screen` that the variants see. `scene` has the
+    /// meshes at their places in this frame.
     fn trace_frame(
         &mut self,
         spec: &VideoSpec,
@@ -294,15 +313,15 @@ impl Truth {
         // reflection changes.
         let reference = WorldReference::new(&world, &first_hits, &screen.camera, 2).with_bounces(bounces);
         let mut state = reference.start();
-        for begun in (0..spec.study.rays).step_by(RAYS_AT_ONCE as usize) {
+        for traced in (0..spec.study.rays).step_by(RAYS_AT_ONCE as usize) {
             go_on()?;
-            reference.add(&mut state, RAYS_AT_ONCE.min(spec.study.rays - begun));
+            reference.add(&mut state, RAYS_AT_ONCE.min(spec.study.rays - traced));
         }
         let image = reference.image(&state);
-        let before = std::mem::replace(&mut self.color, image.reflection);
-        if let Some(last) = &self.screen {
-            self.pairs = flicker::pairs(last, &screen);
-            self.changes = flicker::changes(&self.pairs, &before, &self.color, screen.width);
+        let last_color = std::mem::replace(&mut self.color, image.reflection);
+        if let Some(last_screen) = &self.screen {
+            self.pairs = flicker::pairs(last_screen, &screen);
+            self.changes = flicker::changes(&self.pairs, &last_color, &self.color, screen.width);
             self.change.add(self.pairs.len(), flicker::mean(&self.changes, |_, change| change), 0.0);
         }
         self.mask = screen.reflecting();
@@ -319,17 +338,18 @@ impl Truth {
 /// Rays a pixel that are traced between two calls of `go_on`.
 const RAYS_AT_ONCE: u32 = 16;
 
-/// The display image of linear colours, 3 bytes a pixel.
+/// Converts linear colours to a display image, 3 bytes a pixel.
 fn bytes(colors: &[Vec3]) -> Vec<u8> {
     display(&colors.iter().map(Vec3::to_array).collect::<Vec<_>>())
 }
 
 impl VariantFilm {
-    /// Adds a frame to the film: its time, its error, and its change from the last frame beside that of the world
-    /// reference.
+    /// Adds a frame: its images `reflection` and `image`, its time, its error, and its changes from the last frame.
+    /// `world` has the world reference of the frame.
     fn add(&mut self, world: &Truth, effect_ms: f64, reflection: &Pixels, image: &Pixels) {
         let colors = |pixels: &Pixels| -> Vec<Vec3> { pixels.texels().map(Vec3::from_slice).collect() };
         let made = colors(reflection);
+        // The colours with black in the place of those that are not finite.
         let color: Vec<Vec3> = made.iter().copied().map(flicker::sound).collect();
         if !world.pairs.is_empty() && !self.before.is_empty() {
             let changes = flicker::changes(&world.pairs, &self.before, &color, image.width);
@@ -347,7 +367,8 @@ impl VariantFilm {
     }
 }
 
-/// The record of a variant's film: means over its frames, and its quality beside the film of the world reference.
+/// Makes the record of a variant's film: means over its frames, and its quality beside the film of the world reference.
+/// `start` is the view from which the camera begins.
 fn record(
     spec: &VideoSpec,
     start: &View,
@@ -356,9 +377,9 @@ fn record(
     world: &Truth,
 ) -> Result<VideoRecord> {
     let [width, height] = spec.extent;
-    let pairs: Vec<_> = world.reflections.frames.iter().zip(&filmed.reflections.frames).collect();
+    let image_pairs: Vec<_> = world.reflections.frames.iter().zip(&filmed.reflections.frames).collect();
     let flip: Vec<f64> =
-        pairs.into_par_iter().map(|(truth, made)| FlipMap::new(truth, made, width, height).mean()).collect();
+        image_pairs.into_par_iter().map(|(truth, made)| FlipMap::new(truth, made, width, height).mean()).collect();
     filmed.frames.iter_mut().zip(&flip).for_each(|(frame, flip)| frame.flip = *flip);
     let mean =
         |value: fn(&VideoFrame) -> f64| filmed.frames.iter().map(value).sum::<f64>() / filmed.frames.len() as f64;

@@ -1,5 +1,5 @@
-//! Zones for the profiler Tracy, with the feature `tracy`: each timed frame on the host, and each of its passes on the device.
-//! Without the feature, this module does nothing.
+//! Zones in the profiler Tracy, with the feature `tracy`: one for each timed frame on the host, and one for each of its
+//! passes on the device. Without the feature, this module does nothing.
 
 use ssct::gpu::FrameReport;
 
@@ -9,6 +9,7 @@ pub struct Zones {
     client: tracy_client::Client,
     #[cfg(feature = "tracy")]
     device: Option<tracy_client::GpuContext>,
+    /// The moment from which timestamps count.
     #[cfg(feature = "tracy")]
     begun: std::time::Instant,
     /// The end of the last pass that was drawn, in nanoseconds since `begun`.
@@ -26,8 +27,8 @@ impl Zones {
         Self { client, device, begun: std::time::Instant::now(), drawn_until: std::cell::Cell::new(0) }
     }
 
-    /// Runs a frame within a zone, and draws the passes that its report lists. The device's frame is drawn as if it ended when
-    /// the host saw its end.
+    /// Runs a frame within a zone, and draws the passes that its report lists. On the device, the frame is drawn as if
+    /// it ended when the host saw its end.
     pub fn frame<T>(&self, name: &str, run: impl FnOnce() -> T, report: impl Fn(&T) -> Option<&FrameReport>) -> T {
         let zone = self.client.clone().span_alloc(Some(name), "frame", file!(), line!(), 0);
         let made = run();
@@ -38,7 +39,8 @@ impl Zones {
             let start = end - nanoseconds(crate::stage::span_ms(report)[1]);
             for pass in &report.passes {
                 let [from, to] = [pass.start_ms, pass.start_ms + pass.ms].map(|ms| start + nanoseconds(ms));
-                // The scene passes of a turn stand in the reports of all its methods, and are drawn with the first.
+                // The scene passes of a round stand in the reports of all its methods, and are drawn with the first of
+                // them.
                 if from < self.drawn_until.get() {
                     continue;
                 }

@@ -14,8 +14,8 @@ pub mod world;
 
 pub use hits::HitAgreement;
 
-/// Root of the mean squared difference over all values (docs/definitions.md, "Image error": the three channels of the compared
-/// pixels); 0 without values.
+/// Returns the root of the mean squared difference between the values of `a` and of `b`, in their unit; 0 without
+/// values. Image errors pass the three channels of the compared pixels (docs/definitions.md, "Image error").
 ///
 /// # Panics
 /// If the slices differ in length.
@@ -28,8 +28,8 @@ pub fn rmse(a: &[f32], b: &[f32]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-/// The nearest-rank percentile: the least number for which at least a `share` (0 < share ≤ 1) of all numbers are no
-/// greater. `sorted` must rise; `None` without numbers.
+/// Returns the nearest-rank percentile: the least number of `sorted` such that at least the `share` (0 < share ≤ 1) of
+/// all numbers are less or equal. `sorted` must be in ascending order; `None` if it is empty.
 pub fn percentile(sorted: &[f64], share: f64) -> Option<f64> {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.saturating_sub(1)).copied()

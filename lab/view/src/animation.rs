@@ -1,5 +1,5 @@
-//! Writes frames of the window as an animated GIF for a web page. Pixels that do not change are transparent in
-//! later frames, which keeps the file small.
+//! Writes frames of the window as an animated GIF for a web page. In later frames, pixels that do not change are
+//! transparent, which keeps the file small.
 
 use ssct::gpu::Pixels;
 use ssct_lab::error::{Error, Result};
@@ -7,7 +7,7 @@ use ssct_lab::report::files;
 use ssct_lab::report::images::display;
 use std::path::Path;
 
-/// The largest difference between two bytes that is not visible.
+/// The greatest difference between two bytes of a colour that counts as invisible.
 const SAME: u8 = 3;
 /// The speed of the colour quantisation, from 1 (best quality) to 30.
 const SPEED: i32 = 10;
@@ -23,12 +23,12 @@ pub struct Animation {
 }
 
 impl Animation {
-    /// An animation without frames; each frame will be shown for `delay_ms` milliseconds.
+    /// Makes an animation without frames; each frame will be shown for `delay_ms` milliseconds.
     pub fn new(delay_ms: u16) -> Self {
         Self { delay_ms, size: [0; 2], frames: Vec::new(), seen: Vec::new() }
     }
 
-    /// Adds a frame.
+    /// Adds the picture of the screen as a frame.
     ///
     /// # Errors
     /// [`Usage`](ssct::Error::Usage) if the frame's size differs from that of the first frame, or is above 65535 pixels
@@ -49,9 +49,9 @@ impl Animation {
         }
         let mut rgba = vec![0; self.seen.len()];
         let texels = rgb.bytes.chunks_exact(3).zip(self.seen.chunks_exact_mut(4)).zip(rgba.chunks_exact_mut(4));
-        for ((now, seen), out) in texels {
-            if is_first || now.iter().zip(&*seen).any(|(a, b)| a.abs_diff(*b) > SAME) {
-                out.copy_from_slice(&[now[0], now[1], now[2], 255]);
+        for ((current, seen), out) in texels {
+            if is_first || current.iter().zip(&*seen).any(|(a, b)| a.abs_diff(*b) > SAME) {
+                out.copy_from_slice(&[current[0], current[1], current[2], 255]);
                 seen.copy_from_slice(out);
             }
         }
@@ -59,7 +59,7 @@ impl Animation {
         Ok(())
     }
 
-    /// Writes the file, which repeats forever.
+    /// Writes the animation to a file; it repeats forever.
     pub fn write(self, path: &Path) -> Result<()> {
         let failed = |e: gif::EncodingError| Error::io("encode", path, std::io::Error::other(e));
         let mut bytes = Vec::new();
@@ -69,6 +69,7 @@ impl Animation {
             let mut frame = gif::Frame::from_rgba_speed(self.size[0], self.size[1], &mut rgba, SPEED);
             // Transparent pixels keep the previous frame's colour.
             frame.dispose = gif::DisposalMethod::Keep;
+            // GIF counts hundredths of a second.
             frame.delay = self.delay_ms.div_ceil(10);
             encoder.write_frame(&frame).map_err(failed)?;
         }

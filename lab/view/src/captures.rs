@@ -10,20 +10,21 @@ use std::path::Path;
 /// The list of captures while it is edited.
 #[derive(Debug)]
 pub struct CaptureEditor {
-    /// The captures in place of the scene's; `None` as long as nothing was changed.
+    /// The captures that replace the scene's; `None` as long as nothing was changed.
     pub list: Option<Vec<Capture>>,
     /// The selected capture, counted from 0.
     pub selected: usize,
     /// The file in which the captures are saved: a scene file, or a file of captures alone.
     pub file: String,
-    /// A message about the last change or saving.
+    /// A message about the last change or save.
     pub message: String,
     /// The factor by which the scene was enlarged when it was loaded.
     scale: f32,
 }
 
 impl CaptureEditor {
-    /// An editor for a scene from some sources, enlarged by `scale`.
+    /// Makes an editor for a scene that was loaded from some files and enlarged by `scale`. The first file is that of
+    /// the captures if it is a scene file.
     pub fn new(sources: &[std::path::PathBuf], scale: f32) -> Self {
         let is_file = |p: &&std::path::PathBuf| p.extension().is_some_and(|e| e == "toml");
         let file = sources.first().filter(is_file).map_or("captures.toml".into(), |p| p.display().to_string());
@@ -31,7 +32,7 @@ impl CaptureEditor {
     }
 
     /// Adds a capture at a place and selects it. If nothing was changed before, the list begins with the captures
-    /// `shown`.
+    /// `shown`, which the window shows.
     pub fn add(&mut self, shown: &[Capture], place: Vec3) {
         let list = self.list.get_or_insert_with(|| shown.to_vec());
         if list.len() == MAX_CAPTURES {
@@ -44,7 +45,7 @@ impl CaptureEditor {
         self.message = format!("capture {} added", list.len());
     }
 
-    /// Moves the selected capture to a place.
+    /// Moves the selected capture to a place; `shown` is as in [`Self::add`].
     pub fn put(&mut self, shown: &[Capture], place: Vec3) {
         let list = self.list.get_or_insert_with(|| shown.to_vec());
         self.message = match list.get_mut(self.selected) {
@@ -56,7 +57,8 @@ impl CaptureEditor {
         };
     }
 
-    /// Removes the selected capture. If no capture is left, captures are placed as for a scene file without any.
+    /// Removes the selected capture; `shown` is as in [`Self::add`]. If no capture is left, captures are placed as for
+    /// a scene file without any.
     pub fn remove(&mut self, shown: &[Capture]) {
         let list = self.list.get_or_insert_with(|| shown.to_vec());
         if self.selected >= list.len() {
@@ -71,13 +73,14 @@ impl CaptureEditor {
         self.selected = self.selected.min(list.len().saturating_sub(1));
     }
 
-    /// Goes back to the scene's captures.
+    /// Drops all changes, so that the scene's captures are used again.
     pub fn forget(&mut self) {
         (self.list, self.selected) = (None, 0);
         self.message = "the captures of the scene".to_owned();
     }
 
-    /// Writes the captures into the file. If there is such a file, all else in it stays as it is.
+    /// Writes the captures of the list, or those that are shown if nothing was changed, into the file. Everything else
+    /// in an existing file stays as it is.
     pub fn save(&mut self, shown: &[Capture]) {
         let captures = self.list.as_deref().unwrap_or(shown);
         self.message = match self.written(captures) {

@@ -1,4 +1,4 @@
-//! Captures unfolded into crosses of six faces, so that the window can show them as images and draw rays over them.
+//! Unfolds captures into crosses of six faces, so that the window can show them as images and draw rays over them.
 
 use glam::{Vec2, Vec3};
 use ssct::gpu::FrameContext;
@@ -19,21 +19,21 @@ pub enum CubePart {
     Normal,
 }
 
-/// The parts with their names.
+/// The kinds of images with their names.
 const PARTS: [(CubePart, &str); 3] =
     [(CubePart::Color, "color"), (CubePart::Depth, "depth"), (CubePart::Normal, "normal")];
 
-/// A picture of a capture.
+/// An image of a capture, which the window can show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CubeImage {
-    /// Which capture, counted from 0.
+    /// The index of the capture, counted from 0.
     pub capture: usize,
-    /// Which of the capture's images is shown.
+    /// The kind of the image.
     pub part: CubePart,
 }
 
 impl CubeImage {
-    /// Lists the images of `count` captures.
+    /// Returns all images of `count` captures.
     pub fn all(count: usize) -> impl Iterator<Item = Self> {
         (0..count).flat_map(|capture| PARTS.map(|(part, _)| Self { capture, part }))
     }
@@ -45,13 +45,13 @@ impl CubeImage {
         Some(Self { capture: number.parse::<usize>().ok()?.checked_sub(1)?, part })
     }
 
-    /// The name of the image, as in `capture-1-color`; names count captures from 1.
+    /// Returns the name of the image, such as `capture-1-color`; names count captures from 1.
     pub fn name(self) -> String {
         let part = PARTS.iter().find(|(part, _)| *part == self.part).map_or("", |(_, name)| name);
         format!("capture-{}-{part}", self.capture + 1)
     }
 
-    /// The meaning of the image's numbers.
+    /// Returns the meaning of the image's numbers.
     pub fn content(self) -> Content {
         match self.part {
             CubePart::Color => Content::Color,
@@ -60,13 +60,13 @@ impl CubeImage {
         }
     }
 
-    /// The number of the image's mip levels.
+    /// Returns the number of the image's mip levels.
     pub fn levels(self, captures: &Captures) -> u32 {
         if self.part == CubePart::Color { captures.color.levels() } else { 1 }
     }
 
-    /// Reads the image as the RGBA texels of a picture of a size in pixels, rows from the top; black where no face
-    /// lies.
+    /// Reads a mip level of the image, and returns it as a cross in a picture of `extent` pixels: RGBA texels, rows
+    /// from the top, black outside the faces.
     pub fn read(
         self,
         context: &mut FrameContext,
@@ -74,7 +74,8 @@ impl CubeImage {
         level: u32,
         extent: [u32; 2],
     ) -> Result<Vec<[f32; 4]>> {
-        let first = 6 * self.capture as u32;
+        let first_layer = 6 * self.capture as u32;
+        // Sides in texels of a face at level 0, and at the level that is read.
         let [full, _] = captures.color.extent();
         let level = level.min(self.levels(captures) - 1);
         let side = (full >> level).max(1);
@@ -90,12 +91,14 @@ impl CubeImage {
             let pixel = Vec2::new((i % extent[0]) as f32, (i / extent[0]) as f32) + 0.5;
             let Some((face, uv)) = cross.face_at(pixel) else { return [0.0, 0.0, 0.0, 1.0] };
             let [x, y] = uv.to_array().map(|v| ((v * side as f32) as u32).min(side - 1));
-            let layer = first + face as u32;
+            // The layers of the image are read one below the other.
+            let layer = first_layer + face as u32;
             match self.part {
                 CubePart::Color => {
-                    let seen = read.texel(x, layer * side + y);
-                    let behind = sky::radiance(sky::face_direction(face, uv.x, uv.y)) * (1.0 - seen[3]);
-                    (Vec3::from_slice(seen) + behind).extend(1.0).to_array()
+                    // The alpha is the share that is not sky.
+                    let color = read.texel(x, layer * side + y);
+                    let sky_color = sky::radiance(sky::face_direction(face, uv.x, uv.y)) * (1.0 - color[3]);
+                    (Vec3::from_slice(color) + sky_color).extend(1.0).to_array()
                 }
                 CubePart::Depth => {
                     // Fronts stand in strips of columns (`shaders-glsl/unified/pyramid.glsl`).
@@ -109,7 +112,7 @@ impl CubeImage {
     }
 }
 
-/// The place of a cube's faces in a picture: in its middle, and as large as the picture allows.
+/// The cross of a cube's faces in a picture: in the middle, and as large as the picture allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cross {
     /// The side of a face, in pixels.
@@ -119,7 +122,7 @@ pub struct Cross {
 }
 
 impl Cross {
-    /// The place of the faces in a picture of a size in pixels.
+    /// Makes the cross for a picture of `extent` pixels.
     pub fn new(extent: [u32; 2]) -> Self {
         let [columns, rows] = CROSS.map(|n| n as f32);
         let size = Vec2::new(extent[0] as f32, extent[1] as f32);
@@ -127,14 +130,16 @@ impl Cross {
         Self { side, corner: 0.5 * (size - side * Vec2::new(columns, rows)) }
     }
 
-    /// The face (0…5) at a point in pixels, and its texture coordinates there.
+    /// Returns the face (0…5) at a point of the picture in pixels, and the texture coordinates in the face; `None`
+    /// outside the cross.
     fn face_at(&self, point: Vec2) -> Option<(usize, Vec2)> {
         let position = (point - self.corner) / self.side;
         let face = FACES_IN_CROSS.iter().position(|place| place.map(|n| n as f32) == position.floor().to_array())?;
         Some((face, position.fract()))
     }
 
-    /// The face in which a direction in world axes is seen, and the point of the picture at which it is seen, in pixels.
+    /// Returns the face (0…5) that shows a direction in world axes, and the point of the picture that shows it, in
+    /// pixels.
     pub fn face_and_point(&self, direction: Vec3) -> (usize, Vec2) {
         let a = direction.abs();
         let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
@@ -148,14 +153,16 @@ impl Cross {
         // The texture coordinates of a face are linear in the direction, whose greatest component is 1.
         let on_face = direction / greatest.max(f32::MIN_POSITIVE);
         let [middle, right, down] = [(0.5, 0.5), (1.0, 0.5), (0.5, 1.0)].map(|(u, v)| sky::face_direction(face, u, v));
+        // The texture coordinate towards the middle of a side.
         let along = |axis: Vec3| 0.5 + 0.5 * (on_face - middle).dot(axis - middle);
         let [x, y] = FACES_IN_CROSS[face].map(|n| n as f32);
         (face, self.corner + self.side * Vec2::new(x + along(right), y + along(down)))
     }
 
-    /// The parts of a way through the world as a capture sees it: lines of points in pixels, one for each face that it
-    /// passes.
+    /// Returns the lines by which a capture shows a sequence of points in the world: points of the picture in pixels,
+    /// with a new line where the sequence passes into another face.
     pub fn way(&self, capture: &Capture, points: &[Vec3]) -> Vec<Vec<Vec2>> {
+        // Each line with its face.
         let mut lines: Vec<(usize, Vec<Vec2>)> = Vec::new();
         for point in points.iter().filter(|p| **p != capture.position) {
             let (face, position) = self.face_and_point(*point - capture.position);

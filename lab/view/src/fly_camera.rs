@@ -1,19 +1,21 @@
-//! A camera that flies: the mouse turns it and keys move it. This is arithmetic only, without a window.
+//! A camera that flies through the scene: the mouse turns it and keys move it. The module does arithmetic only and
+//! needs no window.
 //!
-//! Like a view, the camera is stored as an eye and a point that it looks at, so that a view from which the
-//! camera has not moved is rendered exactly as by `ssct render`.
+//! Like a view, the camera is stored as an eye and a point that it looks at. As long as the camera has not left a view,
+//! the picture is therefore exactly that of `ssct render`.
 
 use glam::{Vec2, Vec3};
 use ssct_scenes::{Camera, Lens, View};
 use std::f32::consts::FRAC_PI_2;
 
-/// The angle that one pixel of mouse motion turns.
+/// The angle by which a mouse motion of one pixel turns the camera.
 const RADIANS_PER_PIXEL: f32 = 0.003;
-/// Straight up and down are excluded, because a heading has no meaning there.
+/// The greatest angle above or below the horizon. Straight up and down are excluded, because a heading has no meaning
+/// there.
 const MAX_PITCH_RADIANS: f32 = FRAC_PI_2 - 0.02;
-/// The factor of the "fast" key on the speed.
+/// The factor by which the "fast" key raises the speed.
 const FAST: f32 = 5.0;
-/// The factor of one notch of the wheel on the speed.
+/// The factor by which one notch of the wheel raises the speed.
 const SPEED_STEP: f32 = 1.25;
 
 /// The position, direction and speed of the camera.
@@ -27,26 +29,26 @@ pub struct FlyCamera {
 /// The direction in which the pressed keys move the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FlyMotion {
-    /// To the right, upwards (in the world) and forwards; each component is −1, 0 or 1.
+    /// x is to the right, y upwards in the world, and z forwards; each component is −1, 0 or 1.
     pub direction: Vec3,
     /// Whether the "fast" key is pressed.
     pub fast: bool,
 }
 
 impl FlyMotion {
-    /// Whether any key moves the camera.
+    /// Returns whether any key moves the camera.
     pub fn is_moving(&self) -> bool {
         self.direction != Vec3::ZERO
     }
 }
 
 impl FlyCamera {
-    /// A camera at a view.
+    /// Makes a camera at a view.
     pub fn new(view: &View, speed_m_per_s: f32) -> Self {
         Self { eye: view.eye, look_at: view.look_at, speed_m_per_s }
     }
 
-    /// The eye and the point that it looks at.
+    /// Returns the eye and the point that it looks at.
     pub fn place(&self) -> (Vec3, Vec3) {
         (self.eye, self.look_at)
     }
@@ -56,22 +58,22 @@ impl FlyCamera {
         *self = Self { eye, look_at, ..*self };
     }
 
-    /// The speed in metres per second without the "fast" key.
+    /// Returns the speed in metres per second without the "fast" key.
     pub fn speed_m_per_s(&self) -> f32 {
         self.speed_m_per_s
     }
 
-    /// Jumps to a view and keeps the speed.
+    /// Moves the camera to a view, and keeps its speed.
     pub fn jump(&mut self, view: &View) {
         *self = Self::new(view, self.speed_m_per_s);
     }
 
-    /// This camera with a lens; `aspect` is width over height.
+    /// Returns this camera with a lens, for rendering; `aspect` is width over height.
     pub fn camera(&self, lens: Lens, aspect: f32) -> Camera {
         Camera::new(self.eye, self.look_at, lens, aspect)
     }
 
-    /// Turns by a mouse motion in pixels; +x is to the right and +y downwards.
+    /// Turns the camera by a mouse motion in pixels; +x is to the right and +y downwards.
     pub fn turn(&mut self, pixels: Vec2) {
         let (forward, distance) = (self.forward(), self.eye.distance(self.look_at));
         let yaw = forward.x.atan2(forward.z) + pixels.x * RADIANS_PER_PIXEL;
@@ -81,13 +83,13 @@ impl FlyCamera {
         self.look_at = self.eye + turned * distance.max(1.0);
     }
 
-    /// Flies for a time; returns whether the camera moved.
+    /// Moves the camera for a time; returns whether it moved.
     pub fn fly(&mut self, motion: FlyMotion, seconds: f32) -> bool {
         let forward = self.forward();
         let right = Vec3::Y.cross(forward).normalize_or(Vec3::X);
-        let way = right * motion.direction.x + Vec3::Y * motion.direction.y + forward * motion.direction.z;
+        let direction = right * motion.direction.x + Vec3::Y * motion.direction.y + forward * motion.direction.z;
         let speed = self.speed_m_per_s * if motion.fast { FAST } else { 1.0 };
-        let step = way.normalize_or_zero() * speed * seconds;
+        let step = direction.normalize_or_zero() * speed * seconds;
         self.eye += step;
         self.look_at += step;
         step != Vec3::ZERO
@@ -98,7 +100,7 @@ impl FlyCamera {
         self.speed_m_per_s = (self.speed_m_per_s * SPEED_STEP.powf(notches)).clamp(1e-3, 1e5);
     }
 
-    /// The unit direction in which the camera looks.
+    /// Returns the unit direction in which the camera looks.
     fn forward(&self) -> Vec3 {
         (self.look_at - self.eye).normalize_or(Vec3::Z)
     }
@@ -108,10 +110,12 @@ impl FlyCamera {
 mod tests {
     use super::*;
 
+    /// Returns a camera with a speed of 2 m/s.
     fn camera_at(eye: Vec3, look_at: Vec3) -> FlyCamera {
         FlyCamera::new(&View { eye, look_at, ..View::default() }, 2.0)
     }
 
+    /// Returns a motion to the right (x), upwards (y) and forwards (z), without the "fast" key.
     fn towards(x: f32, y: f32, z: f32) -> FlyMotion {
         FlyMotion { direction: Vec3::new(x, y, z), fast: false }
     }

@@ -1,5 +1,5 @@
-//! Updates the viewer after the panel has changed the state: renders a frame if the request changed, analyses
-//! the frame at rest otherwise, and updates the picked ray, the range and the screen.
+//! Updates the viewer after the panel has changed the state. A frame is rendered if the request changed, and otherwise
+//! the frame at rest is analysed. The picked ray, the range of numbers and the screen are updated, too.
 
 use super::captures::CaptureEditor;
 use super::panel::PanelActions;
@@ -19,7 +19,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl Viewer {
-    /// Updates pictures and screen to match the state; returns whether there was anything to do.
+    /// Updates pictures and screen to match the state; returns whether there was anything to do. `extent` is the
+    /// window's size in pixels, and a point of the panel has `pixels_per_point` pixels.
     pub(super) fn follow(&mut self, actions: &PanelActions, extent: [u32; 2], pixels_per_point: f32) -> Result<bool> {
         if self.state.scene != scene_name(&self.place) {
             self.load_scene()?;
@@ -27,6 +28,7 @@ impl Viewer {
         if self.screen.extent() != extent {
             self.screen = screen(&self.gpu, self.screen.format(), extent)?;
         }
+        // The rectangle of the pictures: left, top, width and height in pixels.
         let area = actions.area.map_or([0, 0, extent[0], extent[1]], |a| pixels(a, extent, pixels_per_point));
         let wanted = self.wanted([area[2], area[3]]);
         let mut active = true;
@@ -62,16 +64,18 @@ impl Viewer {
         Ok(active)
     }
 
-    /// Whether the frame at rest must be analysed, because the open part of the panel shows the results.
+    /// Returns whether the frame at rest must be analysed, because the picture or the open part of the panel shows the
+    /// results.
     pub(super) fn needs_analysis(&self) -> bool {
-        let steps = self.state.inside.as_ref().is_some_and(|i| i.name == STEPS);
-        let wants = steps || matches!(self.state.tab, Tab::Live | Tab::Ray);
-        let looks_for_reference =
+        let shows_steps = self.state.inside.as_ref().is_some_and(|i| i.name == STEPS);
+        let shows_results = shows_steps || matches!(self.state.tab, Tab::Live | Tab::Ray);
+        let lacks_reference =
             self.state.tab == Tab::Live && !self.reference_error.is_waiting() && self.reference_error.outcome.is_none();
-        wants && (self.analysis.is_none() || looks_for_reference)
+        shows_results && (self.analysis.is_none() || lacks_reference)
     }
 
-    /// Traces the ray of the picked pixel; returns whether the ray changed.
+    /// Traces the ray of the picked pixel, if the panel shows it, and explains the pixel. Returns whether the ray
+    /// changed.
     fn pick(&mut self) -> bool {
         let wanted = self.state.picked.filter(|_| self.state.tab == Tab::Ray);
         let inspection = self.analysis.as_ref().and_then(|a| a.inspection.as_ref());
@@ -84,7 +88,7 @@ impl Viewer {
         self.ray.is_some()
     }
 
-    /// Explains a pixel of the first method's frame at rest.
+    /// Returns the report on a pixel of the first method's frame at rest; `None` if the frame was not analysed.
     fn explain(&self, pixel: [u32; 2]) -> Option<PixelReport> {
         let analysis = self.analysis.as_ref()?;
         let (inspection, [reflection, composite]) = (analysis.inspection.as_ref()?, analysis.made.as_ref()?);
@@ -109,7 +113,8 @@ impl Viewer {
         self.reference_error.start(request, move || wake());
     }
 
-    /// Fits the range to the least and the greatest number of the shown picture.
+    /// Sets the range of numbers that is shown to the least and the greatest number of the first picture, in the shown
+    /// channels.
     fn fit_range(&mut self) -> Result<()> {
         let Some(pixels) = self.read_picture()? else { return Ok(()) };
         let tone = self.state.tone;
@@ -150,10 +155,11 @@ impl Viewer {
     }
 }
 
-/// Left, top, width and height in pixels of a rectangle in points; at least one pixel of the window.
+/// Returns left, top, width and height in pixels of a rectangle in points, cut to a window of the given size in pixels.
+/// The result has at least one pixel.
 fn pixels(area: egui::Rect, [width, height]: [u32; 2], pixels_per_point: f32) -> [u32; 4] {
-    let x = |v: f32| (v * pixels_per_point).round().max(0.0) as u32;
-    let (left, top) = (x(area.left()).min(width - 1), x(area.top()).min(height - 1));
-    let (right, bottom) = (x(area.right()).min(width), x(area.bottom()).min(height));
+    let to_pixels = |v: f32| (v * pixels_per_point).round().max(0.0) as u32;
+    let (left, top) = (to_pixels(area.left()).min(width - 1), to_pixels(area.top()).min(height - 1));
+    let (right, bottom) = (to_pixels(area.right()).min(width), to_pixels(area.bottom()).min(height));
     [left, top, right.saturating_sub(left).max(1), bottom.saturating_sub(top).max(1)]
 }

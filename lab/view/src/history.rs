@@ -1,4 +1,4 @@
-//! Pass times of a method's recent frames, for the stacked bars.
+//! Keeps the pass times of a method's recent frames, which the panel shows as stacked bars.
 
 use ssct::gpu::FrameReport;
 use ssct::gpu::frame::Skipped;
@@ -11,7 +11,7 @@ const KEPT: Duration = Duration::from_secs(10);
 /// The most frames that are kept.
 const FRAMES: usize = 240;
 
-/// A stage of a frame: a pass, or all levels of a chain together.
+/// The time of a pass, or of all levels of a chain together, in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StageTime {
     /// The label, without a level.
@@ -25,6 +25,7 @@ pub struct StageTime {
 /// The times of a method's recent frames.
 #[derive(Debug, Default)]
 pub struct History {
+    /// The frames, oldest first: when each was measured, and its times.
     frames: VecDeque<(Instant, Vec<StageTime>)>,
     /// Labels of the passes that the last frame recorded.
     pub recorded: Vec<String>,
@@ -33,7 +34,7 @@ pub struct History {
 }
 
 impl History {
-    /// Adds a frame that was measured at the time `now`.
+    /// Adds a frame that was measured at the time `now`, and removes frames that are too old.
     pub fn add(&mut self, report: &FrameReport, now: Instant) {
         let mut stages: Vec<StageTime> = Vec::new();
         for pass in &report.passes {
@@ -62,19 +63,19 @@ impl History {
         self.frames.clear();
     }
 
-    /// The stages of every frame, oldest first.
+    /// Returns the stages of every frame, oldest first.
     pub fn frames(&self) -> impl Iterator<Item = &[StageTime]> {
         self.frames.iter().map(|(_, stages)| &stages[..])
     }
 
-    /// For each stage: its name, whether it counts, and statistics of its times.
+    /// Returns, for each stage, its name, whether it counts towards the method's time, and statistics of its times.
     pub fn stages(&self) -> Vec<(String, bool, Stats)> {
         let Some((_, last)) = self.frames.back() else { return Vec::new() };
         let times = |i: usize| self.frames.iter().map(|(_, stages)| stages[i].ms).collect::<Vec<_>>();
         last.iter().enumerate().map(|(i, s)| (s.name.clone(), s.counted, Stats::from_samples(&times(i)))).collect()
     }
 
-    /// Statistics of the method's time, the sum of the stages that count.
+    /// Returns statistics of the method's time, which is the sum of the stages that count.
     pub fn total(&self) -> Stats {
         let sum = |stages: &[StageTime]| stages.iter().filter(|s| s.counted).map(|s| s.ms).sum();
         Stats::from_samples(&self.frames().map(sum).collect::<Vec<f64>>())
@@ -86,6 +87,7 @@ mod tests {
     use super::*;
     use ssct::gpu::PassTime;
 
+    /// Returns the report of a frame from the name, the milliseconds and `counted` of each pass.
     fn report(passes: &[(&str, f64, bool)]) -> FrameReport {
         let pass = |(name, ms, counted): &(&str, f64, bool)| PassTime {
             name: (*name).into(),

@@ -1,11 +1,11 @@
-//! The actions of keys, by their position on a US keyboard.
+//! The actions of keys. A key is named by its position on a US keyboard.
 
 use super::fly_camera::FlyMotion;
 use glam::Vec3;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
 
-/// A one-time action of a key.
+/// An action that a key performs once each time it is pressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Action {
     /// Closes the window.
@@ -34,7 +34,7 @@ pub enum Action {
     RemoveCapture,
 }
 
-/// The action of a key when it is pressed, with or without a shift key.
+/// Returns the action of a key when it is pressed, with or without a shift key; `None` if it has none.
 pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
     use KeyCode as K;
     const DIGITS: [KeyCode; 9] =
@@ -55,12 +55,12 @@ pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
     }
 }
 
-/// Whether a shift key is held.
+/// Returns whether one of the pressed keys is a shift key.
 pub fn shift(keys: &HashSet<KeyCode>) -> bool {
     keys.contains(&KeyCode::ShiftLeft) || keys.contains(&KeyCode::ShiftRight)
 }
 
-/// The motion that the pressed keys ask for.
+/// Returns the motion of the camera that the pressed keys ask for. Opposite keys cancel each other.
 pub fn motion(keys: &HashSet<KeyCode>) -> FlyMotion {
     let axis = |plus, minus| f32::from(keys.contains(&plus)) - f32::from(keys.contains(&minus));
     let direction = Vec3::new(
@@ -88,9 +88,9 @@ mod tests {
 
     #[test]
     fn opposite_keys_cancel_and_shift_is_fast() {
-        let held = |keys: &[KeyCode]| motion(&keys.iter().copied().collect());
-        assert!(!held(&[KeyCode::KeyW, KeyCode::KeyS]).is_moving());
-        let m = held(&[KeyCode::KeyA, KeyCode::KeyE, KeyCode::ShiftLeft]);
+        let motion_of = |keys: &[KeyCode]| motion(&keys.iter().copied().collect());
+        assert!(!motion_of(&[KeyCode::KeyW, KeyCode::KeyS]).is_moving());
+        let m = motion_of(&[KeyCode::KeyA, KeyCode::KeyE, KeyCode::ShiftLeft]);
         assert_eq!((m.direction, m.fast), (Vec3::new(-1.0, 1.0, 0.0), true));
     }
 }

@@ -1,8 +1,8 @@
 //! `ssct-view`: a window for viewing methods and tuning their parameters. `ssct view` starts it.
 //!
-//! [`state`](mod@state) holds what the user changes, as plain data. [`viewer`] renders a frame whenever the state asks for
-//! a different one. [`panel`] displays and changes the state. [`window`] connects both to the window system by
-//! [`presentation`], and [`script`] runs them without a user.
+//! [`state`](mod@state) is the plain data that the user changes. [`viewer`] renders a frame whenever the state asks for
+//! a different one, and [`panel`] displays and changes the state. [`window`] connects viewer and panel to the window
+//! system by [`presentation`], and [`script`] runs them without a user.
 
 mod animation;
 mod captures;
@@ -52,7 +52,7 @@ use viewer::Viewer;
 use window::{App, no_window};
 use winit::event_loop::{ControlFlow, EventLoop};
 
-/// Milliseconds of a frame of an animation.
+/// How long a frame of an animation is shown, in milliseconds.
 const ANIMATION_DELAY_MS: u16 = 80;
 
 fn main() -> ExitCode {
@@ -75,7 +75,7 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
     if let Some(file) = &options.path {
         path.load(file)?;
     }
-    let way = options.path.as_deref().map(path_file::load).transpose()?;
+    let camera_path = options.path.as_deref().map(path_file::load).transpose()?;
     let shaders = watched_folder(options)?;
     let scene = resolve::scene(&common.place, "rooms")?;
     let view = resolve::view(&scene, &common.place, None)?;
@@ -99,7 +99,7 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
     let is_png = options.screenshot.as_ref().is_some_and(|p| ends_with(p, "png"));
     let script = Script::new(ScriptPlan {
         frames: options.frames,
-        path: way.filter(|_| options.frames.is_some()),
+        path: camera_path.filter(|_| options.frames.is_some()),
         reads_screen: is_png,
         reads_picture: options.screenshot.is_some() && !is_png,
         animation: options.animation.is_some().then(|| Animation::new(ANIMATION_DELAY_MS)),
@@ -130,7 +130,8 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes the files and the record of a scripted run, in which `rendered` frames and `drawn` drawings were made.
+/// Writes the files and the record of a scripted run. `rendered` is the number of frames that were rendered, and
+/// `drawn` the number of times that panel and picture were drawn.
 fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2], gpu: &Gpu) -> anyhow::Result<()> {
     if let (Some(path), Some(pixels)) = (&options.screenshot, &script.pixels) {
         images::write_image(path, pixels)?;
@@ -139,6 +140,7 @@ fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2],
         animation.write(path)?;
     }
     if options.json {
+        // The numbers of submissions after the last frame and when the window closed.
         let [then, now] = script.submissions;
         let summary = serde_json::json!({
             "kind": "view", "definitions": study::record::DEFINITIONS, "device": gpu.info(),
@@ -151,7 +153,7 @@ fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2],
     Ok(())
 }
 
-/// The shown method and the method to compare with; both have the options of the command line.
+/// Returns the shown method and the method to compare with, both with the options of the command line.
 fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
     let first = methods::find(&options.method)?;
     let second = match &options.against {
@@ -162,19 +164,21 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
     let given = method_options(&std::env::args_os().collect::<Vec<_>>());
     let side = |method: &'static MethodInfo| Side::new(method, given.clone());
     let sides = [side(first), side(second)];
+    // The other method may lack some of the options: it leaves them out, and the panel says so.
     match &sides[0].fault {
         Some(fault) => Err(Error::usage(fault.clone())),
         None => Ok(sides),
     }
 }
 
-/// The methods' options among the arguments of the program, which begin with its name.
+/// Returns the options of methods among the arguments of the program, by their flags. The first argument is the
+/// program's name.
 fn method_options(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> {
     let command = ViewOptions::augment_args(clap::Command::new("ssct-view"));
     command.try_get_matches_from(arguments).map(|matches| given_options(&matches)).unwrap_or_default()
 }
 
-/// The state with which the window opens.
+/// Returns the state with which the window opens.
 fn state(options: &ViewOptions, scene: &Scene, view: View, globals: stage::Globals, sides: [Side; 2]) -> State {
     State {
         tab: options.panel,
@@ -204,8 +208,8 @@ fn state(options: &ViewOptions, scene: &Scene, view: View, globals: stage::Globa
     }
 }
 
-/// The folder whose shaders are watched: that of the option, which must be one that can be watched, or the repository's; `None` if the
-/// repository is not here.
+/// Returns the folder whose shaders are watched: the folder of the option, which must contain shaders, or that of the
+/// repository. `None` without an option if the program does not run in the repository.
 fn watched_folder(options: &ViewOptions) -> Result<Option<PathBuf>> {
     match &options.shaders {
         Some(folder) => reload::ShaderWatch::new(folder).map(|_| Some(folder.clone())),
@@ -213,7 +217,7 @@ fn watched_folder(options: &ViewOptions) -> Result<Option<PathBuf>> {
     }
 }
 
-/// Whether a file has an extension, in any case of letters.
+/// Returns whether a file has an extension, in upper or lower case.
 fn ends_with(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }

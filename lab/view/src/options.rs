@@ -98,7 +98,7 @@ pub enum TwoMethods {
     Difference,
 }
 
-/// The command line, arranged for the help that the arguments ask for.
+/// Returns the command line, arranged for the kind of help that the arguments ask for.
 pub fn command(arguments: &[OsString]) -> Command {
     help::of_one_command::<ViewOptions>(arguments)
 }

@@ -1,5 +1,5 @@
-//! The panel beside the picture, and what is drawn over the picture. It uses egui to change the state and to
-//! display measurements; it renders no frames itself and does not depend on the window.
+//! The panel beside the picture, and the marks and names over the picture. The panel uses egui to change the state and
+//! to display measurements. It renders no frames itself and does not depend on the window.
 
 mod captures;
 mod inside;
@@ -26,8 +26,8 @@ pub const WIDTH: f32 = 340.0;
 /// The least width of the picture beside the panel, in points; a narrower window shows no panel.
 const NARROWEST_PICTURE: f32 = 80.0;
 
-/// Draws the panel, and what lies over the picture. Returns the user's actions that are more than a change of the
-/// state.
+/// Lays out the panel, and the marks and names over the picture. Returns the user's actions that are more than a change
+/// of the state.
 pub fn show(
     ui: &mut Ui,
     state: &mut State,
@@ -63,8 +63,9 @@ pub fn show(
     actions
 }
 
-/// Handles the mouse on the picture, which turns the camera, moves the split, picks a ray or changes the speed. Draws
-/// the picked ray and the names of the methods over the picture.
+/// Handles the mouse on the picture, which turns the camera, moves the line between two methods, picks a ray or changes
+/// the speed. Draws the picked ray and the names of the methods over the picture. `area` is the picture's rectangle in
+/// points.
 fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
     let response = ui.allocate_rect(area, Sense::click_and_drag());
     let split_x = area.left() + state.split * area.width();
@@ -80,7 +81,7 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
     }
     if response.dragged() {
         actions.looking = true;
-        // While the cursor is held in place, only the mouse's own motion continues.
+        // While the cursor is held in place, only the motion of the mouse itself is reported.
         let drag = response.drag_delta() * ui.pixels_per_point();
         let turned = ui.input(|i| i.pointer.motion()).unwrap_or(drag);
         if turned != egui::Vec2::ZERO {
@@ -103,6 +104,7 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
         }
     }
     if let (Tab::Ray, Some(ray)) = (state.tab, data.ray) {
+        // The image of a capture that is shown instead of the screen, if any.
         let cube = state.inside.as_ref().and_then(|i| CubeImage::find(&i.name));
         let painter = ui.painter_at(area);
         match cube {
@@ -139,7 +141,8 @@ fn names(ui: &Ui, area: Rect, split_x: f32, state: &State) {
     }
 }
 
-/// The notches by which an event turns the mouse wheel; 50 points of a smooth wheel are one notch.
+/// Returns the notches by which an event turns the mouse wheel; `None` for any other event. 50 points of a smooth wheel
+/// are one notch.
 fn notches(event: &egui::Event) -> Option<f32> {
     match event {
         egui::Event::MouseWheel { unit: egui::MouseWheelUnit::Line, delta, .. } => Some(delta.y),
@@ -148,13 +151,14 @@ fn notches(event: &egui::Event) -> Option<f32> {
     }
 }
 
-/// The pixel of the picture at a position in the window.
+/// Returns the pixel, in a picture of `extent` pixels, at a point of the window; `area` is the picture's rectangle in
+/// points.
 fn pixel_at(area: Rect, extent: [u32; 2], point: egui::Pos2) -> [u32; 2] {
     let share = (point - area.min) / area.size();
     [0, 1].map(|i| ((share[i] * extent[i] as f32).max(0.0) as u32).min(extent[i].saturating_sub(1)))
 }
 
-/// The last lines of the panel, which are always shown.
+/// Draws the last lines of the panel, which are always shown: whether frames are rendered, and how many were.
 fn status(ui: &mut Ui, data: &PanelData) {
     let [frames, drawings, submissions] = data.counts;
     let total = data.histories.first().map(|h| h.total());

@@ -1,4 +1,4 @@
-//! Camera key frames: recording, saving, loading and playing. `ssct path` reads the same files.
+//! Records, saves, loads and plays key frames of the camera. `ssct path` reads the same files.
 
 use super::fly_camera::FlyCamera;
 use glam::Vec3;
@@ -13,7 +13,7 @@ pub struct PathEditor {
     pub keys: Vec<KeyFrame>,
     /// The file in which they are saved.
     pub file: String,
-    /// The outcome of the last saving, loading or playing.
+    /// A message about the last recording, saving, loading or playing.
     pub message: String,
     /// The duration of the playback in seconds.
     pub seconds: f32,
@@ -37,14 +37,14 @@ impl PathEditor {
         self.message = format!("key frame {} recorded", self.keys.len());
     }
 
-    /// The path through the key frames.
+    /// Returns the path through the key frames, named after the file.
     pub fn path(&self) -> Result<CameraPath> {
         let stem = Path::new(&self.file).file_stem().map_or("path".into(), |s| s.to_string_lossy());
-        // The name is the stem of "path.toml" or "path.path.toml".
+        // The name ends at the first dot, since a file may be called "hall.path.toml".
         Ok(CameraPath::new(stem.split('.').next().unwrap_or("path"), self.keys.clone())?)
     }
 
-    /// Writes the file.
+    /// Writes the key frames to the file. The message says whether this succeeded.
     pub fn save(&mut self) {
         let path = Path::new(&self.file);
         let saved = self.path().and_then(|p| Ok(files::write(path, path::to_toml(&p).as_bytes())?));
@@ -54,7 +54,7 @@ impl PathEditor {
         };
     }
 
-    /// Reads a file; it replaces the recorded key frames.
+    /// Reads a file, whose key frames replace the recorded ones.
     ///
     /// # Errors
     /// The errors of [`path::load`].
@@ -66,7 +66,7 @@ impl PathEditor {
         Ok(())
     }
 
-    /// Starts or stops the playback.
+    /// Starts the playback, or stops it if it is running.
     pub fn play_or_stop(&mut self) {
         if self.playing.take().is_none() {
             match self.path() {
@@ -76,13 +76,13 @@ impl PathEditor {
         }
     }
 
-    /// The share of the path that was played, 0 to 1; `None` if nothing is played.
+    /// Returns the share of the path that was played, 0 to 1; `None` if nothing is played.
     pub fn playing(&self) -> Option<f32> {
         self.playing.as_ref().map(|(_, share)| *share)
     }
 
-    /// The camera's eye and the point that it looks at, `seconds` later; `None` if nothing is played. The playback
-    /// stops at the end of the path.
+    /// Plays on by `seconds`. Returns the camera's eye and the point that it looks at then; `None` if nothing is
+    /// played. The playback stops at the end of the path.
     pub fn advance(&mut self, seconds: f32) -> Option<(Vec3, Vec3)> {
         let (path, share) = self.playing.as_mut()?;
         *share += seconds / self.seconds.max(0.1);

@@ -27,11 +27,11 @@ pub struct FrameRequest {
     pub materials: Vec<Material>,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// The methods.
+    /// The methods to render: one or two.
     pub sides: Vec<Side>,
     /// An intermediate that is shown instead of the finished image.
     pub inside: Option<InnerImage>,
-    /// Captures in place of the scene's, if the user changed them.
+    /// Captures that replace the scene's, if the user changed them.
     pub captures: Option<Vec<Capture>>,
 }
 
@@ -49,7 +49,9 @@ pub struct ImageInfo {
 /// A method that is shown.
 pub struct ShownMethod {
     side: Side,
+    /// The method with its pipelines and images.
     shot: Shot,
+    /// Keeps a copy of the picture that is shown.
     kept: KeepPass,
     /// The meaning of the kept picture's numbers.
     pub content: Content,
@@ -59,22 +61,23 @@ pub struct ShownMethod {
     pub images: Vec<ImageInfo>,
     /// The lens of the kept picture, if it is not the camera's.
     pub lens: Option<Lens>,
-    /// The picture of a capture that is kept, with its level: this picture does not change with the camera.
+    /// The image of a capture, with its level, if it is the kept picture. It need not be made anew when the camera
+    /// moves.
     kept_cube: Option<(CubeImage, u32)>,
 }
 
 /// The analysis of a frame at rest.
 #[derive(Default)]
 pub struct FrameAnalysis {
-    /// Counted work of each pass of the first method; empty if the device does not count.
+    /// Label and counted work of each pass of the first method; empty if the device does not count.
     pub work: Vec<(String, PassWork)>,
     /// Reflection colours of each method, before fade and reflectivity.
     pub reflections: Vec<Vec<[f32; 3]>>,
-    /// The first method's frame, on the host.
+    /// The data of the first method's frame that were read back.
     pub inspection: Option<Inspection>,
-    /// Reflection with its fade, and finished image, of the first method.
+    /// The reflection with its fade, and the finished image, of the first method.
     pub made: Option<[Pixels; 2]>,
-    /// Steps of each pixel's ray, for methods that traverse a Hi-Z chain.
+    /// The number of steps of each pixel's ray, for methods that traverse a Hi-Z chain.
     pub steps: Option<Vec<u32>>,
 }
 
@@ -82,18 +85,21 @@ pub struct FrameAnalysis {
 pub struct Pictures {
     /// The scene on the device.
     pub stage: Stage,
+    /// The first and the second method that are shown.
     shown: [Option<ShownMethod>; 2],
     /// The first method as a shot that also writes the ends of its rays.
     with_hits: Option<(Side, Shot)>,
-    /// The frame that the pictures show; `None` if something made them stale.
+    /// The request that the pictures show; `None` if something made them stale.
     rendered: Option<FrameRequest>,
-    /// Number of frames that an image at rest still takes.
+    /// The number of further frames until an image at rest is final, since histories average over frames.
     settling: u32,
-    /// The last frame that was rendered, even if the pictures are stale.
+    /// The last request that was rendered, even if the pictures are stale.
     last: Option<FrameRequest>,
+    /// The materials of the last frame.
     materials: Vec<Material>,
-    /// The captures of the scene's file; `captures` has those of the user, which take their place on the stage.
+    /// The captures of the scene's file.
     own_captures: Vec<Capture>,
+    /// The captures of the user that replace them on the stage, if any.
     captures: Option<Vec<Capture>>,
 }
 
@@ -113,7 +119,7 @@ impl Pictures {
         })
     }
 
-    /// True if a request differs from the one rendered last, or if its history is not complete yet.
+    /// Returns whether a request differs from the one rendered last, or whether its history is not complete yet.
     pub fn needs_rendering(&self, wanted: &FrameRequest) -> bool {
         self.settling > 0 || self.rendered.as_ref() != Some(wanted)
     }
@@ -130,27 +136,28 @@ impl Pictures {
         self.rendered = None;
     }
 
-    /// Makes the pipelines of the last frame as a test and discards them.
+    /// Makes the pipelines of the last frame and discards them, to test whether they can be made.
     pub fn try_pipelines(&mut self) -> Result<()> {
         let Some(wanted) = self.last.clone() else { return Ok(()) };
         wanted.sides.iter().try_for_each(|side| self.shot(side, Wants::REFLECTION, &wanted).map(|_| ()))
     }
 
-    /// The method shown first or second; `None` before it was rendered.
+    /// Returns the first (0) or second (1) method that is shown; `None` before it was rendered.
     pub fn shown(&self, index: usize) -> Option<&ShownMethod> {
         self.shown[index].as_ref()
     }
 
-    /// The stage and the pictures; if only one is shown, it is returned twice. `None` before the first frame.
+    /// Returns the stage, the two pictures, and the meaning of the first one's numbers. If only one picture is shown,
+    /// it is returned twice. `None` before the first frame.
     pub fn parts(&mut self) -> Option<(&mut Stage, [&Image; 2], Content)> {
         let Self { stage, shown: [first, second], rendered, .. } = self;
         let first = first.as_ref()?;
-        let two = rendered.as_ref().is_some_and(|w| w.sides.len() > 1);
-        let second = second.as_ref().filter(|_| two).unwrap_or(first);
+        let has_two = rendered.as_ref().is_some_and(|request| request.sides.len() > 1);
+        let second = second.as_ref().filter(|_| has_two).unwrap_or(first);
         Some((stage, [first.kept.image(), second.kept.image()], first.content))
     }
 
-    /// Renders a frame of each method.
+    /// Renders a frame of each method of a request, and keeps the pictures.
     pub fn render(&mut self, wanted: &FrameRequest) -> Result<()> {
         let new_materials = self.materials != wanted.materials;
         self.rendered = None;
@@ -193,16 +200,16 @@ impl Pictures {
             self.with_hits = None;
             self.materials.clone_from(&wanted.materials);
         }
-        let frames = |shown: &ShownMethod| shown.shot.frames_at_rest() - 1;
-        let all = self.shown.iter().flatten().map(frames).max().unwrap_or_default();
-        self.settling = if self.last.as_ref() == Some(wanted) { self.settling.saturating_sub(1) } else { all };
+        let further_frames = |shown: &ShownMethod| shown.shot.frames_at_rest() - 1;
+        let most = self.shown.iter().flatten().map(further_frames).max().unwrap_or_default();
+        self.settling = if self.last.as_ref() == Some(wanted) { self.settling.saturating_sub(1) } else { most };
         self.rendered = Some(wanted.clone());
         self.last = Some(wanted.clone());
         Ok(())
     }
 
-    /// Renders the last frame again, with counters, and reads it back: each method's reflections, and the first
-    /// method's counted work, ray ends and steps.
+    /// Renders the last frame again, with counters, and reads it back. Returns the reflections of each method, and the
+    /// counted work, ray ends and steps of the first.
     pub fn analyse(&mut self) -> Result<FrameAnalysis> {
         let Some(wanted) = self.rendered.clone() else { return Ok(FrameAnalysis::default()) };
         let mut analysis = FrameAnalysis::default();
@@ -220,6 +227,8 @@ impl Pictures {
             }
         }
         let Some(first) = &self.shown[0] else { return Ok(analysis) };
+        // A method that did not write the ends of its rays is rendered once more to get them, if it runs at full
+        // resolution.
         if hits.is_none() && first.side.setup.effect().divisor() == 1 {
             hits = self.hits(&wanted)?;
         }
@@ -234,9 +243,10 @@ impl Pictures {
         Ok(analysis)
     }
 
-    /// The ends of the first method's rays; `None` if the method does not tell them.
+    /// Renders the first method with the ends of its rays, and returns these; `None` if the method does not write them.
     fn hits(&mut self, wanted: &FrameRequest) -> Result<Option<Pixels>> {
         let side = &wanted.sides[0];
+        // Whether a shot that was made before has the same method and size.
         let fits = |(made, shot): &(Side, Shot)| made == side && shot.gbuffer.gbuffer().depth.extent() == wanted.extent;
         if !self.with_hits.as_ref().is_some_and(fits) {
             self.with_hits = None;
@@ -249,7 +259,7 @@ impl Pictures {
         Ok(output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?)
     }
 
-    /// Shows the steps of each pixel's ray instead of the first picture.
+    /// Replaces the first picture by the number of steps of each pixel's ray.
     fn show_steps(&mut self, extent: [u32; 2], steps: &[u32]) -> Result<()> {
         let texels: Vec<[f32; 4]> = steps.iter().map(|n| [*n as f32, 0.0, 0.0, 1.0]).collect();
         let image = Image::from_texels(&mut self.stage.context, "steps", extent, &texels)?;
@@ -258,7 +268,7 @@ impl Pictures {
         Ok(self.stage.context.once(|frame| shown.kept.record(frame, image.all()))?)
     }
 
-    /// Makes the pipelines of a method for a request.
+    /// Makes a method with its pipelines and images for a request; `wants` says which outputs it writes.
     fn shot(&mut self, side: &Side, wants: Wants, wanted: &FrameRequest) -> Result<Shot> {
         let setup = side.setup.with_extent(wanted.extent);
         Ok(Shot::new(&mut self.stage, side.method, &setup, wants, wanted.camera, wanted.materials.clone())?)
@@ -281,13 +291,14 @@ impl ShownMethod {
         // The levels of a pyramid lie in strips, which show nothing as a picture.
         images.retain(|i| !matches!(i.content, Content::Pyramid(_)));
         images.retain(|i| i.image.layers() == 1);
-        let asked = wanted.inside.as_ref().and_then(|inside| {
+        // The intermediate that the request asks for, with its content; a level beyond the last one means the last one.
+        let inside = wanted.inside.as_ref().and_then(|inside| {
             let image = images.iter().find(|i| i.name == inside.name)?;
             let parts = image.image.parts();
             parts.get(inside.level as usize).or(parts.last()).map(|part| (image.content, *part))
         });
-        let (content, slice) = match asked {
-            Some(asked) => asked,
+        let (content, slice) = match inside {
+            Some(content_and_slice) => content_and_slice,
             None => (Content::Color, output.composite.level(0)),
         };
         let info = |i: &Intermediate| ImageInfo {
@@ -312,6 +323,7 @@ impl ShownMethod {
             stage.context.once(|frame| self.kept.record(frame, slice))?;
             return Ok(());
         };
+        // The picture is a capture's. It is made anew only if it changed or another one was kept.
         let effect = self.side.setup.effect();
         let is_renewed = effect.captures == CaptureCount::Camera || effect.captures_per_frame > 0;
         if is_renewed || self.kept_cube != Some((cube, level)) {
@@ -325,19 +337,19 @@ impl ShownMethod {
         Ok(())
     }
 
-    /// The captures in which the method's rays go on; empty if the method takes no captures.
+    /// Returns the captures in which the method's rays go on; empty if the method takes no captures.
     pub fn captures(&self) -> Vec<Capture> {
         self.shot.captures().map_or(Vec::new(), |(_, places)| places)
     }
 }
 
-/// The label and the counted work of each pass.
+/// Returns the label and the counted work of each pass.
 fn works(report: &FrameReport) -> Vec<(String, PassWork)> {
     report.recorded.iter().cloned().zip(report.work.iter().copied()).collect()
 }
 
 impl State {
-    /// The frame that the state asks for, at a size and in a scene.
+    /// Returns the request for the frame that the state asks for, in a scene and at a size in pixels.
     pub fn wanted(&self, scene: &Scene, extent: [u32; 2]) -> FrameRequest {
         let lens = self.view.lens.unwrap_or(scene.lens);
         FrameRequest {

@@ -1,5 +1,5 @@
-//! The error of the shown methods against the world reference, if `ssct render --method reference` has cached
-//! one for the same view, size and materials. The reference is looked up and compared on a separate thread.
+//! Computes the errors of the shown methods against the world reference, if `ssct render --method reference` has cached
+//! one for the same view, size and materials. Another thread looks up the reference and compares with it.
 
 use glam::Vec3;
 use ssct::methods::EffectParams;
@@ -25,7 +25,7 @@ pub struct ComparisonRequest {
     pub camera: Camera,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// The parameters of the effect, of which the world reference takes the number of bounces.
+    /// The parameters of the effect, of which only the number of bounces counts for the world reference.
     pub effect: EffectParams,
     /// The reflection colours of each method, before fade and reflectivity.
     pub reflections: Vec<Vec<[f32; 3]>>,
@@ -34,7 +34,7 @@ pub struct ComparisonRequest {
 /// The result of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ComparisonOutcome {
-    /// No reference of this view, size and these materials is cached.
+    /// No reference for this view, size, number of bounces and these materials is cached.
     NoReference,
     /// A reference was found.
     Errors {
@@ -61,13 +61,15 @@ pub struct ImageErrors {
 /// A comparison with the reference that is running or finished.
 #[derive(Default)]
 pub struct ReferenceComparison {
+    /// Receives the outcome of the running comparison; `None` if none is running.
     waiting: Option<Receiver<ComparisonOutcome>>,
     /// The last outcome, unless the view has changed since.
     pub outcome: Option<ComparisonOutcome>,
 }
 
 impl ReferenceComparison {
-    /// Starts a comparison on another thread, which calls `wake` when it has finished, unless the view has changed.
+    /// Starts a comparison on another thread. The thread calls `wake` when the outcome can be taken, unless the view
+    /// has changed in the meantime.
     pub fn start(&mut self, request: ComparisonRequest, wake: impl FnOnce() + Send + 'static) {
         let (sender, receiver) = channel();
         self.waiting = Some(receiver);
@@ -80,12 +82,12 @@ impl ReferenceComparison {
         });
     }
 
-    /// Forgets the comparison, because the view has changed.
+    /// Drops the comparison and its outcome, because the view has changed.
     pub fn forget(&mut self) {
         *self = Self::default();
     }
 
-    /// Takes the outcome if it has arrived.
+    /// Stores the outcome if it has arrived.
     pub fn poll(&mut self) {
         match self.waiting.as_ref().map(Receiver::try_recv) {
             Some(Ok(outcome)) => *self = Self { waiting: None, outcome: Some(outcome) },
@@ -94,14 +96,14 @@ impl ReferenceComparison {
         }
     }
 
-    /// Whether a comparison is running.
+    /// Returns whether a comparison is running.
     pub fn is_waiting(&self) -> bool {
         self.waiting.is_some()
     }
 }
 
-/// Compares the methods' reflections with the reference, if a cache folder has it.
-fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
+/// Compares the methods' reflections with the reference, if the cache folder has one.
+fn compare(request: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
     let states = cache.as_ref().and_then(|folder| std::fs::read_dir(folder).ok());
     let is_state = |e: std::io::Result<std::fs::DirEntry>| {
         e.is_ok_and(|e| e.path().extension().is_some_and(|extension| extension == "world"))
@@ -110,13 +112,13 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
     let (Some(folder), true) = (cache, states.is_some_and(|mut all| all.any(is_state))) else {
         return ComparisonOutcome::NoReference;
     };
-    let world = World::new(&q.scene, &q.materials);
-    let first_hits = FirstHits::trace(&world, &q.camera, q.extent);
-    let reference = WorldReference::new(&world, &first_hits, &q.camera, 1).with_bounces(q.effect.bounces);
+    let world = World::new(&request.scene, &request.materials);
+    let first_hits = FirstHits::trace(&world, &request.camera, request.extent);
+    let reference = WorldReference::new(&world, &first_hits, &request.camera, 1).with_bounces(request.effect.bounces);
     let Ok(state) = reference.load(&kept_in(&folder, &reference)) else { return ComparisonOutcome::NoReference };
     let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
     let mask: Vec<bool> = first_hits.receivers.iter().map(Option::is_some).collect();
-    let [width, height] = q.extent;
+    let [width, height] = request.extent;
     let errors = |color: &Vec<[f32; 3]>| ImageErrors {
         rmse: masked_rmse(&truth, color, &mask),
         relative_mse: masked_relative_mse(&truth, color, &mask),
@@ -125,7 +127,7 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
     ComparisonOutcome::Errors {
         samples: state.samples(),
         standard_error: state.overall_standard_error(),
-        methods: q.reflections.iter().map(errors).collect(),
+        methods: request.reflections.iter().map(errors).collect(),
     }
 }
 

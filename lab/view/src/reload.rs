@@ -1,5 +1,5 @@
-//! Reloads shaders that change while the window is open. A shader is compiled when its file or an included file changes, and rejected if it
-//! no longer fits the program. The caller then keeps the last good pipeline.
+//! Reloads shaders that change while the window is open. A shader is compiled when its file or an included file
+//! changes. It is rejected if it no longer fits the built program; the caller then keeps the last valid pipeline.
 
 use ssct::gpu::programs::ALL;
 use ssct::gpu::shader::Shader;
@@ -14,28 +14,31 @@ use std::time::{Duration, SystemTime};
 /// The time between two scans of the files. Scanning takes no GPU time.
 const PERIOD: Duration = Duration::from_millis(300);
 
-/// A changed shader: its code, or the reason why it cannot be used.
+/// A changed shader, with its compiled code or the reason why it cannot be used.
 pub type ShaderChange = (&'static Shader, std::result::Result<Arc<[u8]>, String>);
 
-/// A shader's name and whether it is in use; if not, the reason.
+/// A shader's name, and the reason if its changed code is not in use.
 pub type ShaderStatus = (&'static str, std::result::Result<(), String>);
 
 /// A folder of shaders, with the state of its files at the last scan.
 pub struct ShaderWatch {
     root: PathBuf,
+    /// The stamp of each file at the last scan.
     seen: HashMap<PathBuf, Stamp>,
-    /// The source files of each shader; absent before its first compilation.
+    /// The source files of each shader, by the shader's name; absent before its first compilation and after a failed
+    /// one.
     sources: HashMap<&'static str, Vec<PathBuf>>,
-    /// The result of each shader's last compilation.
+    /// The last reported result of each shader's compilation.
     last: HashMap<&'static str, std::result::Result<Arc<[u8]>, String>>,
+    /// Compiles shaders from the folder.
     compiled_from: Sources,
 }
 
-/// Modification time and length of a file; it changes whenever the file is written.
+/// Modification time and length of a file; both are compared to find whether the file was written.
 type Stamp = (Option<SystemTime>, u64);
 
 impl ShaderWatch {
-    /// Starts from the current state of a folder; later changes are reported.
+    /// Begins to watch a folder. Only changes from now on are reported.
     ///
     /// # Errors
     /// [`Usage`](ssct::Error::Usage) if the folder contains no shaders.
@@ -45,10 +48,12 @@ impl ShaderWatch {
         Ok(Self { root: root.to_path_buf(), seen: stamps(root), sources, last, compiled_from })
     }
 
-    /// Compiles the shaders that changed since the last scan, and returns those whose result is new.
+    /// Scans the files, compiles the shaders that may have changed since the last scan, and returns those whose result
+    /// is new.
     pub fn look(&mut self) -> Vec<ShaderChange> {
-        let now = stamps(&self.root);
-        let changed: Vec<&PathBuf> = now.iter().filter(|(p, s)| self.seen.get(*p) != Some(s)).map(|(p, _)| p).collect();
+        let found = stamps(&self.root);
+        let is_new = |path: &PathBuf, stamp: &Stamp| self.seen.get(path) != Some(stamp);
+        let changed: Vec<&PathBuf> = found.iter().filter(|(path, s)| is_new(path, s)).map(|(path, _)| path).collect();
         if changed.is_empty() {
             return Vec::new();
         }
@@ -58,22 +63,24 @@ impl ShaderWatch {
             if self.sources.get(shader.name).is_some_and(|s| !touches(s)) {
                 continue;
             }
-            let made = self.compile(shader);
-            let same = match (&made, self.last.get(shader.name)) {
+            let compiled = self.compile(shader);
+            // A shader that was never reported still has the code of the built program.
+            let is_same = match (&compiled, self.last.get(shader.name)) {
                 (Ok(code), None) => code[..] == *shader.spirv,
-                (made, Some(last)) => made == last,
+                (compiled, Some(last)) => compiled == last,
                 (Err(_), None) => false,
             };
-            if !same {
-                self.last.insert(shader.name, made.clone());
-                changes.push((shader, made));
+            if !is_same {
+                self.last.insert(shader.name, compiled.clone());
+                changes.push((shader, compiled));
             }
         }
-        self.seen = now;
+        self.seen = found;
         changes
     }
 
-    /// Compiles a shader, and remembers the files that it was made of.
+    /// Compiles a shader, and records the files of which it was made. Returns its code, or the reason why it cannot be
+    /// used.
     fn compile(&mut self, shader: &'static Shader) -> std::result::Result<Arc<[u8]>, String> {
         match self.compiled_from.compile(shader) {
             Ok(compiled) => {
@@ -88,7 +95,7 @@ impl ShaderWatch {
         }
     }
 
-    /// Scans repeatedly on a separate thread; `wake` is called when something changed.
+    /// Scans repeatedly on another thread, which sends changes to the returned receiver and then calls `wake`.
     pub fn start(mut self, wake: impl Fn() + Send + 'static) -> Receiver<Vec<ShaderChange>> {
         let (sender, receiver) = channel();
         std::thread::spawn(move || {
@@ -107,7 +114,7 @@ impl ShaderWatch {
     }
 }
 
-/// The stamps of all files below a folder.
+/// Returns the stamps of all files below a folder.
 fn stamps(folder: &Path) -> HashMap<PathBuf, Stamp> {
     let mut found = HashMap::new();
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {

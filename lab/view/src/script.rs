@@ -1,5 +1,5 @@
-//! A scripted run of the window: it shows some frames, takes a screenshot or an animation of them, and then
-//! idles for a while, to show that nothing is submitted.
+//! A scripted run of the window: it shows some frames, and takes a screenshot or an animation of them. It can then stay
+//! open without a change for a while, which shows whether anything is submitted.
 
 use super::animation::Animation;
 use super::viewer::Viewer;
@@ -31,58 +31,59 @@ pub struct Script {
     plan: ScriptPlan,
     /// The pixels that were read at the end.
     pub pixels: Option<Pixels>,
-    /// The numbers of submissions when the frames were finished and when the window closed.
+    /// The numbers of submissions to the device until the frames were finished, and until the window closed.
     pub submissions: [u64; 2],
     /// The number of frames shown so far.
     shown: u32,
-    /// The time at which the window closes by itself.
+    /// The time at which the window closes by itself; `None` before the frames are finished.
     until: Option<Instant>,
     is_done: bool,
 }
 
 impl Script {
-    /// A run before its first frame.
+    /// Makes a run before its first frame.
     pub fn new(plan: ScriptPlan) -> Self {
         Self { plan, ..Self::default() }
     }
 
-    /// Takes the animation after the last frame.
+    /// Takes the animation out of the run, after the last frame.
     pub fn take_animation(&mut self) -> Option<Animation> {
         self.plan.animation.take()
     }
 
-    /// Whether the script, not the user, controls what is shown.
+    /// Returns whether the script controls the window, and not the user.
     pub fn is_running(&self) -> bool {
         self.plan.frames.is_some() && self.until.is_none() && !self.is_done
     }
 
-    /// Whether the run has finished.
+    /// Returns whether the run has finished.
     pub fn is_done(&self) -> bool {
         self.is_done
     }
 
-    /// The number of frames shown and the number requested, if frames are missing.
+    /// Returns the number of frames that were shown and the number that was requested; `None` if no frame is missing.
     pub fn missing(&self) -> Option<(u32, u32)> {
         self.plan.frames.filter(|_| self.is_running()).map(|n| (self.shown, n))
     }
 
-    /// The time at which the window closes by itself.
+    /// Returns the time at which the window closes by itself, if it is known.
     pub fn deadline(&self) -> Option<Instant> {
         self.until
     }
 
-    /// Whether it is time to close the window.
+    /// Returns whether it is time to close the window.
     pub fn is_over(&self, now: Instant) -> bool {
         self.until.is_some_and(|until| now >= until)
     }
 
-    /// Records the number of submissions when the window closes.
+    /// Ends the run when the window closes, and records the number of submissions until then.
     pub fn close(&mut self, gpu: &Gpu) {
         self.submissions[1] = gpu.submissions();
         self.is_done = true;
     }
 
-    /// Prepares a frame and forces it to be rendered, even if nothing changed.
+    /// Prepares the next frame, if one is missing: moves the camera along the path, and forces the frame to be rendered
+    /// even if nothing changed.
     pub fn begin(&mut self, viewer: &mut Viewer) {
         let Some(frames) = self.plan.frames.filter(|n| self.is_running() && self.shown < *n) else { return };
         viewer.invalidate();
@@ -95,8 +96,8 @@ impl Script {
         }
     }
 
-    /// Counts a frame that was shown. After the last one the run ends, and its pixels are read, once nothing is pending: neither a
-    /// change of the image nor the panel's analysis of it.
+    /// Counts a frame that was shown. After the last frame the pixels are read and the run ends, as soon as nothing is
+    /// pending (`is_pending`): neither a change of the image nor the panel's analysis of it.
     pub fn end(&mut self, viewer: &mut Viewer, gpu: &Gpu, is_pending: bool) -> Result<()> {
         let Some(frames) = self.plan.frames else { return Ok(()) };
         if self.shown < frames {
@@ -105,7 +106,6 @@ impl Script {
                 animation.add(&viewer.read_screen()?)?;
             }
         }
-        // The panel analyses the picture after the last frame.
         if self.shown < frames || is_pending {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! The data from which a viewer is built. The command prepares them before there is a window, and the window uses them.
+//! The data from which a viewer is built. The command prepares the data before there is a window.
 
 use super::path::PathEditor;
 use super::reload::ShaderWatch;
@@ -26,7 +26,8 @@ pub struct ViewerSetup {
 }
 
 impl ViewerSetup {
-    /// Builds the viewer for a screen.
+    /// Builds the viewer for a screen image of the given format. Other threads call `wake` when they have something to
+    /// show.
     pub fn viewer(self, gpu: &Gpu, screen: vk::Format, wake: Wake) -> Result<Viewer> {
         let mut viewer = Viewer::new(gpu, self.scene, self.state, self.place, screen, wake.clone())?;
         viewer.path = self.path;

@@ -1,5 +1,5 @@
-//! The state that a user can change in the window, as plain data. A frame is rendered only if the part of the state that it depends on
-//! differs from that of the last rendered frame.
+//! The state that a user can change in the window, as plain data. A frame is rendered only if a part of the state on
+//! which the picture depends has changed since the last rendered frame.
 
 use super::fly_camera::FlyCamera;
 use ssct::methods::{self, EffectParams, Fallback, MethodInfo, Setup};
@@ -17,10 +17,10 @@ pub struct Side {
     pub method: &'static MethodInfo,
     /// The setup that the options give; each frame replaces its size.
     pub setup: Setup,
-    /// The options as the command line takes them: those that are set.
+    /// The options that are set, by their flags, with values as the command line takes them.
     pub options: BTreeMap<String, String>,
-    /// The fault of the options, if there is one. The setup is then the last right one, or leaves out the options that the method does not
-    /// have.
+    /// A sentence about what is wrong with the options, if anything is. The setup is then the last valid one, or leaves
+    /// out the options that the method does not have.
     pub fault: Option<String>,
 }
 
@@ -31,14 +31,14 @@ impl PartialEq for Side {
 }
 
 impl Side {
-    /// A method with the options of the command line.
+    /// Makes a side of a method with options, which are by their flags.
     pub fn new(method: &'static MethodInfo, options: BTreeMap<String, String>) -> Self {
         let mut side = Self { method, setup: Setup::new([1, 1]), options, fault: None };
         side.apply();
         side
     }
 
-    /// Sets an option, or with `None` goes back to its default.
+    /// Sets an option, given by its flag, to a value; `None` sets it back to its default.
     pub fn set(&mut self, option: &str, value: Option<String>) {
         match value {
             Some(value) => drop(self.options.insert(option.to_owned(), value)),
@@ -47,7 +47,7 @@ impl Side {
         self.apply();
     }
 
-    /// Reads the options as the command line does.
+    /// Makes the setup and the fault anew from method and options, which are parsed as on the command line.
     fn apply(&mut self) {
         let typed = self.options.iter().map(|(name, text)| (name.as_str(), text.as_str()));
         self.fault = match MethodOptions::from_typed(typed) {
@@ -67,7 +67,7 @@ impl Side {
     }
 }
 
-/// Options that were given on a command line, by their flags.
+/// Returns the options of methods that were given on a command line, by their flags.
 pub fn given_options(matches: &clap::ArgMatches) -> BTreeMap<String, String> {
     MethodOptions::typed(matches).into_iter().collect()
 }
@@ -118,10 +118,11 @@ impl Tab {
         (Self::Shaders, "Shaders"),
     ];
 
-    /// The next part of the panel, among those that show something.
+    /// Returns the next part of the panel, among those that show something. The first part follows the last.
     pub fn next(self) -> Self {
-        let now = Self::SHOWN.iter().position(|(tab, _)| *tab == self);
-        Self::SHOWN[now.map_or(0, |n| (n + 1) % Self::SHOWN.len())].0
+        let index = Self::SHOWN.iter().position(|(tab, _)| *tab == self);
+        let (next, _) = Self::SHOWN[index.map_or(0, |n| (n + 1) % Self::SHOWN.len())];
+        next
     }
 }
 
@@ -132,11 +133,11 @@ pub struct State {
     pub tab: Tab,
     /// Name of the scene, as `--scene` takes it.
     pub scene: String,
-    /// The view from which the camera came; its lens and materials hold until the next view is chosen.
+    /// The view that was chosen last; its lens and materials are used even after the camera has left it.
     pub view: View,
     /// The camera.
     pub camera: FlyCamera,
-    /// True if the camera has left its view.
+    /// True if the camera has left the view.
     pub moved: bool,
     /// Global factors.
     pub globals: Globals,
@@ -146,23 +147,23 @@ pub struct State {
     pub compare: Compare,
     /// The place of the line between the two pictures, as a share of the image's width.
     pub split: f32,
-    /// Factor by which the difference is multiplied.
+    /// Factor by which the shown difference of two methods is multiplied.
     pub gain: f32,
-    /// An intermediate, instead of the finished image.
+    /// An intermediate that is shown instead of the finished image.
     pub inside: Option<InnerImage>,
-    /// How the intermediate's numbers are shown; the intermediate brings its own `content`.
+    /// How the intermediate's numbers are shown, except for `content`, which the intermediate itself determines.
     pub tone: Tone,
-    /// A pixel whose ray is drawn.
+    /// The pixel whose ray is drawn, if one is picked.
     pub picked: Option<[u32; 2]>,
 }
 
 impl State {
-    /// How the picture's numbers are shown.
+    /// Returns how the picture's numbers are shown; `content` is their meaning.
     pub fn shown_tone(&self, content: Content) -> Tone {
         if self.inside.is_some() { Tone { content, ..self.tone } } else { Tone::DISPLAY }
     }
 
-    /// The sides that are rendered.
+    /// Returns the sides that are rendered: one, or both if two methods are compared.
     pub fn rendered(&self) -> &[Side] {
         if self.compare == Compare::One { &self.sides[..1] } else { &self.sides }
     }
@@ -171,18 +172,18 @@ impl State {
     pub fn next_method(&mut self) {
         let side = &mut self.sides[0];
         let all = methods::all();
-        let now = all.iter().position(|m| m.name == side.method.name).unwrap_or(0);
-        side.method = all[(now + 1) % all.len()];
+        let current = all.iter().position(|m| m.name == side.method.name).unwrap_or(0);
+        side.method = all[(current + 1) % all.len()];
         side.apply();
     }
 
-    /// Chooses a method for a side.
+    /// Gives a side (0 or 1) another method.
     pub fn choose(&mut self, side: usize, method: &'static MethodInfo) {
         self.sides[side].method = method;
         self.sides[side].apply();
     }
 
-    /// Goes on from one method to both side by side, to their difference, and back.
+    /// Switches from one method to both side by side, then to their difference, and then back to one.
     pub fn next_compare(&mut self) {
         self.compare = match self.compare {
             Compare::One => Compare::Split,
@@ -191,21 +192,21 @@ impl State {
         };
     }
 
-    /// Makes every material rougher (positive) or smoother by tenths. Materials that kept their own
-    /// roughness so far all start from 0.
+    /// Changes the roughness of all materials by tenths; positive numbers make them rougher. If the materials kept
+    /// their own roughness so far, all start from 0.
     pub fn change_roughness(&mut self, tenths: f32) {
-        let now = (self.globals.roughness.unwrap_or(0.0) * 10.0).round();
-        self.globals.roughness = Some(((now + tenths) / 10.0).clamp(0.0, 1.0));
+        let current_tenths = (self.globals.roughness.unwrap_or(0.0) * 10.0).round();
+        self.globals.roughness = Some(((current_tenths + tenths) / 10.0).clamp(0.0, 1.0));
     }
 
-    /// Jumps to a view.
+    /// Moves the camera to a view and uses the view's lens and materials.
     pub fn show_view(&mut self, view: &View) {
         self.view = view.clone();
         self.camera.jump(view);
         self.moved = false;
     }
 
-    /// Changes the camera by a function that returns whether the camera moved.
+    /// Calls a function that may change the camera and returns whether the camera moved.
     pub fn steer(&mut self, change: impl FnOnce(&mut FlyCamera) -> bool) {
         self.moved |= change(&mut self.camera);
     }

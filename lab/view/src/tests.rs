@@ -1,5 +1,5 @@
-//! Tests of the viewer, driven as a window drives it, but without a window: events go in, images come out, and
-//! the validation layers are on.
+//! Tests of the viewer without a window. Each test drives the viewer as a window does: events go in, images come out,
+//! and the validation layers are on.
 
 mod showing;
 mod tuning;
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Leaves 200 pixels of width for the picture beside the panel.
+/// Width and height of the window in pixels; beside the panel, 200 pixels of width are left for the picture.
 const EXTENT: [u32; 2] = [540, 200];
 const FORMAT: ash::vk::Format = ash::vk::Format::R8G8B8A8_SRGB;
 
@@ -28,12 +28,14 @@ const FORMAT: ash::vk::Format = ash::vk::Format::R8G8B8A8_SRGB;
 struct TestViewer {
     gpu: Gpu,
     viewer: Viewer,
+    /// Width and height of the window in pixels.
     extent: [u32; 2],
     pixels_per_point: f32,
+    /// Time of the last round in seconds.
     time: f64,
 }
 
-/// A state without a scene; both sides show the first method.
+/// Returns a state without a scene; both sides show the first method.
 pub(super) fn state() -> State {
     let side = || Side::new(&METHODS[0], BTreeMap::new());
     let view = View::default();
@@ -54,13 +56,14 @@ pub(super) fn state() -> State {
     }
 }
 
-/// Copies the shaders to a folder, where they can be edited.
+/// Copies the shaders into a folder, where they can be edited; returns the folder of the copies.
 pub(super) fn copied_shaders(folder: &Path) -> PathBuf {
     let root = folder.join("shaders");
     copy(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders-glsl")), &root);
     root
 }
 
+/// Copies a folder with everything in it.
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {
@@ -74,13 +77,15 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The options of a scene without any flag.
+/// Returns the options of a scene as they are without any flag.
 fn place() -> SceneOptions {
     let command = CommonOptions::augment_args(clap::Command::new("ssct"));
     CommonOptions::from_arg_matches(&command.get_matches_from(["ssct"])).unwrap().place
 }
 
 impl TestViewer {
+    /// Opens a device, and makes a viewer of the view `corridor` of `rooms`, with mirrors and the methods `ssct` and
+    /// `hzct`.
     fn new() -> Self {
         let gpu = Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).unwrap();
         let scene = library::scene("rooms").unwrap();
@@ -98,7 +103,7 @@ impl TestViewer {
         Self { gpu, viewer, extent: EXTENT, pixels_per_point: 1.0, time: 0.0 }
     }
 
-    /// Shows `unified` with so many captures of 128² texels a face.
+    /// Shows the method `unified` with so many captures of 128² texels a face.
     fn with_captures(&mut self, count: &str) {
         let unified = ssct::methods::find("unified").unwrap();
         self.viewer.state.choose(0, unified);
@@ -108,7 +113,7 @@ impl TestViewer {
         assert_eq!(self.viewer.state.sides[0].fault, None);
     }
 
-    /// Runs one round with events; returns when the viewer wants the next one.
+    /// Runs one round with events; returns after what time the viewer asks for the next one, if it does.
     fn round(&mut self, events: Vec<Event>) -> Option<Duration> {
         self.time += 0.02;
         let [width, height] = self.extent.map(|v| v as f32 / self.pixels_per_point);
@@ -137,14 +142,17 @@ impl TestViewer {
         panic!("the viewer does not come to rest");
     }
 
+    /// Returns the screen as it was last drawn.
     fn screen(&mut self) -> Pixels {
         self.viewer.read_screen().unwrap()
     }
 
+    /// Asserts that the validation layers found nothing; `what` is for the message.
     fn is_valid(&self, what: &str) {
         self.gpu.check_validation().unwrap_or_else(|e| panic!("{what}: {e}"));
     }
 
+    /// Clicks at a point of the window, in points.
     fn click(&mut self, x: f32, y: f32) {
         let pos = Pos2::new(x, y);
         let button = |pressed| Event::PointerButton {
@@ -158,6 +166,7 @@ impl TestViewer {
         self.round(vec![button(false)]);
     }
 
+    /// Drags the mouse from one point of the window to another, in points.
     fn drag(&mut self, from: [f32; 2], to: [f32; 2]) {
         let [from, to] = [from, to].map(|p| Pos2::new(p[0], p[1]));
         let button = |pos, pressed| Event::PointerButton {

@@ -1,5 +1,5 @@
-//! The content of a window: the state, the panel that changes the state, and the pictures that the state asks for. The viewer takes egui's
-//! input and draws one image. The viewer does not depend on a window, so that tests can drive it.
+//! The content of a window: the state, the panel that changes the state, and the pictures that the state asks for. The
+//! viewer takes egui's input and draws one image. It does not depend on a window, so that tests can drive it.
 
 mod act;
 
@@ -26,7 +26,7 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
-/// The initial speed of the camera crosses the scene in this many seconds.
+/// The number of seconds in which the camera crosses the scene at its initial speed.
 const CROSSING_S: f32 = 8.0;
 
 /// A callback for other threads; it makes the window draw again.
@@ -36,7 +36,7 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 pub struct Shaders {
     /// The folder.
     pub folder: String,
-    /// Shaders as they are compiled after a change.
+    /// Receives the shaders that were compiled after a change.
     pub changes: Receiver<Vec<ShaderChange>>,
     /// The last status of each shader that has changed.
     pub statuses: Vec<ShaderStatus>,
@@ -53,35 +53,43 @@ pub struct Viewer {
     pub(super) gpu: Gpu,
     pub(super) scene: Arc<Scene>,
     pub(super) views: Vec<View>,
-    /// The options that selected the scene.
+    /// The options that select the shown scene.
     pub(super) place: SceneOptions,
-    /// The options of the command line.
+    /// The options of the command line, which select the first scene.
     pub(super) given: SceneOptions,
     /// The names of all scenes that the user can choose.
     scenes: Vec<String>,
     pub(super) pictures: Pictures,
     egui: Context,
+    /// Draws the panel.
     overlay: Overlay,
+    /// Draws the pictures.
     look: LookPass,
+    /// The image into which pictures and panel are drawn.
     pub(super) screen: Image,
     shaders: Option<Shaders>,
     pub(super) analysis: Option<FrameAnalysis>,
     pub(super) ray: Option<PickedRay>,
-    /// The pixel of the ray, explained.
+    /// The report on the picked pixel.
     pub(super) pixel: Option<PixelReport>,
     pub(super) reference_error: ReferenceComparison,
     pub(super) wake: Wake,
     /// The triangles that the last call of [`Self::update`] prepared.
     triangles: Vec<egui::ClippedPrimitive>,
+    /// The changes of egui's textures since the last drawing.
     textures: egui::TexturesDelta,
     pixels_per_point: f32,
+    /// How and where the pictures are drawn; `None` before the first frame.
     pub(super) shown: Option<PictureDisplay>,
+    /// Number of frames rendered.
     pub(super) frames: u64,
+    /// Number of times that panel and pictures were drawn.
     drawings: u64,
+    /// Whether the mouse turns the camera.
     looking: bool,
 }
 
-/// The requests of a frame to the window.
+/// The requests of a round of the viewer to the window.
 pub struct ViewerOutput {
     /// Cursor and clipboard, for egui-winit.
     pub platform: egui::PlatformOutput,
@@ -89,7 +97,7 @@ pub struct ViewerOutput {
     pub again: Option<Duration>,
 }
 
-/// The input of a frame.
+/// The input of a round of the viewer.
 pub struct ViewerInput {
     /// Mouse, keys, text and the size in points, for egui.
     pub egui: RawInput,
@@ -102,7 +110,8 @@ pub struct ViewerInput {
 }
 
 impl Viewer {
-    /// Uploads a scene. `place` tells where scenes and lenses come from; `screen_format` is sRGB.
+    /// Makes a viewer and uploads its scene. `place` is the options that selected the scene, `screen_format` an sRGB
+    /// format, and other threads call `wake` when they have something to show.
     pub fn new(
         gpu: &Gpu,
         scene: Scene,
@@ -155,7 +164,7 @@ impl Viewer {
         })
     }
 
-    /// A camera at a view, with a speed that fits the scene.
+    /// Returns a camera at a view, with a speed that fits the size of the scene.
     pub fn camera(scene: &Scene, view: &View) -> FlyCamera {
         let bounds = scene.bounds();
         let diagonal_m = bounds.min.distance(bounds.max);
@@ -167,27 +176,27 @@ impl Viewer {
         self.shaders = Some(shaders);
     }
 
-    /// egui's context, which egui-winit needs as well.
+    /// Returns egui's context, which egui-winit needs as well.
     pub fn egui(&self) -> &Context {
         &self.egui
     }
 
-    /// Whether the mouse turns the camera.
+    /// Returns whether the mouse turns the camera.
     pub fn is_looking(&self) -> bool {
         self.looking
     }
 
-    /// The scene's views.
+    /// Returns the scene's views.
     pub fn views(&self) -> &[View] {
         &self.views
     }
 
-    /// The number of frames rendered, and of drawings of panel and picture.
+    /// Returns the number of frames rendered, and the number of times that panel and picture were drawn.
     pub fn counts(&self) -> [u64; 2] {
         [self.frames, self.drawings]
     }
 
-    /// Whether a computation is running whose result will be shown.
+    /// Returns whether a computation is running whose result will be shown.
     pub fn is_waiting(&self) -> bool {
         self.reference_error.is_waiting()
     }
@@ -197,8 +206,8 @@ impl Viewer {
         self.pictures.invalidate();
     }
 
-    /// Runs one round: takes the input, renders if the request changed, analyses the frame at rest if it did
-    /// not, and prepares the drawing of the screen.
+    /// Runs one round: takes the input, renders a frame if the request changed or else analyses the frame at rest, and
+    /// prepares the drawing of the screen.
     pub fn update(&mut self, input: ViewerInput) -> Result<ViewerOutput> {
         self.move_camera(&input);
         self.take_shaders();
@@ -218,8 +227,9 @@ impl Viewer {
         Ok(ViewerOutput { platform: output.platform_output, again })
     }
 
-    /// Draws what the last [`Self::update`] prepared. `present` receives the screen's image and a closure that
-    /// records its drawing.
+    /// Draws what the last [`Self::update`] prepared. `present` is called with the context of frames, the screen's
+    /// image, and a function that records the drawing of this image. Returns its result; `None` if there is nothing to
+    /// draw yet.
     pub fn draw<R>(
         &mut self,
         present: impl FnOnce(&mut FrameContext, &Image, &mut dyn FnMut(&mut Frame) -> ssct::Result<()>) -> Result<R>,
@@ -235,62 +245,62 @@ impl Viewer {
         present(&mut stage.context, screen, &mut record).map(Some)
     }
 
-    /// The screen as it was last drawn, decoded to linear values.
+    /// Returns the screen as it was last drawn, decoded to linear values.
     pub fn read_screen(&mut self) -> Result<Pixels> {
         Ok(self.pictures.stage.context.read(self.screen.all())?)
     }
 
-    /// The first picture alone, linear and without the panel.
+    /// Returns the first picture without the panel, linear; `None` before the first frame.
     pub fn read_picture(&mut self) -> Result<Option<Pixels>> {
         let Some((stage, [first, _], _)) = self.pictures.parts() else { return Ok(None) };
         Ok(Some(stage.context.read(first.all())?))
     }
 
-    /// The window's title, which names what is shown.
+    /// Returns the window's title: scene, view, methods, roughness and the first method's time.
     pub fn title(&self) -> String {
-        let s = &self.state;
-        let moved = if s.moved { " (moved)" } else { "" };
-        let against = match s.compare {
+        let state = &self.state;
+        let moved = if state.moved { " (moved)" } else { "" };
+        let against = match state.compare {
             Compare::One => String::new(),
-            Compare::Split | Compare::Difference => format!(" | {}", s.sides[1].method.name),
+            Compare::Split | Compare::Difference => format!(" | {}", state.sides[1].method.name),
         };
-        let roughness = s.globals.roughness.map(|r| format!(", roughness {r:.1}")).unwrap_or_default();
+        let roughness = state.globals.roughness.map(|r| format!(", roughness {r:.1}")).unwrap_or_default();
         let ms = self.pictures.shown(0).map_or(0.0, |p| p.history.total().median_ms);
-        let method = s.sides[0].method.name;
-        format!("{}, view {}{moved} — {method}{against}{roughness} — {ms:.2} ms", self.scene.name, s.view.name)
+        let method = state.sides[0].method.name;
+        format!("{}, view {}{moved} — {method}{against}{roughness} — {ms:.2} ms", self.scene.name, state.view.name)
     }
 
-    /// The images that the first method made in the last frame.
+    /// Returns the images that the first method made in the last frame.
     #[cfg(test)]
     pub fn images(&self) -> Vec<super::pictures::ImageInfo> {
         self.pictures.shown(0).map(|s| s.images.clone()).unwrap_or_default()
     }
 
-    /// The passes that the first method recorded in the last frame.
+    /// Returns the labels of the passes that the first method recorded in the last frame.
     #[cfg(test)]
     pub fn passes(&self) -> Vec<String> {
         self.pictures.shown(0).map(|s| s.history.recorded.clone()).unwrap_or_default()
     }
 
-    /// The ray that is drawn.
+    /// Returns the ray that is drawn, if any.
     #[cfg(test)]
     pub fn ray(&self) -> Option<&PickedRay> {
         self.ray.as_ref()
     }
 
-    /// The picked pixel, explained.
+    /// Returns the report on the picked pixel, if one is picked.
     #[cfg(test)]
     pub fn pixel(&self) -> Option<&PixelReport> {
         self.pixel.as_ref()
     }
 
-    /// The frame at rest on the host, if it was analysed.
+    /// Returns the data of the frame at rest that were read back, if it was analysed.
     #[cfg(test)]
     pub fn inspection(&self) -> Option<&ssct_lab::study::inspect::Inspection> {
         self.analysis.as_ref()?.inspection.as_ref()
     }
 
-    /// The last status of each shader that has changed.
+    /// Returns the last status of each shader that has changed.
     #[cfg(test)]
     pub fn shader_statuses(&self) -> Vec<ShaderStatus> {
         self.shaders.as_ref().map(|s| s.statuses.clone()).unwrap_or_default()
@@ -309,16 +319,17 @@ impl Viewer {
         }
     }
 
-    /// Takes newly compiled shaders into use, except those whose pipelines cannot be made.
+    /// Takes newly compiled shaders into use, except those whose pipelines cannot be made, and records their status.
     fn take_shaders(&mut self) {
         let Some(shaders) = &mut self.shaders else { return };
-        for (shader, made) in shaders.changes.try_iter().flatten() {
+        for (shader, compiled) in shaders.changes.try_iter().flatten() {
             let replaced = &self.gpu.shared().replaced_shaders;
-            let status = made.and_then(|code| {
-                let before = replaced.set(shader, Some(code));
+            // If no pipelines can be made with the new code, the previous code is put back.
+            let status = compiled.and_then(|code| {
+                let previous = replaced.set(shader, Some(code));
                 let tried = self.pictures.try_pipelines();
                 tried.and_then(|()| Ok(LookPass::new(&self.gpu, self.screen.format())?)).map_err(|e| {
-                    replaced.set(shader, before);
+                    replaced.set(shader, previous);
                     e.to_string()
                 })
             });
@@ -331,7 +342,7 @@ impl Viewer {
         }
     }
 
-    /// Draws the panel; returns egui's output and the user's actions.
+    /// Lays out the panel for egui's input; returns egui's output and the user's actions.
     fn run_panel(&mut self, input: RawInput) -> (FullOutput, PanelActions) {
         let is_idle = !self.pictures.needs_rendering(&self.wanted(self.area())) && !self.needs_analysis();
         let Self { state, path, captures, pictures, egui, .. } = self;
@@ -357,24 +368,24 @@ impl Viewer {
         (output, actions)
     }
 
-    /// Returns the frame to draw for the settings of the panel, at a size in pixels.
+    /// Returns the request for a frame of the current state and captures, at a size in pixels.
     pub(super) fn wanted(&self, extent: [u32; 2]) -> FrameRequest {
         FrameRequest { captures: self.captures.list.clone(), ..self.state.wanted(&self.scene, extent) }
     }
 
-    /// The captures that a change begins with: those that are shown, else those of the scene.
+    /// Returns the captures with which a change begins: those that are shown, or else those of the scene.
     pub(super) fn captures_shown(&self) -> Vec<Capture> {
         let shown = self.pictures.shown(0).map_or(Vec::new(), |s| s.captures());
         if shown.is_empty() { self.scene.captures.clone() } else { shown }
     }
 
-    /// Width and height of the pictures in pixels; 1 before the first frame.
+    /// Returns the width and height of the pictures in pixels; 1 before the first frame.
     fn area(&self) -> [u32; 2] {
         self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]])
     }
 }
 
-/// The name of the scene that the options select.
+/// Returns the name of the scene that the options select.
 pub fn scene_name(place: &SceneOptions) -> String {
     match &place.scene[..] {
         [] => "rooms".into(),
@@ -383,19 +394,19 @@ pub fn scene_name(place: &SceneOptions) -> String {
     }
 }
 
-/// The views of a scene, with the lens of the options.
+/// Returns the views of a scene, with the lens of the options if these have one.
 pub(super) fn views(scene: &Scene, place: &SceneOptions) -> Result<Vec<View>> {
     scene.views.iter().map(|v| resolve::with_lens(scene, v.clone(), place)).collect()
 }
 
-/// Makes the image into which the window's content is drawn.
+/// Makes the image of `extent` pixels into which the window's content is drawn.
 pub(super) fn screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
     Ok(Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })?)
 }
 
-/// The command line that makes the reference of the current view. It can name a view, but not a camera that has
-/// moved away from one.
+/// Returns the command line that makes the reference of the current picture, which has the given size in pixels. The
+/// command names the view or, if the camera has left it, the camera's eye and the point that it looks at.
 fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
     let (eye, look_at) = state.camera.place();
     let place = if state.moved || state.view.name == "custom" {
@@ -404,19 +415,19 @@ fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
     } else {
         format!("--view {}", state.view.name)
     };
-    let g = &state.globals;
-    let mut factors = String::new();
-    for (flag, value) in [("roughness", g.roughness), ("normal-deviation", g.normal_deviation)] {
+    let globals = &state.globals;
+    let mut options = String::new();
+    for (flag, value) in [("roughness", globals.roughness), ("normal-deviation", globals.normal_deviation)] {
         if let Some(v) = value {
-            factors += &format!(" --{flag} {v}");
+            options += &format!(" --{flag} {v}");
         }
     }
-    if g.reflectivity != 1.0 {
-        factors += &format!(" --reflectivity {}", g.reflectivity);
+    if globals.reflectivity != 1.0 {
+        options += &format!(" --reflectivity {}", globals.reflectivity);
     }
     if let Some(fallback) = state.sides[0].options.get("fallback") {
-        factors += &format!(" --fallback {fallback}");
+        options += &format!(" --fallback {fallback}");
     }
     let scene = &state.scene;
-    format!("ssct render --method reference --scene {scene} {place} --size {width}x{height}{factors} -o truth.png")
+    format!("ssct render --method reference --scene {scene} {place} --size {width}x{height}{options} -o truth.png")
 }

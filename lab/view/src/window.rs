@@ -1,5 +1,5 @@
-//! The window of `ssct view`: passes input to the [`Viewer`] and its image to the screen. It draws only when
-//! something has happened.
+//! The window of `ssct view`: passes input to the [`Viewer`], and the viewer's image to the screen. The window is drawn
+//! only when something has happened.
 
 use super::input::{Action, action, motion, shift};
 use super::panel;
@@ -32,13 +32,13 @@ pub struct App {
     pub setup: Option<ViewerSetup>,
     /// The viewer.
     pub viewer: Option<Viewer>,
-    /// A scripted run; without frames, it does nothing.
+    /// The scripted run; without frames in its plan, it does nothing.
     pub script: Script,
     /// Wakes the event loop from another thread.
     pub proxy: EventLoopProxy<()>,
     /// The keys that are pressed.
     pub keys: HashSet<KeyCode>,
-    /// The time of the last frame, while frames follow one another.
+    /// The time of the last frame, if the next frame follows at once.
     pub last: Option<Instant>,
     /// The error that ended the run, if any.
     pub outcome: Result<()>,
@@ -49,9 +49,11 @@ pub struct App {
 /// An open window.
 pub struct Open {
     swapchain: Swapchain,
+    /// Turns events of the window into input of egui.
     egui: egui_winit::State,
     window: Arc<Window>,
     title: String,
+    /// Whether the mouse turns the camera, so that the cursor is hidden.
     looking: bool,
 }
 
@@ -82,7 +84,7 @@ impl ApplicationHandler<()> for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         // A scripted run must not depend on where the mouse happens to be.
         let takes_input = !self.script.is_running();
-        // egui needs changes of the scale factor in any case.
+        // Changes of the scale factor always go to egui.
         let listens = takes_input || matches!(event, WindowEvent::ScaleFactorChanged { .. });
         if let (true, Some(open)) = (listens, &mut self.open)
             && open.egui.on_window_event(&open.window, &event).repaint
@@ -97,14 +99,14 @@ impl ApplicationHandler<()> for App {
                 self.check(events, drawn);
             }
             WindowEvent::Resized(_) | WindowEvent::Occluded(false) => self.request_redraw(),
-            // A window that gets the focus also receives synthetic events for the keys that are pressed at that
-            // time.
+            // A window that gets the focus also receives synthetic events for the keys that are pressed then. They are
+            // ignored.
             WindowEvent::KeyboardInput { event, is_synthetic, .. }
                 if takes_input && !(is_synthetic && event.state == ElementState::Pressed) =>
             {
                 self.key(events, &event);
             }
-            // Keys that are released in another window are not reported here.
+            // All keys count as released, since a release in another window would not be reported.
             WindowEvent::Focused(false) => self.keys.clear(),
             _ => {}
         }
@@ -130,14 +132,14 @@ impl App {
     fn open_window(&mut self, events: &ActiveEventLoop) -> Result<()> {
         let Some(setup) = self.setup.take() else { return Ok(()) };
         let scale = events.primary_monitor().map_or(1.0, |m| m.scale_factor());
-        let beside = if setup.state.tab == Tab::None { 0.0 } else { f64::from(panel::WIDTH) * scale };
-        let size = PhysicalSize::new(self.size[0] + beside.round() as u32, self.size[1]);
+        let panel_width = if setup.state.tab == Tab::None { 0.0 } else { f64::from(panel::WIDTH) * scale };
+        let size = PhysicalSize::new(self.size[0] + panel_width.round() as u32, self.size[1]);
         let attributes = Window::default_attributes().with_title("ssct").with_inner_size(size);
         let window = events.create_window(attributes).map_err(|e| no_window("it cannot be opened", &e))?;
         let window = Arc::new(window);
         let swapchain = Swapchain::new(&self.gpu, &window, self.present_mode)?;
         let proxy = self.proxy.clone();
-        // Waking fails only if the loop has ended, which does no harm.
+        // Waking fails only if the loop has ended, and then there is nothing to wake.
         let wake = Arc::new(move || {
             let _ = proxy.send_event(());
         });
@@ -156,7 +158,7 @@ impl App {
         Ok(())
     }
 
-    /// Runs one round of the viewer and shows it; requests another one if the image is still changing.
+    /// Runs one round of the viewer and shows its image; requests another one if the image is still changing.
     fn redraw(&mut self, events: &ActiveEventLoop) -> Result<()> {
         let (Some(open), Some(viewer)) = (&mut self.open, &mut self.viewer) else { return Ok(()) };
         let PhysicalSize { width, height } = open.window.inner_size();
@@ -165,10 +167,11 @@ impl App {
         // The first step takes one frame's time. The limit keeps the camera from jumping after a long frame.
         let seconds = self.last.map_or(1.0 / 60.0, |then| (now - then).as_secs_f32().min(0.1));
         let mut input = open.egui.take_egui_input(&open.window);
-        // While the window is being resized, the surface's size may differ from the window's.
+        // egui gets the size of the surface, which may differ from the window's while the window is being resized.
         let points = |v: u32| v as f32 / egui_winit::pixels_per_point(viewer.egui(), &open.window);
         input.screen_rect =
             Some(egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(points(extent[0]), points(extent[1]))));
+        // A scripted run puts the camera on its path, if it has one, and has each frame rendered anew.
         self.script.begin(viewer);
         let motion = motion(&self.keys);
         let ViewerOutput { platform, again } = viewer.update(ViewerInput { egui: input, motion, seconds, extent })?;
@@ -177,19 +180,21 @@ impl App {
             open.window.pre_present_notify();
             open.swapchain.present(context, screen, record)
         })?;
+        // The window's title and cursor follow the viewer.
         open.follow(viewer);
         let shown = shown == Some(true);
         let goes_on = again == Some(Duration::ZERO) || !shown;
         self.last = goes_on.then_some(now);
         if shown && self.script.is_running() {
+            // Counts the frame. After the last one, the run ends when image and comparison with a reference are final.
             self.script.end(viewer, &self.gpu, goes_on || viewer.is_waiting())?;
             if self.script.is_done() {
                 events.exit();
                 return Ok(());
             }
         }
-        let wait = [again.map(|d| now + d), self.script.deadline()].into_iter().flatten().min();
-        events.set_control_flow(wait.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        let next_time = [again.map(|d| now + d), self.script.deadline()].into_iter().flatten().min();
+        events.set_control_flow(next_time.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
         // Other threads wake the loop when their results have arrived.
         if goes_on || (self.script.is_running() && !viewer.is_waiting()) {
             open.window.request_redraw();
@@ -205,27 +210,28 @@ impl App {
             return;
         }
         let Some(viewer) = &mut self.viewer else { return };
-        // Keys that are typed into a field of the panel must not move the camera.
+        // Keys that are typed into a text field of the panel must not move the camera.
         if viewer.egui().egui_wants_keyboard_input() {
             return;
         }
         self.keys.insert(code);
         match action(code, shift(&self.keys)) {
             Some(Action::Quit) => events.exit(),
-            // A key that is held repeats only actions with small steps.
+            // While a key is held, only changes of the roughness are repeated.
             Some(action) if !event.repeat || matches!(action, Action::Roughness(_)) => viewer.act(action),
             _ => {}
         }
         self.request_redraw();
     }
 
+    /// Requests that the window is drawn, if it is open.
     fn request_redraw(&self) {
         if let Some(open) = &self.open {
             open.window.request_redraw();
         }
     }
 
-    /// Ends the run if something failed; the caller of the event loop reports the error.
+    /// Ends the run if `result` is an error, which the caller of the event loop reports.
     fn check(&mut self, events: &ActiveEventLoop, result: Result<()>) {
         if let Err(e) = result {
             self.outcome = Err(e);
@@ -235,8 +241,8 @@ impl App {
 }
 
 impl Open {
-    /// Updates title and cursor. While the mouse turns the camera, the cursor is hidden and, if the window
-    /// system supports it, held in the window.
+    /// Updates the window's title and cursor to match the viewer. While the mouse turns the camera, the cursor is
+    /// hidden and, if the window system supports it, held in the window.
     fn follow(&mut self, viewer: &Viewer) {
         let title = viewer.title();
         if self.title != title {
@@ -254,8 +260,8 @@ impl Open {
     }
 }
 
-/// Makes an error from one of winit. The text of winit's error begins with a place in winit's source, and the cause
-/// follows its last colon.
+/// Makes an error of ours from an error of winit; `what` says what failed. The text of winit's error begins with a
+/// place in winit's source; the cause follows the last colon.
 pub fn no_window(what: &str, error: &impl std::fmt::Display) -> Error {
     let text = error.to_string();
     let cause = text.rsplit(": ").next().unwrap_or(&text);

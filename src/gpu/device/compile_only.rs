@@ -39,7 +39,8 @@ fn handle<H: Handle>() -> H {
     H::from_raw(NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Declares the functions that replace the driver's, and their look-up by name.
+/// Declares the functions that replace the driver's, and their look-up by name. The list `made` has pairs that make and
+/// drop handles, `succeeds` calls that return success, `ignored` commands that do nothing, and `own` functions below.
 macro_rules! replacements {
     (
         made { $( $create:ident $create_name:literal $Info:ty, $destroy:ident $destroy_name:literal $Handle:ty; )* }
@@ -232,7 +233,7 @@ unsafe extern "system" fn destroy_buffer(_: vk::Device, buffer: vk::Buffer, _: *
     }
 }
 
-/// The requirements of an object of a size in bytes, which the memory of [`HostMemory`] meets.
+/// Returns memory requirements for an object of a size in bytes, which [`HostMemory`] can meet.
 fn requirements(size: vk::DeviceSize) -> vk::MemoryRequirements {
     vk::MemoryRequirements { size, alignment: 16, memory_type_bits: 1 }
 }
@@ -247,7 +248,7 @@ unsafe extern "system" fn get_buffer_memory_requirements(
     unsafe { made.write(requirements(*(buffer.as_raw() as *const vk::DeviceSize))) };
 }
 
-/// Any size serves, since the host never maps an image's memory.
+/// Writes the same requirements for every image. Any size serves, since the host never maps an image's memory.
 unsafe extern "system" fn get_image_memory_requirements(
     _: vk::Device,
     _: vk::Image,
@@ -279,6 +280,7 @@ unsafe extern "system" fn allocate_descriptor_sets(
     vk::Result::SUCCESS
 }
 
+/// Writes zeros as the results of all queries.
 unsafe extern "system" fn get_query_pool_results(
     _: vk::Device,
     _: vk::QueryPool,
@@ -290,7 +292,7 @@ unsafe extern "system" fn get_query_pool_results(
     _: vk::QueryResultFlags,
 ) -> vk::Result {
     // SAFETY: the caller gives room for `size` bytes.
-    unsafe { data.cast::<u8>().write_bytes(0, size) }; // Every result of a query is 0.
+    unsafe { data.cast::<u8>().write_bytes(0, size) };
     vk::Result::SUCCESS
 }
 
@@ -330,6 +332,7 @@ unsafe extern "system" fn get_acceleration_structure_build_sizes(
 pub struct HostMemory {
     /// Blocks by key. Blocks have words of 16 bytes, so that a block is aligned for any value.
     blocks: HashMap<u64, Box<[u128]>>,
+    /// Number of blocks made so far, which gives each block its key.
     made: u64,
 }
 

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-/// The features that every device needs: the name of each, and a flag that says whether it is supported, or is on.
+/// Lists the features that every device needs: the name of each, and its flag in the given structs.
 fn needed<'a>(
     v10: &'a mut vk::PhysicalDeviceFeatures,
     v12: &'a mut vk::PhysicalDeviceVulkan12Features<'_>,
@@ -32,11 +32,11 @@ pub fn enable_features(
     }
 }
 
-/// The name of the first needed feature that is not supported, or not on.
+/// Returns the name of the first needed feature whose flag is off in the given structs.
 pub fn missing(
     mut v10: vk::PhysicalDeviceFeatures,
     mut v12: vk::PhysicalDeviceVulkan12Features<'_>,
     mut v13: vk::PhysicalDeviceVulkan13Features<'_>,
 ) -> Option<&'static str> {
-    needed(&mut v10, &mut v12, &mut v13).into_iter().find(|(_, on)| **on == vk::FALSE).map(|(name, _)| name)
+    needed(&mut v10, &mut v12, &mut v13).into_iter().find(|(_, flag)| **flag == vk::FALSE).map(|(name, _)| name)
 }

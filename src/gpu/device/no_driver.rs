@@ -1,5 +1,4 @@
-//! Errors that say why the Vulkan loader offers no device: a variable names the wrong drivers, a driver finds no card,
-//! or there is no driver.
+//! Says why the Vulkan loader offers no device: a variable names wrong files, a driver finds no card, or none is there.
 
 use super::vulkan;
 use crate::error::Error;
@@ -12,7 +11,7 @@ const VARIABLES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 /// Advice that helps on every machine.
 const HINT: &str = "Mesa's lavapipe is a driver that runs on the CPU";
 
-/// Returns a function that makes the error of the failed call `what`: no driver offers a device, or the call's name.
+/// Returns a function that makes the error of the failed call `what`: why there is no device, or else the call's name.
 pub(super) fn failed(what: &'static str) -> impl Fn(vk::Result) -> Error {
     move |result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => no_device(result),
@@ -20,14 +19,14 @@ pub(super) fn failed(what: &'static str) -> impl Fn(vk::Result) -> Error {
     }
 }
 
-/// The error about a loader that offers no device.
+/// Makes the error about a loader that offers no device.
 pub(super) fn no_device(result: vk::Result) -> Error {
     let value = |name: &&str| std::env::var(name).ok().filter(|value| !value.is_empty());
     let named = VARIABLES.iter().find_map(|name| Some((*name, value(name)?)));
     Error::NoDevice(sentence(named.as_ref().map(|(name, value)| (*name, value.as_str())), result))
 }
 
-/// The reason why the loader offers no device. `named` is the variable that names the drivers, with its value.
+/// Says why the loader offers no device. `named` is the variable that names the drivers, if one is set, with its value.
 fn sentence(named: Option<(&str, &str)>, result: vk::Result) -> String {
     let Some((name, value)) = named else {
         return match result {

@@ -19,9 +19,9 @@ use std::mem::ManuallyDrop;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, OnceLock};
 
-/// Makes an instance. Returns the loader, the instance, and whether the instance takes names and labels. Under validation, the
-/// layers write messages about the instance into the log, which must outlive the instance. Without a log, the layers of 1.4 print
-/// these messages.
+/// Makes an instance. Returns the loader, the instance, and whether the instance takes names and labels. Under
+/// validation, the layers write messages about the instance into the log, which must outlive the instance. Without a
+/// log, the layers of Vulkan 1.4 print these messages.
 pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Result<(ash::Entry, ash::Instance, bool)> {
     // SAFETY: loading the system's Vulkan loader runs its initialisers, which is its purpose.
     let entry = unsafe { ash::Entry::load() }.map_err(|e| {
@@ -39,7 +39,7 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
                 .map_err(no_driver::failed("vkEnumerateInstanceExtensionProperties"))?,
         )
     };
-    let has_layer = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(validation::LAYER));
+    let has_layer = layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(validation::LAYER));
     if query.validation && !has_layer {
         return Err(Error::Usage(
             "the Khronos validation layers are not installed; scripts/setup.sh installs them".into(),
@@ -74,15 +74,15 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
     Ok((entry, instance, has_debug))
 }
 
-/// The bytes of address space that this process may take, if the system sets a limit (`ulimit -v`). The loader leaves out a
-/// driver that does not fit, and gives no reason.
+/// Returns how many bytes of address space this process may take, if the system sets a limit (`ulimit -v`). The loader
+/// leaves out a driver that does not fit, and gives no reason.
 pub fn memory_limit() -> Option<u64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Says that memory may be short, as the end of a sentence; `None` if the system sets no limit.
+/// Returns the end of a sentence, which says that memory may be short; `None` if the system sets no limit.
 fn short_of_memory() -> Option<String> {
     let mib = memory_limit()? >> 20;
     Some(format!(
@@ -90,16 +90,16 @@ fn short_of_memory() -> Option<String> {
     ))
 }
 
-/// The error for a driver or a device that is not found, if a limit of this process's memory may be the reason. The
-/// loader leaves out a driver that needs more memory than the limit, or the driver starts and finds no device.
+/// Makes the error about a driver or device that was not found, if the memory limit of this process may be the reason:
+/// the loader leaves out a driver that needs more memory, or the driver starts and finds no device.
 fn no_driver_fits(result: vk::Result) -> Option<Error> {
     use vk::Result as R;
-    let may_be = [R::ERROR_INCOMPATIBLE_DRIVER, R::ERROR_OUT_OF_HOST_MEMORY, R::ERROR_INITIALIZATION_FAILED];
-    let short = short_of_memory().filter(|_| may_be.contains(&result))?;
+    let causes = [R::ERROR_INCOMPATIBLE_DRIVER, R::ERROR_OUT_OF_HOST_MEMORY, R::ERROR_INITIALIZATION_FAILED];
+    let short = short_of_memory().filter(|_| causes.contains(&result))?;
     Some(Error::NoDevice(format!("the loader finds no driver that fits{short}")))
 }
 
-/// Lists every device of an instance, with the reason why one can't be used. With `compiles_only`, a device needs no memory.
+/// Lists every device of an instance, and why one cannot be used. With `compiles_only`, a device needs no memory.
 pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
     // SAFETY: the instance is alive.
     let physical = unsafe { instance.enumerate_physical_devices() }.map_err(|result| {
@@ -119,7 +119,7 @@ pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<
         .collect())
 }
 
-/// Says that a device has no memory, because its hardware is absent; `None` if it has memory.
+/// Returns the sentence that a device has no memory, because its hardware is absent; `None` if it has memory.
 fn has_no_memory(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     // SAFETY: the physical device belongs to the instance.
     let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
@@ -151,7 +151,7 @@ fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInf
     }
 }
 
-/// The reason why a device can't be used; `None` if it can.
+/// Returns the reason why a device cannot be used; `None` if it can.
 fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     // SAFETY: the physical device belongs to the instance.
     let (properties, families) = unsafe {
@@ -183,14 +183,14 @@ fn has_graphics_and_compute(family: &vk::QueueFamilyProperties) -> bool {
     family.queue_flags.contains(vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE)
 }
 
-/// The device that the query asks for: by index, by a part of its name, or the best by type.
+/// Chooses the device that the query asks for by index or by a part of its name, or else the best usable one by type.
 fn choose(
     listing: Vec<(vk::PhysicalDevice, DeviceListing)>,
     query: &DeviceQuery,
 ) -> Result<(vk::PhysicalDevice, DeviceListing)> {
     let wanted = query.device.clone().or_else(|| std::env::var("SSCT_DEVICE").ok()).filter(|w| !w.is_empty());
     let Some(wanted) = wanted else {
-        let rank = |l: &DeviceListing| match l.info.kind.as_str() {
+        let rank = |device: &DeviceListing| match device.info.kind.as_str() {
             "discrete GPU" => 0,
             "integrated GPU" => 1,
             "virtual GPU" => 2,
@@ -201,8 +201,8 @@ fn choose(
             listing.iter().filter_map(|(_, l)| Some(format!("{}: {}", l.info.name, l.unsuitable.as_ref()?))).collect();
         return listing
             .into_iter()
-            .filter(|(_, l)| l.unsuitable.is_none())
-            .min_by_key(|(_, l)| rank(l))
+            .filter(|(_, device)| device.unsuitable.is_none())
+            .min_by_key(|(_, device)| rank(device))
             .ok_or_else(|| Error::NoDevice(reasons.join("; ")));
     };
     let names: Vec<_> = listing.iter().map(|(_, l)| format!("{} {}", l.index, l.info.name)).collect();
@@ -219,8 +219,7 @@ fn choose(
     }
 }
 
-/// Opens the device that the query asks for, with the state that its handles share. On an error, the caller must
-/// destroy the instance.
+/// Opens the device that the query asks for. After an error, the caller must destroy the instance.
 pub(super) fn open_device(
     entry: ash::Entry,
     instance: ash::Instance,
@@ -296,9 +295,9 @@ pub(super) fn open_device(
     if has_queries.is_ok() {
         info = info.push_next(&mut structures).push_next(&mut queries);
     }
-    let mut told = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+    let mut stats = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
     if query.compiles_only {
-        info = info.push_next(&mut told);
+        info = info.push_next(&mut stats);
     }
     // SAFETY: the structures live through the call; features and extensions were found supported.
     let mut device = unsafe { instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
@@ -393,7 +392,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     let features = &enabled.core;
     let samplers = Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?;
     let memory = match memory {
-        Some(theirs) => Source::ForeignGBuffer(Mutex::new(theirs)),
+        Some(allocator) => Source::ForeignGBuffer(Mutex::new(allocator)),
         None => match own_memory(&instance, physical, &device, false) {
             Ok(memory) => memory,
             Err(e) => {
@@ -432,7 +431,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     })
 }
 
-/// The mask of the valid bits of a queue family's timestamps; 0 if the family has no timestamps.
+/// Returns the mask of the valid bits of a queue family's timestamps; 0 if the family has no timestamps.
 fn timestamp_mask(family: &vk::QueueFamilyProperties) -> u64 {
     match family.timestamp_valid_bits {
         bits @ 0..64 => (1 << bits) - 1,
@@ -440,7 +439,7 @@ fn timestamp_mask(family: &vk::QueueFamilyProperties) -> u64 {
     }
 }
 
-/// The crate's own allocator; `has_addresses` says whether buffers may have device addresses.
+/// Makes the crate's own allocator; `has_addresses` says whether buffers may have device addresses.
 fn own_memory(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
@@ -459,7 +458,7 @@ fn own_memory(
     Ok(Source::Ours(Box::new(Mutex::new(allocator))))
 }
 
-/// Destroys the messenger that is inside when the guard is dropped.
+/// A guard that destroys the messenger that it holds when the guard is dropped.
 struct DebugGuard(Option<Debug>);
 
 impl Drop for DebugGuard {

@@ -3,7 +3,7 @@
 use ash::{khr, vk};
 use std::ffi::CStr;
 
-/// The extensions that a device must have; the last one is needed by the first.
+/// The extensions that a device must have. The first one needs the last.
 pub const EXTENSIONS: [&CStr; 3] =
     [khr::acceleration_structure::NAME, khr::ray_query::NAME, khr::deferred_host_operations::NAME];
 
@@ -51,7 +51,7 @@ pub fn find(
         ("accelerationStructure", structures.acceleration_structure),
         ("rayQuery", queries.ray_query),
     ];
-    let lacked = needed.into_iter().find(|(_, there)| *there == vk::FALSE);
+    let lacked = needed.into_iter().find(|(_, supported)| *supported == vk::FALSE);
     lacked.map_or(Ok(()), |(name, _)| Err(format!("the feature {name}")))
 }
 

@@ -14,7 +14,7 @@ pub(super) struct ProgramInputs<'a> {
 }
 
 impl<'a> ProgramInputs<'a> {
-    /// Takes the inputs of a program's shader from the fields of the program.
+    /// Collects the inputs that a shader reads from the fields of its program.
     ///
     /// # Errors
     /// [`Error::Usage`] if a field that the shader needs is `None`.
@@ -30,7 +30,7 @@ impl<'a> ProgramInputs<'a> {
         Ok(Self { resources: read.map(resource).collect::<Result<_>>()?, push })
     }
 
-    /// Adds the fields of the vertex program. Bindings and push constants that both programs have stay as they are.
+    /// Adds the fields of the vertex program. Bindings and push constants that both programs have stay the first one's.
     pub fn and<P: Program>(mut self, vertex: &'a P) -> Result<Self> {
         let other = ProgramInputs::to(P::SHADER, vertex)?;
         for (binding, resource) in other.resources {
@@ -49,7 +49,7 @@ impl Frame<'_> {
         unsafe { self.device().cmd_bind_pipeline(self.context.commands, point, pipeline) };
     }
 
-    /// Pushes constants and binds descriptors.
+    /// Binds the resources of a draw or dispatch in a new descriptor set, and pushes its constants.
     pub(super) fn push(
         &mut self,
         layout: &Layout,
@@ -58,6 +58,7 @@ impl Frame<'_> {
         inputs: &ProgramInputs,
     ) -> Result<()> {
         let ProgramInputs { resources, push } = inputs;
+        // The descriptors of each resource, in lists that the writes below point into.
         let mut images = Vec::with_capacity(resources.len());
         let mut buffers = Vec::with_capacity(resources.len());
         let mut texels = Vec::with_capacity(resources.len());
@@ -66,7 +67,7 @@ impl Frame<'_> {
             let (image, buffer) = self.descriptor(*resource)?;
             images.push(match resource {
                 Resource::SampledArray(several) => {
-                    let image = |s: &Sampled| Ok(self.descriptor(Resource::Sampled(*s))?.0);
+                    let image = |sampled: &Sampled| Ok(self.descriptor(Resource::Sampled(*sampled))?.0);
                     several.iter().map(image).collect::<Result<_>>()?
                 }
                 _ => vec![image],
@@ -82,24 +83,24 @@ impl Frame<'_> {
             });
         }
         let has_bindings = !layout.bindings.is_empty();
-        let mut traced: Vec<_> = structures
+        let mut structure_writes: Vec<_> = structures
             .iter()
             .map(|s| vk::WriteDescriptorSetAccelerationStructureKHR::default().acceleration_structures(s))
             .collect();
         let set = if has_bindings { Some(self.slot().sets.take(layout.set, name)?) } else { None };
         let writes: Vec<_> = resources
             .iter()
-            .zip(&mut traced)
+            .zip(&mut structure_writes)
             .enumerate()
-            .map(|(i, ((b, _), traced))| {
+            .map(|(i, ((binding, _), structure))| {
                 let write = vk::WriteDescriptorSet::default()
                     .dst_set(set.unwrap_or_default())
-                    .dst_binding(b.binding)
-                    .descriptor_type(b.kind.descriptor_type());
-                match b.kind {
+                    .dst_binding(binding.binding)
+                    .descriptor_type(binding.kind.descriptor_type());
+                match binding.kind {
                     BindingKind::SampledImage | BindingKind::StorageImage => write.image_info(&images[i]),
                     BindingKind::StorageTexels => write.texel_buffer_view(&texels[i]),
-                    BindingKind::RayStructure => write.descriptor_count(1).push_next(traced),
+                    BindingKind::RayStructure => write.descriptor_count(1).push_next(structure),
                     BindingKind::UniformBuffer | BindingKind::StorageBuffer => write.buffer_info(&buffers[i]),
                 }
             })
@@ -119,7 +120,7 @@ impl Frame<'_> {
         Ok(())
     }
 
-    /// The descriptors of a resource: one for an image and one for a buffer, of which at least one is empty.
+    /// Returns two descriptors of a resource, for an image and for a buffer. At least one of them is empty.
     fn descriptor(&mut self, resource: Resource) -> Result<(vk::DescriptorImageInfo, vk::DescriptorBufferInfo)> {
         let (mut image, mut buffer) = (vk::DescriptorImageInfo::default(), vk::DescriptorBufferInfo::default());
         match resource {
@@ -129,7 +130,7 @@ impl Frame<'_> {
                     .image_view(slice.view())
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
             }
-            // `push` adds these itself: each image of an array, the view of texels, the handle of a ray structure.
+            // `push` itself adds the images of an array, the view of texels, and the handle of a ray structure.
             Resource::SampledArray(..) | Resource::Texels(..) | Resource::Rays(..) => {}
             Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);

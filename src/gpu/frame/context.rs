@@ -23,7 +23,7 @@ pub struct FrameContext {
     pub(super) slot: usize,
     pub(super) statistics: Option<Statistics>,
     pub(super) settling: Option<settle::Settling>,
-    /// The pool that effects take images of.
+    /// The pool that effects take images from.
     pub(super) pool: Option<ImagePool>,
 }
 
@@ -35,8 +35,8 @@ pub(super) struct OwnCommands {
     pub(super) fence: vk::Fence,
 }
 
-/// Holds what a frame needs until the device is done with it. A slot serves one frame at a time, so that as many frames may be
-/// under way as there are slots.
+/// The resources that a frame needs until the device is done with the frame. A slot serves one frame at a time, so that
+/// as many frames may be under way as there are slots.
 pub(super) struct Slot {
     pub(super) uniforms: Uniforms,
     pub(super) sets: DescriptorSets,
@@ -55,7 +55,8 @@ impl Slot {
         })
     }
 
-    /// The times of the timed passes, and of the whole frame, in milliseconds.
+    /// Returns the times of the timed passes, and the frame's time, in milliseconds. The first timestamp begins the
+    /// frame, two for each pass follow, and the last one ends the frame.
     pub(super) fn times(&self) -> Result<(Vec<PassTime>, f64)> {
         let stamps = self.timestamps.milliseconds()?;
         let pairs = stamps.get(1..).unwrap_or_default().chunks_exact(2);
@@ -75,8 +76,7 @@ impl OwnCommands {
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.shared().queue_family)
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
-        // SAFETY: the create infos are complete; what is made is destroyed in `drop` (a failure
-        // after the pool leaves it to a struct with null handles, which `drop` accepts).
+        // SAFETY: the create info is complete; `drop` destroys the pool, and accepts null handles after a failure.
         let pool = unsafe { device.create_command_pool(&info, None) }.map_err(vulkan("vkCreateCommandPool"))?;
         let (commands, fence) = (vk::CommandBuffer::null(), vk::Fence::null());
         let mut own = Self { gpu: gpu.clone(), pool, commands, fence };
@@ -136,13 +136,12 @@ impl FrameContext {
         &self.gpu
     }
 
-    /// Lends a pool to the effects that are made from now on. They take the images of it that no frame needs of the frame before.
-    /// `None` lends none.
+    /// Lends a pool, or none, to the effects that are made from now on, for images whose content no later frame needs.
     pub fn lend_images(&mut self, pool: Option<ImagePool>) {
         self.pool = pool;
     }
 
-    /// The device's handle by which one effect makes images that no frame needs of the frame before.
+    /// Returns a handle of the device for one effect. If a pool is lent, images that the handle makes come from it.
     pub fn gpu_of_effect(&self) -> Gpu {
         self.pool.as_ref().map_or_else(|| self.gpu.clone(), |pool| self.gpu.pooled(pool))
     }
@@ -184,18 +183,20 @@ impl FrameContext {
         unsafe { self.begin_slot(slot, mode) }
     }
 
+    /// Begins a frame with a slot's resources, which are reset.
+    ///
     /// # Safety
     /// The command buffer is recording, and nothing that the slot recorded is under way.
     unsafe fn begin_slot(&mut self, slot: usize, mode: Mode) -> Result<Frame<'_>> {
         self.slot = slot;
-        let kept = &mut self.slots[slot];
+        let resources = &mut self.slots[slot];
         // SAFETY: by the contract, no submission that reads a set of the slot is under way.
-        unsafe { kept.sets.reset() }?;
-        kept.uniforms.reset();
-        kept.timed.clear();
+        unsafe { resources.sets.reset() }?;
+        resources.uniforms.reset();
+        resources.timed.clear();
         match mode {
             Mode::Plain => {}
-            Mode::Timed => kept.timestamps.reset(),
+            Mode::Timed => resources.timestamps.reset(),
             Mode::Counted => {
                 if let Some(statistics) = &mut self.statistics {
                     statistics.reset();
@@ -220,7 +221,7 @@ impl FrameContext {
         self.slots.get(slot).ok_or_else(wrong)
     }
 
-    /// Records passes and submits them, for uploads and the like.
+    /// Records passes, submits them, and waits until the device is done: for uploads and the like.
     pub fn once(&mut self, record: impl FnOnce(&mut Frame) -> Result<()>) -> Result<()> {
         let mut frame = self.begin(Mode::Plain)?;
         record(&mut frame)?;

@@ -34,8 +34,7 @@ impl Frame<'_> {
         self.shade(name, &pipeline.graphics, targets, &inputs, Vertices::Triangle)
     }
 
-    /// Clears the stencil of a depth target and marks pixels that a fragment program doesn't discard. The target loses
-    /// its depth.
+    /// Clears the stencil of a depth target, whose depth is lost, and marks the pixels that a program does not discard.
     pub fn mark<F: Fragment>(
         &mut self,
         name: &str,
@@ -63,7 +62,7 @@ impl Frame<'_> {
         self.shade(name, &pipeline.graphics, (targets.as_ref(), None), &inputs, vertices)
     }
 
-    /// A pass of one draw whose vertices the vertex shader makes.
+    /// Records a pass of one draw, whose vertices the vertex shader makes without a vertex buffer.
     pub(super) fn shade(
         &mut self,
         name: &str,
@@ -139,8 +138,7 @@ impl Frame<'_> {
         self.dispatch(name, &pipeline.compute, &inputs, Workgroups::Counted([x, y, z]))
     }
 
-    /// Dispatches a compute program. The buffer `arguments` holds the number of workgroups along each axis, in three
-    /// words from byte `offset`.
+    /// Dispatches a compute program. Three words of `arguments` from byte `offset` on count workgroups along each axis.
     pub fn compute_indirect<P: Compute>(
         &mut self,
         name: &str,
@@ -152,7 +150,7 @@ impl Frame<'_> {
         self.dispatch(name, &pipeline.compute, &inputs, Workgroups::Indirect(arguments, offset))
     }
 
-    /// A pass of one dispatch of a compute pipeline.
+    /// Records a pass of one dispatch of a compute pipeline.
     pub(super) fn dispatch(
         &mut self,
         name: &str,
@@ -217,8 +215,7 @@ impl Frame<'_> {
         self.dispatch(name, pipeline, &inputs, workgroups)
     }
 
-    /// Draws over the content of a target, by commands that `draw` records inside dynamic rendering. Resources that
-    /// these commands read must be ready.
+    /// Draws over a target: `draw` records commands inside dynamic rendering, and what these read must be ready.
     pub fn overlay(
         &mut self,
         name: &str,
@@ -270,19 +267,19 @@ pub struct Raster<'f, 'c, F, V> {
 }
 
 impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
-    /// Binds the resources of the draws that follow. Images must have been made ready ([`Frame::make_ready`]), since no
-    /// barrier can stand inside rendering. Resources that both stages read are taken from the fragment program.
+    /// Binds the resources of the draws that follow. Images must be ready ([`Frame::make_ready`]), since no barrier can
+    /// stand inside rendering. Resources that both stages read are taken from the fragment program.
     pub fn bind(
         &mut self,
         fragment: &impl Fragment<Kind = F::Kind>,
         vertex: &impl VertexProgram<Kind = V::Kind>,
     ) -> Result<()> {
-        let (p, inputs) = (self.pipeline, ProgramInputs::to(self.fragment, fragment)?.and(vertex)?);
+        let (pipeline, inputs) = (self.pipeline, ProgramInputs::to(self.fragment, fragment)?.and(vertex)?);
         if !self.is_bound {
-            self.frame.bind(p.handle, vk::PipelineBindPoint::GRAPHICS);
+            self.frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
             self.is_bound = true;
         }
-        self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, &inputs)
+        self.frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, &inputs)
     }
 
     /// Draws indexed triangles as one instance, whose number (`gl_InstanceIndex`) is `instance`.

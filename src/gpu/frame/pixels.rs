@@ -11,8 +11,8 @@ use crate::gpu::shader::{Binding, BindingKind};
 
 impl Frame<'_> {
     /// Records a pass of a program over whole targets, all of one size, in the shader stage of its pipeline. The first
-    /// target must be wanted, since a compute program takes the size from this target. Targets are overwritten or kept:
-    /// a compute program clears none.
+    /// target must be wanted, since a compute program takes the size from this target. No target may be one that is
+    /// cleared first: a compute program cannot clear.
     pub fn pixels<F: InEitherStage>(
         &mut self,
         name: &str,
@@ -26,8 +26,8 @@ impl Frame<'_> {
         }
     }
 
-    /// Dispatches a thread for each texel of the targets, which are bound as images beside what the program reads. Targets are
-    /// overwritten or kept: none is cleared.
+    /// Dispatches a thread for each texel of the targets, which are bound as images beside the program's resources. No
+    /// target may be one that is cleared first.
     pub fn store<F: InEitherStage>(
         &mut self,
         name: &str,
@@ -56,7 +56,7 @@ impl Frame<'_> {
     }
 }
 
-/// The inputs of a program: the resources that it reads, and the images of its targets, to which it stores.
+/// Returns the inputs of a program: the resources that it reads, and the images of its targets, to which it stores.
 fn stored<'a, F: InEitherStage>(
     name: &str,
     pipeline: &'a StoringPipeline<F>,

@@ -27,10 +27,10 @@ impl Frame<'_> {
             frame.use_buffer(&level.buffer, Access::RayStructureBuild);
             frame.use_buffer(scratch, Access::RayStructureBuild);
             frame.flush();
-            let work = vk::DeviceOrHostAddressKHR {
+            let scratch_address = vk::DeviceOrHostAddressKHR {
                 device_address: scratch.address().next_multiple_of(queries.scratch_alignment),
             };
-            let info = build.info().dst_acceleration_structure(level.handle).scratch_data(work);
+            let info = build.info().dst_acceleration_structure(level.handle).scratch_data(scratch_address);
             let range = [vk::AccelerationStructureBuildRangeInfoKHR::default().primitive_count(build.count)];
             // SAFETY: the buffers that the addresses lie in are alive until the submission is waited for, hold what is
             // described, and are ready by the barriers above.

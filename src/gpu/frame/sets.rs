@@ -23,7 +23,7 @@ pub(in crate::gpu::frame) struct DescriptorSets {
 }
 
 impl DescriptorSets {
-    /// Makes no pool yet.
+    /// Starts without a pool; the first set that is taken makes one.
     pub fn new(gpu: &Gpu) -> Self {
         Self { gpu: gpu.clone(), pools: Vec::new(), taken: 0 }
     }
@@ -76,7 +76,7 @@ impl DescriptorSets {
 impl Drop for DescriptorSets {
     fn drop(&mut self) {
         for pool in &self.pools {
-            // SAFETY: submissions are waited for before their context goes.
+            // SAFETY: submissions are waited for before their context is dropped.
             unsafe { self.gpu.raw().destroy_descriptor_pool(*pool, None) };
         }
     }

@@ -33,7 +33,7 @@ impl<'a> Target<'a> {
         Self { slice: Some(slice), load: Load::Lost }
     }
 
-    /// No target, for an output that nobody wants and whose format in the pipeline is UNDEFINED.
+    /// Stands for the target of an output that nobody wants; its format in the pipeline is UNDEFINED.
     pub fn unwanted() -> Self {
         Self { slice: None, load: Load::Lost }
     }
@@ -71,6 +71,7 @@ impl Load {
         }
     }
 
+    /// The value that a cleared attachment gets; zeros otherwise.
     fn value(self) -> [f32; 4] {
         if let Self::Cleared(value) = self { value } else { [0.0; 4] }
     }
@@ -102,7 +103,7 @@ impl View {
 }
 
 impl Frame<'_> {
-    /// Begins and ends dynamic rendering around `draw`.
+    /// Makes the targets ready, and calls `draw` inside dynamic rendering with the viewport of `view`.
     pub(super) fn rendering(
         &mut self,
         targets: &[Target],

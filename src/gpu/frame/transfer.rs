@@ -29,7 +29,7 @@ impl Frame<'_> {
         )
     }
 
-    /// A pass whose one command reads an image and writes another.
+    /// Records a pass of one command, which reads an image and writes another.
     fn transfer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, command: impl FnOnce(&Frame)) -> Result<()> {
         self.pass(name, |frame| {
             frame.use_image(from, Access::TransferRead);
@@ -50,15 +50,15 @@ impl Frame<'_> {
         filter: vk::Filter,
     ) -> Result<()> {
         self.transfer(name, from, to, |frame| {
-            let side = |s: &ImageSlice| {
-                let [w, h] = s.extent();
-                [vk::Offset3D::default(), vk::Offset3D { x: w as i32, y: h as i32, z: 1 }]
+            let corners = |slice: &ImageSlice| {
+                let [width, height] = slice.extent();
+                [vk::Offset3D::default(), vk::Offset3D { x: width as i32, y: height as i32, z: 1 }]
             };
             let region = vk::ImageBlit2::default()
                 .src_subresource(source)
-                .src_offsets(side(&from))
+                .src_offsets(corners(&from))
                 .dst_subresource(target)
-                .dst_offsets(side(&to));
+                .dst_offsets(corners(&to));
             let regions = [region];
             let info = vk::BlitImageInfo2::default()
                 .src_image(from.image().handle())
@@ -240,19 +240,19 @@ impl Frame<'_> {
     }
 }
 
-/// The layer of `to` into which the only layer of `from` is copied.
+/// Returns layer `layer` of `to`, into which the only layer of `from` is copied.
 fn one_layer(name: &str, from: &ImageSlice, to: &ImageSlice, layer: u32) -> vk::ImageSubresourceLayers {
     assert_eq!(from.image().layers(), 1, "{name}: a layer is brought from an image of one");
     layer_of(name, to, layer)
 }
 
-/// One layer of a slice's first level.
+/// Returns one layer of a slice's first level.
 fn layer_of(name: &str, slice: &ImageSlice, layer: u32) -> vk::ImageSubresourceLayers {
     assert!(layer < slice.image().layers(), "{name}: no layer {layer}");
     layers(slice).base_array_layer(layer).layer_count(1)
 }
 
-/// All layers of a slice's first level.
+/// Returns all layers of a slice's first level.
 fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
     vk::ImageSubresourceLayers {
         aspect_mask: slice.image().shown_aspect(),
@@ -262,7 +262,7 @@ fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
     }
 }
 
-/// Where a slice begins in its volume.
+/// Returns the texel at which a slice begins; z is the number of a volume's slice.
 fn offset(slice: &ImageSlice) -> vk::Offset3D {
     vk::Offset3D { x: 0, y: 0, z: slice.slices().0 as i32 }
 }
@@ -272,7 +272,7 @@ fn extent(slice: &ImageSlice) -> vk::Extent3D {
     vk::Extent3D { width, height, depth: slice.slices().1 }
 }
 
-/// The region of a copy between a whole slice and tightly packed texels in a buffer.
+/// Describes a copy between a whole slice and tightly packed texels in a buffer.
 fn whole_slice_copy(slice: &ImageSlice) -> vk::BufferImageCopy {
     vk::BufferImageCopy::default()
         .image_subresource(layers(slice))

@@ -1,5 +1,5 @@
-//! The uniform blocks of one frame, in memory that the host writes. The memory grows with the blocks that a frame
-//! binds: a scene binds two for each of its materials, and again for every mirror and probe that it is drawn for.
+//! The uniform blocks of one frame, in memory that the host writes. The memory grows with the number of blocks that a
+//! frame binds: two for each material of a scene, and again for every mirror and probe that the scene is drawn for.
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
@@ -30,7 +30,7 @@ impl Uniforms {
         (self.current, self.used) = (0, 0);
     }
 
-    /// Appends a block, and returns its place, which holds until [`Self::reset`].
+    /// Appends a block, and returns where it lies until [`Self::reset`].
     ///
     /// # Errors
     /// [`Error::Memory`](crate::error::Error::Memory) or [`Error::Vulkan`](crate::error::Error::Vulkan) where
@@ -39,7 +39,7 @@ impl Uniforms {
         let size = bytes.len() as u64;
         let alignment = self.gpu.shared().limits.min_uniform_buffer_offset_alignment.max(16);
         let mut offset = self.used.next_multiple_of(alignment);
-        while self.chunks.get(self.current).is_some_and(|c| offset + size > c.size()) {
+        while self.chunks.get(self.current).is_some_and(|chunk| offset + size > chunk.size()) {
             (self.current, offset) = (self.current + 1, 0);
         }
         if self.current == self.chunks.len() {

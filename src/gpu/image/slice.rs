@@ -4,7 +4,7 @@ use super::{Image, has_stencil, level_extent};
 use crate::gpu::sync::TrackedState;
 use ash::vk;
 
-/// A range of an image's mip levels, or one slice of a volume, as a shader or an attachment sees it.
+/// A part of an image, as a shader or an attachment sees it: `count` mip levels from `base` on, or a slice of a volume.
 #[derive(Clone, Copy)]
 pub struct ImageSlice<'a> {
     pub(super) image: &'a Image,
@@ -20,8 +20,8 @@ impl<'a> ImageSlice<'a> {
         self.image
     }
 
-    /// The part that a compute program stores to: the slice itself, or the whole volume instead of one of its slices,
-    /// since not every device can store to a view of one slice.
+    /// Returns the part that a compute program stores to: this part itself, or the whole volume in place of one of its
+    /// slices, since not every device can store to a view of one slice.
     pub(crate) fn stored(&self) -> Self {
         if self.slice.is_some() { self.image.all() } else { *self }
     }
@@ -36,9 +36,9 @@ impl<'a> ImageSlice<'a> {
         level_extent(self.image.extent, self.base)
     }
 
-    /// The slices of the volume that are covered: the first, and how many.
+    /// Returns which slices of a volume are covered: the first, and how many. For other images these are 0 and 1.
     pub(crate) fn slices(&self) -> (u32, u32) {
-        self.slice.map_or((0, self.image.depth), |s| (s, 1))
+        self.slice.map_or((0, self.image.depth), |slice| (slice, 1))
     }
 
     /// The view through which shaders see this part of the image.
@@ -62,15 +62,15 @@ impl<'a> ImageSlice<'a> {
         has_stencil(self.image.format).then_some(self.image.stencil_view)
     }
 
-    /// Returns true if something was written to every level. Fresh memory counts as not written, whatever it holds.
+    /// Returns true if something was written to every level. A level whose layout is UNDEFINED counts as not written.
     pub fn is_written(&self) -> bool {
         self.states().all(|(_, state)| state.get().layout() != vk::ImageLayout::UNDEFINED)
     }
 
-    /// The tracked state of each level. The slices of a volume share the state of their level, since Vulkan has one
-    /// layout for all of them.
+    /// Returns the number and the tracked state of each level. The slices of a volume share the state of their level,
+    /// since Vulkan has one layout for all of them.
     pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a TrackedState)> + use<'a> {
         let (base, count) = (self.base as usize, self.count as usize);
-        self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))
+        self.image.states[base..base + count].iter().enumerate().map(move |(i, state)| ((base + i) as u32, state))
     }
 }

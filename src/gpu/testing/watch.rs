@@ -59,7 +59,7 @@ const KINDS: [&str; 14] = [
     "semaphores",
 ];
 
-/// Counts of a device's calls and of its living objects, and the call that is to fail.
+/// Counts of a device's calls and of its living objects, and the number of the call that is to fail; 0 for none.
 #[derive(Debug, Default)]
 pub struct Watch {
     live: [AtomicI64; KINDS.len()],
@@ -83,12 +83,12 @@ impl Watch {
         self.lost.store(false, Ordering::SeqCst);
     }
 
-    /// Allocations and submissions since [`Self::arm`].
+    /// Returns how many allocations and submissions there were since [`Self::arm`].
     pub fn calls(&self) -> [u64; 2] {
         [self.allocations.load(Ordering::SeqCst), self.submissions.load(Ordering::SeqCst)]
     }
 
-    /// How many of each kind were made and not destroyed; kinds with none are left out.
+    /// Returns how many objects of each kind were made and not destroyed; kinds without any are left out.
     pub fn live(&self) -> BTreeMap<&'static str, i64> {
         let counts = self.live.iter().map(|n| n.load(Ordering::SeqCst));
         KINDS.into_iter().zip(counts).filter(|(_, n)| *n != 0).collect()

@@ -1,4 +1,4 @@
-//! The passes that follow the rays that the screen lost: through captures, or among the triangles of the scene.
+//! Chooses between the passes that follow lost rays through captures and those that follow them among triangles.
 
 use crate::error::Result;
 use crate::gpu::Frame;
@@ -7,7 +7,7 @@ use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass};
 use crate::passes::unified_gloss::BetweenPasses;
 use crate::passes::{Canvas, GBuffer, Hits};
 
-/// The pass that follows the rays on the list.
+/// The passes that follow the rays on the list of lost rays.
 pub(super) enum BeyondPass {
     Captures(FollowPass),
     Triangles(TriangleTracePass),
@@ -20,7 +20,7 @@ pub(super) enum BeyondInput<'a> {
 }
 
 impl BeyondPass {
-    /// Finishes the pixels of mirrors whose rays are on the list.
+    /// Records the pass that follows the mirror rays on the list and finishes their pixels.
     pub(super) fn mirrors(
         &self,
         frame: &mut Frame,
@@ -38,7 +38,7 @@ impl BeyondPass {
         }
     }
 
-    /// Writes into the records what the rays of narrow lobes see.
+    /// Records the pass that follows the rays of narrow lobes and writes into their records what they see.
     pub(super) fn narrow(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
         let images = [&between.records, &between.ends];
         match (self, input) {
@@ -48,7 +48,7 @@ impl BeyondPass {
         }
     }
 
-    /// Writes what the rays of cells with wide lobes see.
+    /// Records the pass that follows the rays of cells with wide lobes and writes where they end and what they see.
     pub(super) fn wide(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
         let images = [&between.place, &between.seen, &between.ends];
         match (self, input) {

@@ -11,11 +11,11 @@ pub(crate) struct DrawnCaptures {
     pub captures: Vec<Capture>,
     /// The properties of the materials that a capture shows.
     pub materials: Vec<Material>,
-    /// As [`Captures::pyramid`](crate::passes::Captures::pyramid).
+    /// The image of [`Captures::pyramid`](crate::passes::Captures::pyramid).
     pub pyramid: Image,
-    /// As [`Captures::normal`](crate::passes::Captures::normal).
+    /// The image of [`Captures::normal`](crate::passes::Captures::normal).
     pub normal: Image,
-    /// As [`Captures::color`](crate::passes::Captures::color).
+    /// The image of [`Captures::color`](crate::passes::Captures::color).
     pub color: Image,
     /// Time and memory of the drawing.
     pub cost: DrawingCost,

@@ -1,4 +1,4 @@
-//! The triangles of a scene in device memory: a tree of the meshes that stand, and a small tree of those that move.
+//! Keeps the triangles of a scene in device memory: a tree of the meshes at rest, and a small tree of those that move.
 
 use super::SceneData;
 use crate::error::Result;
@@ -23,9 +23,9 @@ impl SceneData {
         self.triangles_as_blocks = as_blocks;
     }
 
-    /// Makes the scene's triangles ready where its meshes stand now, and returns how shaders read them; `None` without a builder of
-    /// trees. With `queries`, the structure for ray queries is made ready, too. Call this function before each frame
-    /// that follows rays among triangles; the call costs nothing unless a mesh has moved.
+    /// Makes the scene's triangles ready where its meshes stand now, and returns how shaders read them; `None` without
+    /// a builder of trees. With `queries`, makes the structure for ray queries, too. Call this function before each
+    /// frame that follows rays among triangles; the call costs nothing unless a mesh has moved.
     ///
     /// # Errors
     /// Errors of building the tree, [`Usage`](crate::error::Error::Usage) for ray queries on a device that has none, and
@@ -37,15 +37,15 @@ impl SceneData {
         }
         self.prepare_trees(context, trees.as_ref())?;
         if let (true, None, Some(geometry)) = (queries, self.ray_structure.get(), self.triangle_geometry.get()) {
-            // The structure is built from triangles that are on the device.
+            // The structure is built from the triangles on the device, so that moved triangles are copied there first.
             context.once(|frame| geometry.bring(frame))?;
-            let made = geometry.structure(context)?;
-            self.ray_structure.get_or_init(|| made);
+            let structure = geometry.structure(context)?;
+            self.ray_structure.get_or_init(|| structure);
         }
         if self.triangle_images.get().is_none() {
-            let images: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
-            let made = TriangleImages::new(context, &images)?;
-            self.triangle_images.get_or_init(|| made);
+            let textures: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
+            let images = TriangleImages::new(context, &textures)?;
+            self.triangle_images.get_or_init(|| images);
         }
         Ok(self.triangles().map(|(geometry, images)| {
             let reading = geometry.reading(images, self.lights.len() as u32);
@@ -59,17 +59,17 @@ impl SceneData {
         }))
     }
 
-    /// Builds the tree of standing meshes unless there is one, and that of moving meshes if they have moved.
+    /// Builds the trees of standing and of moving meshes if there are none, or else that of meshes that have moved.
     fn prepare_trees(&self, context: &mut FrameContext, trees: &dyn BuildTrees) -> Result<()> {
-        let standing = |name: &str| self.meshes.iter().find(|mesh| mesh.name == name).map(|mesh| mesh.placement);
+        let placement = |name: &str| self.meshes.iter().find(|mesh| mesh.name == name).map(|mesh| mesh.placement);
         let placed: Vec<(&str, Placement)> =
-            self.moving.iter().map(|name| (name.as_str(), standing(name).unwrap_or_default())).collect();
+            self.moving.iter().map(|name| (name.as_str(), placement(name).unwrap_or_default())).collect();
         match self.triangle_geometry.get() {
             None => {
                 let names: Vec<&str> = placed.iter().map(|(name, _)| *name).collect();
                 let (tree, records) = trees.standing(&names)?;
-                let made = TriangleGeometry::new(context, (&tree, &records), &trees.moving(&placed)?)?;
-                self.triangle_geometry.get_or_init(|| made);
+                let geometry = TriangleGeometry::new(context, (&tree, &records), &trees.moving(&placed)?)?;
+                self.triangle_geometry.get_or_init(|| geometry);
             }
             Some(geometry) if self.has_moved.get() => {
                 let begun = Instant::now();
@@ -82,8 +82,8 @@ impl SceneData {
         Ok(())
     }
 
-    /// Brings the moving triangles that [`Self::prepare_triangles`] has built to the device, by the passes "moving/tree", on the
-    /// host, and "moving". Nothing is recorded if nothing has moved.
+    /// Copies the moving triangles that [`Self::prepare_triangles`] has built to the device in the pass "moving", and
+    /// reports the time of building them as the host's pass "moving/tree". Records nothing if nothing has moved.
     ///
     /// # Errors
     /// Errors of the device.

@@ -1,4 +1,4 @@
-//! The images of a scene's materials with their levels, and the materials, as programs among triangles read them.
+//! Textures of a scene with their mip levels, and the table of its materials, as programs among triangles read them.
 
 use super::{TEXEL_BYTES, TEXELS, texel_buffer, uploaded};
 use crate::error::Result;
@@ -18,35 +18,35 @@ pub struct TriangleImages {
     pub(super) buffer: TexelBuffer,
 }
 
-/// An image among the words of all images.
+/// Where an image lies among the words of all images.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::passes) struct Map {
-    /// The place of the words that say where the image's levels begin.
+    /// The index of the first of the words that say where the image's levels begin.
     place: u32,
     /// Width in the lower half, and height in the upper half.
     size: u32,
-    /// `MAP_LEVELS` and `MAP_SRGB`.
+    /// The number of levels in the bits `MAP_LEVELS`, and the bit `MAP_SRGB`.
     described: u32,
 }
 
 impl Map {
-    /// Describes an image; `place` is the first of the words that say where its levels begin.
+    /// Describes an image; `place` is the index of the first of the words that say where its levels begin.
     fn new(place: u32, [width, height]: [u32; 2], levels: u32, encoding: Encoding) -> Self {
         let srgb = if encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
         Self { place, size: width | height << 16, described: levels | srgb }
     }
 }
 
-/// The image that stands for a map that a material does not have: one white texel, whose place is the first word.
+/// The image that stands for a map that a material lacks: one white texel, at the beginning of all words.
 const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
 
-/// The words of [`WHITE`]: the place of its one texel, where its one level begins, and then the texel.
+/// The words of [`WHITE`]: the index of the word where its one level begins, and then the one texel.
 const WHITE_WORDS: [u32; 2] = [1, u32::MAX];
 
 /// The materials of a view, as shaders look them up.
 pub struct TriangleTable(pub(in crate::passes) TexelBuffer);
 
-/// Where images and their levels lie among the words of all: first the white texel and the places of all levels, then the texels.
+/// The layout of all images as words: first the words of [`WHITE`], then where each level begins, then the texels.
 struct Layout {
     /// The words before the texels.
     words: Vec<u32>,
@@ -56,7 +56,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// Lays out images, each given by its size, its encoding, and the number of texels of each of its levels.
+    /// Lays out images, each given by its width and height, its encoding, and the number of texels of each level.
     fn for_images(images: impl Iterator<Item = ([u32; 2], Encoding, Vec<u32>)>) -> Self {
         let images: Vec<_> = images.collect();
         let mut words = WHITE_WORDS.to_vec();
@@ -74,7 +74,7 @@ impl Layout {
 }
 
 impl TriangleImages {
-    /// Copies all levels of some images into one buffer of texels, behind the words that say where each level begins.
+    /// Copies all levels of some images into one buffer, after the words that say where each level begins.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
@@ -82,11 +82,11 @@ impl TriangleImages {
         let gpu: Gpu = context.gpu().clone();
         let levels = |image: &Image| image.levels().min(MAP_LEVELS);
         let texels = |image: &Image, level: u32| image.level(level).extent().into_iter().product();
-        let laid = images.iter().map(|(image, encoding)| {
+        let described = images.iter().map(|(image, encoding)| {
             let texels = (0..levels(image)).map(|level| texels(image, level)).collect();
             (image.extent(), *encoding, texels)
         });
-        let Layout { words, maps, end } = Layout::for_images(laid);
+        let Layout { words, maps, end } = Layout::for_images(described);
         let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(end))?;
         let bytes = bytemuck::cast_slice(&words);
         let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
@@ -104,42 +104,43 @@ impl TriangleImages {
         Ok(Self { maps, buffer: TexelBuffer::new(buffer, TEXELS.0, TEXELS.1)? })
     }
 
-    /// Returns the words of textures, laid out as by [`Self::new`] from the finest level on, and each texture's place.
+    /// Returns the words of some textures, each given with the texels of its levels, and the map of each texture. The
+    /// words that say where each level begins come before all texels, as in the buffer of [`Self::new`].
     pub(in crate::passes) fn words<'a>(
         textures: impl Iterator<Item = (&'a Texture, Vec<Vec<u32>>)>,
     ) -> (Vec<u32>, Vec<Map>) {
         let textures: Vec<_> = textures.collect();
-        let laid = textures.iter().map(|(texture, levels)| {
+        let described = textures.iter().map(|(texture, levels)| {
             let texels = levels.iter().map(|level| level.len() as u32).collect();
             ([texture.width, texture.height], texture.encoding, texels)
         });
-        let Layout { mut words, maps, .. } = Layout::for_images(laid);
+        let Layout { mut words, maps, .. } = Layout::for_images(described);
         words.extend(textures.iter().flat_map(|(_, levels)| levels.iter().flatten()));
         (words, maps)
     }
 
-    /// Makes the images of a buffer that holds their words.
+    /// Makes the images from a buffer that holds their words, and from their maps.
     pub(in crate::passes) fn from_buffer(maps: Vec<Map>, buffer: TexelBuffer) -> Self {
         Self { maps, buffer }
     }
 
-    /// The table of a view's materials.
+    /// Makes the table of a view's materials.
     ///
     /// # Errors
-    /// Returns the errors of [`Self::new`].
+    /// Errors of [`Self::new`].
     pub fn table(&self, context: &mut FrameContext, materials: &[Material]) -> Result<TriangleTable> {
         Ok(TriangleTable(uploaded(context, "materials", &self.rows(materials))?))
     }
 
-    /// The rows of the table of materials: three vectors of words for each material.
+    /// Returns the rows of the table: three vectors for each material (`Material` in `triangles/scene.glsl`).
     pub(in crate::passes) fn rows(&self, materials: &[Material]) -> Vec<Words> {
         let map = |image: Option<usize>| image.map_or(WHITE, |i| self.maps[i]);
-        let of_material = |m: &Material| {
+        let rows = |m: &Material| {
             let (albedo, normal, mask) = (map(m.albedo_map), map(m.normal_map), map(m.alpha_mask));
-            let bits = [(m.surface == Surface::Sky, MATERIAL_SKY), (m.single_sided, MATERIAL_SINGLE_SIDED)];
-            let bits = bits.into_iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit);
-            let described = [(albedo, ALBEDO_SHIFT), (normal, NORMAL_SHIFT), (mask, MASK_SHIFT)];
-            let bits = described.into_iter().fold(bits, |all, (map, shift)| all | map.described << shift);
+            let properties = [(m.surface == Surface::Sky, MATERIAL_SKY), (m.single_sided, MATERIAL_SINGLE_SIDED)];
+            let bits = properties.into_iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit);
+            let maps = [(albedo, ALBEDO_SHIFT), (normal, NORMAL_SHIFT), (mask, MASK_SHIFT)];
+            let bits = maps.into_iter().fold(bits, |all, (map, shift)| all | map.described << shift);
             let deviation = if m.normal_map.is_some() { m.normal_deviation } else { 0.0 };
             let [r, g, b] = m.albedo.to_array();
             [
@@ -148,6 +149,6 @@ impl TriangleImages {
                 [bits, deviation.to_bits(), mask.place, mask.size],
             ]
         };
-        materials.iter().flat_map(of_material).collect()
+        materials.iter().flat_map(rows).collect()
     }
 }

@@ -1,8 +1,9 @@
-//! Examples in documentation are tested: a package that has one does not leave out the tests of its documentation.
+//! Checks that examples in documentation are run as tests.
 
 use super::{manifest, packages_of_the_map, texts};
 
-/// A package whose documentation has an example that rustdoc can run does not set `doctest = false`.
+/// A package whose documentation has an example that rustdoc can run does not set `doctest = false`. Otherwise nobody
+/// would see that the example no longer compiles.
 #[test]
 fn examples_in_documentation_are_tested() {
     for (name, (folder, _)) in &packages_of_the_map() {
@@ -14,7 +15,7 @@ fn examples_in_documentation_are_tested() {
     }
 }
 
-/// Whether comments for documentation begin a block that rustdoc runs: one of no language, or of Rust.
+/// Returns whether documentation comments have a code block that rustdoc runs: one of no language, or of Rust.
 fn has_example(text: &str) -> bool {
     let fences = text.lines().filter_map(|line| {
         let comment = line.trim_start();

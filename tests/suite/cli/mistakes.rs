@@ -1,9 +1,9 @@
-//! Mistakes of users: each gets one sentence and the exit status that belongs to it, and leaves no file.
+//! Tests users' mistakes: each gets one sentence and the exit status that belongs to it, and leaves no file.
 
 use super::{EYE, folder};
 use ssct::methods::METHODS;
 
-/// The users' mistakes, each with the arguments, the exit status, and words of the sentence.
+/// Returns the users' mistakes, each with the arguments, the exit status, and words of the sentence.
 fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
     let render = |args: &[&'static str]| [&["render", "-o", "x.png"], args].concat();
     let room =
@@ -97,7 +97,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
 }
 
 /// Every mistake in the list ends with its status and its sentence on standard error, prints nothing on standard
-/// output, and leaves no file.
+/// output, and leaves no file. A mistake that is found late would leave an empty file or a panic.
 #[test]
 fn a_mistake_gets_a_sentence_and_leaves_no_file() {
     let folder = folder();

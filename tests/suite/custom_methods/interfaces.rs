@@ -1,11 +1,11 @@
-//! Shaders as people have them: shaders that OpenGL allows run, and a shader that does not fit its manifest gets a
-//! sentence before a driver sees it. Each shader is as small as it can be; where it runs, it halves the lit colour.
+//! Tests shaders that people bring along: shaders that OpenGL allows run, and a shader that does not fit its manifest
+//! gets a sentence before a driver sees it. Each shader is as small as it can be; if it runs, it halves the lit colour.
 
 use super::*;
 use std::sync::OnceLock;
 
-/// A method of one pass in the folder `m`: the file and the text of its shader, the sections of its manifest, and the
-/// format of its result.
+/// A method of one pass in the folder `m`: the file and the text of its shader, the lines of its manifest's sections
+/// `[inputs]` and `[values]`, further sections, and the format of its result.
 struct SmallMethod {
     file: &'static str,
     shader: String,
@@ -16,7 +16,7 @@ struct SmallMethod {
 }
 
 impl SmallMethod {
-    /// A fragment shader that reads the image `picture`.
+    /// Returns a method with a fragment shader that reads the image `picture`.
     fn fragment(shader: &str) -> Self {
         Self {
             file: "a.frag",
@@ -28,7 +28,8 @@ impl SmallMethod {
         }
     }
 
-    /// A fragment shader with some declarations that shows an expression of `colour`, the lit colour of the pixel.
+    /// Returns a method with a fragment shader that has some declarations and shows an expression of `colour`, the lit
+    /// colour of the pixel.
     fn with(declarations: &str, shown: &str) -> Self {
         Self::fragment(&format!(
             "#version 330\nin vec2 at;\nout vec4 shown;\nuniform sampler2D picture;\n{declarations}\n\
@@ -36,23 +37,23 @@ impl SmallMethod {
         ))
     }
 
-    /// A compute shader that stores to the image `made`.
+    /// Returns a method with a compute shader that stores to the image `made`.
     fn compute(shader: &str) -> Self {
         let inputs = "picture = \"lit-colour\"\nmade = \"result\"\n".to_owned();
         Self { file: "a.comp", inputs, ..Self::fragment(shader) }
     }
 
-    /// The method with other lines in the section `[values]`.
+    /// Returns the method with other lines in the section `[values]`.
     fn values(self, values: &str) -> Self {
         Self { values: values.to_owned(), ..self }
     }
 
-    /// The method with other lines in the section `[inputs]`.
+    /// Returns the method with other lines in the section `[inputs]`.
     fn inputs(self, inputs: &str) -> Self {
         Self { inputs: inputs.to_owned(), ..self }
     }
 
-    /// A folder with the room and with the method in `m`.
+    /// Makes a folder with the room, and with the method in `m`.
     fn folder(&self) -> Folder {
         let Self { file, shader, inputs, values, rest, format } = self;
         let folder = Folder::new();
@@ -71,31 +72,32 @@ impl SmallMethod {
         folder
     }
 
-    /// The values of the reflection that the method makes of the room.
+    /// Renders the room by the method, and returns the values of the reflection.
     fn pixels(&self) -> Vec<f32> {
         let folder = self.folder();
         folder.succeed(&on_room("render", &["--method", "m", "--reflection-only", "-o", "r.exr"]));
         ssct_lab::report::images::read_exr_channels(&folder.path("r.exr"), ["R", "G", "B"], None).unwrap().values
     }
 
-    /// The sentence of a run that is refused.
+    /// Renders by the method, which must be refused, and returns the sentence.
     fn refused(&self) -> String {
         sentence(&self.folder(), &on_room("render", &["--method", "m", "-o", "x.png"]))
     }
 }
 
-/// Holds that the reflection of a method is the lit colour, halved.
+/// Checks that the reflection of a method is half of the lit colour.
 fn assert_halves_lit_colour(small: &SmallMethod) {
     static WHOLE: OnceLock<Vec<f32>> = OnceLock::new();
-    let whole = WHOLE.get_or_init(|| SmallMethod::with("", "colour").pixels());
-    let half = small.pixels();
-    assert!(whole.iter().any(|v| *v > 0.1));
-    for (a, b) in whole.iter().zip(&half) {
-        assert!((0.5 * a - b).abs() < 1e-3, "{a} became {b}:\n{}", small.shader);
+    let lit = WHOLE.get_or_init(|| SmallMethod::with("", "colour").pixels());
+    let halved = small.pixels();
+    assert!(lit.iter().any(|v| *v > 0.1));
+    for (lit_value, found_value) in lit.iter().zip(&halved) {
+        assert!((0.5 * lit_value - found_value).abs() < 1e-3, "{lit_value} became {found_value}:\n{}", small.shader);
     }
 }
 
-/// In OpenGL, samplers, blocks and images have bindings of their own, so that one number may occur in each kind.
+/// In OpenGL, samplers, blocks and images have bindings of their own, so that one number may occur in each kind. In
+/// Vulkan one number is one binding, so that the program must count anew.
 #[test]
 fn bindings_are_counted_apart_as_opengl_does() {
     assert_halves_lit_colour(
@@ -123,7 +125,8 @@ fn bindings_are_counted_apart_as_opengl_does() {
 }
 
 /// Uniforms outside of blocks are read as GLSL means them: with preprocessor conditions, default values, arrays,
-/// matrices, structs and comments.
+/// matrices, structs and comments. Vulkan has no such uniforms: the program finds them in the text and puts them into a
+/// block.
 #[test]
 fn loose_uniforms_are_read_by_what_they_mean() {
     for (declarations, values) in [
@@ -167,7 +170,8 @@ fn loose_uniforms_are_read_by_what_they_mean() {
     }
 }
 
-/// A uniform may stand in an included file, and an error has the line of the file in which the mistake stands.
+/// A uniform may stand in an included file, and an error has the file and the line in which the mistake stands, though
+/// the compiler sees one text.
 #[test]
 fn loose_uniforms_may_be_in_includes() {
     let small = SmallMethod::with("uniform float gain;\n#include \"b.glsl\"", "colour * gain * twice()");
@@ -175,7 +179,7 @@ fn loose_uniforms_may_be_in_includes() {
     let folder = small.folder();
     folder.write("m/b.glsl", "uniform float other;\nfloat twice() { return 2.0 * other; }\n");
     folder.succeed(&on_room("render", &["--method", "m", "-o", "a.png"]));
-    // A mistake in an included file has that file's name and line. A mistake behind the include has the line of the
+    // A mistake in an included file has that file's name and line. A mistake after the include has the line of the
     // including file.
     folder.write("m/b.glsl", "uniform float other;\nfloat twice() { return 2.0 * here; }\n");
     let render = on_room("render", &["--method", "m", "-o", "a.png"]);
@@ -184,8 +188,8 @@ fn loose_uniforms_may_be_in_includes() {
     assert!(sentence(&folder, &render).contains("m/a.frag:7: 'twice'"), "{}", sentence(&folder, &render));
 }
 
-/// A default value that is an expression must be given by the manifest. A uniform without a value, or with too few
-/// numbers, is refused.
+/// If the default value of a uniform is an expression, the manifest must give a value, since nothing evaluates GLSL on
+/// the host. A uniform without a value, or with too few numbers, is refused.
 #[test]
 fn values_of_their_own_that_are_more_than_numbers_are_asked_for() {
     let small = SmallMethod::with("uniform float gain = sin(0.5);", "colour * gain");
@@ -203,16 +207,16 @@ fn values_of_their_own_that_are_more_than_numbers_are_asked_for() {
 }
 
 /// A sampler that is fed an image of another kind (cube, integers, array, three dimensions) is refused with both kinds
-/// in the sentence.
+/// in the sentence. A driver would read anything, or crash.
 #[test]
 fn images_of_another_kind_are_refused() {
-    let look = |sampler: &str, expression: &str, image: &str| {
+    let refused_sampler = |sampler: &str, expression: &str, image: &str| {
         let small = SmallMethod::fragment(&format!(
             "#version 450\nin vec2 at;\nout vec4 shown;\nuniform {sampler} picture;\nvoid main() {{ shown = vec4({expression}); }}\n"
         ));
         small.inputs(&format!("picture = \"{image}\"\n")).refused()
     };
-    for (sampler, expression, image, says) in [
+    for (sampler, expression, image, expected) in [
         (
             "samplerCube",
             "texture(picture, vec3(at, 1.0))",
@@ -245,18 +249,22 @@ fn images_of_another_kind_are_refused() {
         ("samplerBuffer", "texelFetch(picture, 0)", "lit-colour", "a samplerBuffer, and is fed lit-colour"),
         ("sampler2D", "texture(picture, at)", "captures:colour", "which is a samplerCubeArray"),
     ] {
-        let said = look(sampler, expression, image);
-        assert!(said.contains("m/method.toml:10: pass \"p\": picture of a.frag is ") && said.contains(says), "{said}");
+        let message = refused_sampler(sampler, expression, image);
+        assert!(
+            message.contains("m/method.toml:10: pass \"p\": picture of a.frag is ") && message.contains(expected),
+            "{message}"
+        );
     }
     let array = SmallMethod::with("uniform sampler2D more[2];", "colour + texture(more[0], at)");
     let array = array.inputs("picture = \"lit-colour\"\nmore = \"lit-colour\"\n").refused();
     assert!(array.contains("more of a.frag is an array of images or blocks"), "{array}");
 }
 
-/// A storage image whose declared format is not that of the manifest is refused.
+/// A storage image whose declared format is not that of the manifest is refused. A driver would store bits of the wrong
+/// format.
 #[test]
 fn images_for_storage_of_another_kind_are_refused() {
-    let store = |layout: &str, what: &str, format: &'static str| {
+    let refused_store = |layout: &str, what: &str, format: &'static str| {
         let small = SmallMethod::compute(&format!(
             "#version 450\nlayout(local_size_x = 8, local_size_y = 8) in;\nlayout({layout}) uniform writeonly {what};\n\
              void main() {{ imageStore(made, ivec2(gl_GlobalInvocationID.xy), {}vec4(1)); }}\n",
@@ -264,16 +272,16 @@ fn images_for_storage_of_another_kind_are_refused() {
         ));
         SmallMethod { format, ..small }.inputs("made = \"result\"\n").refused()
     };
-    let other = store("rgba8", "image2D made", "rgba16f");
+    let other = refused_store("rgba8", "image2D made", "rgba16f");
     assert!(other.contains("made of a.comp is declared rgba8, and result is rgba16f"), "{other}");
-    let integers = store("rgba32ui", "uimage2D made", "rgba16f");
+    let integers = refused_store("rgba32ui", "uimage2D made", "rgba16f");
     assert!(integers.contains("made of a.comp is an uimage2D, and result is an image2D"), "{integers}");
-    let unknown = store("rgba16i", "iimage2D made", "r32i");
+    let unknown = refused_store("rgba16i", "iimage2D made", "r32i");
     assert!(unknown.contains("declared of another format, and result is r32i"), "{unknown}");
 }
 
-/// A fragment shader may read one `in vec2` of texture coordinates; other inputs that it reads are refused, and unread
-/// ones are not.
+/// A fragment shader may read one `in vec2` of texture coordinates. Other inputs that it reads are refused, since
+/// nothing writes them; unread ones are allowed.
 #[test]
 fn inputs_of_other_names_and_kinds_are_refused() {
     let with = |inputs: &str, shown: &str| {
@@ -281,14 +289,14 @@ fn inputs_of_other_names_and_kinds_are_refused() {
             "#version 330\n{inputs}\nout vec4 shown;\nuniform sampler2D picture;\nvoid main() {{ shown = {shown}; }}\n"
         ))
     };
-    let said = with("in vec3 ray;\nin vec2 at;", "texture(picture, at) * abs(ray.z)").refused();
-    assert!(said.contains("a.frag reads `ray`; only texture coordinates are given"), "{said}");
-    let said = with("in vec2 at;\nin vec2 more;", "texture(picture, at + more)").refused();
-    assert!(said.contains("a.frag reads `more`; only texture coordinates are given"), "{said}");
-    let said = with("in vec4 at;", "texture(picture, at.xy)").refused();
-    assert!(said.contains("a.frag reads `at`; only texture coordinates are given, as one `in vec2`"), "{said}");
-    let said = with("flat in int which;", "vec4(which) * texture(picture, vec2(0.5))").refused();
-    assert!(said.contains("a.frag reads `which`"), "{said}");
+    let message = with("in vec3 ray;\nin vec2 at;", "texture(picture, at) * abs(ray.z)").refused();
+    assert!(message.contains("a.frag reads `ray`; only texture coordinates are given"), "{message}");
+    let message = with("in vec2 at;\nin vec2 more;", "texture(picture, at + more)").refused();
+    assert!(message.contains("a.frag reads `more`; only texture coordinates are given"), "{message}");
+    let message = with("in vec4 at;", "texture(picture, at.xy)").refused();
+    assert!(message.contains("a.frag reads `at`; only texture coordinates are given, as one `in vec2`"), "{message}");
+    let message = with("flat in int which;", "vec4(which) * texture(picture, vec2(0.5))").refused();
+    assert!(message.contains("a.frag reads `which`"), "{message}");
     // Texture coordinates may have any location, and inputs that a shader declares and does not read are allowed.
     assert_halves_lit_colour(&with(
         "#extension GL_ARB_separate_shader_objects : enable\nlayout(location = 5) in vec2 at;",
@@ -298,19 +306,19 @@ fn inputs_of_other_names_and_kinds_are_refused() {
     assert_halves_lit_colour(&with("", "0.5 * texelFetch(picture, ivec2(gl_FragCoord.xy), 0)"));
 }
 
-/// Outputs of a wrong type or location are refused, and so are shaders beyond limits: threads, shared memory, doubles,
-/// push constants and block size.
+/// Outputs of a wrong type or location are refused, and so are shaders that exceed limits: threads, shared memory,
+/// doubles, push constants and the size of a block.
 #[test]
 fn outputs_and_limits_are_checked() {
     let integers =
         SmallMethod::fragment("#version 330\nin vec2 at;\nout ivec4 shown;\nvoid main() { shown = ivec4(at.xyxy); }\n");
-    let said = integers.inputs("").refused();
-    assert!(said.contains("a.frag writes `shown` as signed integers, and result has floats"), "{said}");
+    let message = integers.inputs("").refused();
+    assert!(message.contains("a.frag writes `shown` as signed integers, and result has floats"), "{message}");
     let gap = SmallMethod::fragment(
         "#version 330\nin vec2 at;\nlayout(location = 1) out vec4 shown;\nvoid main() { shown = at.xyxy; }\n",
     );
-    let said = gap.inputs("").refused();
-    assert!(said.contains("a.frag writes `shown` at location 1; targets are 0, 1 and so on"), "{said}");
+    let message = gap.inputs("").refused();
+    assert!(message.contains("a.frag writes `shown` at location 1; targets are 0, 1 and so on"), "{message}");
     let compute = |head: &str, body: &str| {
         let shader = format!(
             "#version 450\n{head}\nlayout(rgba16f) uniform writeonly image2D made;\nvoid main() {{ {body} }}\n"
@@ -318,11 +326,11 @@ fn outputs_and_limits_are_checked() {
         SmallMethod::compute(&shader).inputs("made = \"result\"\n").refused()
     };
     let store = "imageStore(made, ivec2(gl_GlobalInvocationID.xy), vec4(1.0));";
-    let said = compute("layout(local_size_x = 64, local_size_y = 32) in;", store);
-    assert!(said.contains("the workgroups of a.comp have 64x32x1 threads; at most 1024"), "{said}");
-    let said =
+    let message = compute("layout(local_size_x = 64, local_size_y = 32) in;", store);
+    assert!(message.contains("the workgroups of a.comp have 64x32x1 threads; at most 1024"), "{message}");
+    let message =
         compute("layout(local_size_x = 8) in;\nshared vec4 kept[4096];", &format!("kept[0] = vec4(1.0); {store}"));
-    assert!(said.contains("the workgroups of a.comp share 65536 bytes, more than 32768"), "{said}");
+    assert!(message.contains("the workgroups of a.comp share 65536 bytes, more than 32768"), "{message}");
     let doubles = SmallMethod::fragment(
         "#version 450\nin vec2 at;\nout vec4 shown;\nuniform sampler2D picture;\n\
          void main() { shown = vec4(float(double(texture(picture, at).x) * 2.0lf)); }\n",
@@ -333,13 +341,14 @@ fn outputs_and_limits_are_checked() {
         "#version 450\nin vec2 at;\nout vec4 shown;\nlayout(push_constant) uniform P { vec4 many[12]; };\n\
          void main() { shown = many[0] + at.xyxy; }\n",
     );
-    let said = push.inputs("").refused();
-    assert!(said.contains("the push constants P of a.frag have 192 bytes, more than 128"), "{said}");
+    let message = push.inputs("").refused();
+    assert!(message.contains("the push constants P of a.frag have 192 bytes, more than 128"), "{message}");
     let large = SmallMethod::with("layout(std140) uniform B { vec4 many[5000]; };", "colour * many[0]").refused();
     assert!(large.contains("has a block in which many lies beyond the 65536 bytes"), "{large}");
 }
 
-/// Versions of GLSL from 140 on and 310 es run; older ones are refused.
+/// GLSL of version 140 and later, and of 310 es, runs; older versions are refused, as the page about methods from
+/// folders says.
 #[test]
 fn versions_are_what_the_page_says() {
     for version in ["140", "150", "330 core", "460", "310 es"] {
@@ -350,15 +359,16 @@ fn versions_are_what_the_page_says() {
         )));
     }
     for version in ["#version 110\n", "#version 130\n", ""] {
-        let said = SmallMethod::fragment(&format!(
+        let message = SmallMethod::fragment(&format!(
             "{version}in vec2 at;\nout vec4 shown;\nuniform sampler2D picture;\nvoid main() {{ shown = texture(picture, at); }}\n"
         ))
         .refused();
-        assert!(said.contains("m/a.frag"), "{said}");
+        assert!(message.contains("m/a.frag"), "{message}");
     }
 }
 
-/// A buffer that is smaller than the shader's block is refused, and one of the same size is not.
+/// A buffer that is smaller than the shader's block is refused, and one of the same size is accepted. A shader would
+/// write past the end of a smaller one.
 #[test]
 fn storage_blocks_must_fit_their_buffers() {
     let small = SmallMethod::compute(
@@ -367,14 +377,14 @@ fn storage_blocks_must_fit_their_buffers() {
          void main() { kept.first[63] = vec4(1.0); imageStore(made, ivec2(gl_GlobalInvocationID.xy), kept.first[0]); }\n",
     );
     let small = small.inputs("kept = \"list\"\nmade = \"result\"\n");
-    let with = |bytes: u32| SmallMethod { rest: format!("[buffer.list]\nbytes = {bytes}\n"), ..copied(&small) };
-    let said = with(512).refused();
-    assert!(said.contains("the shader's block has 1024 bytes, and the buffer list has 512"), "{said}");
-    let folder = with(1024).folder();
+    let with_buffer = |bytes: u32| SmallMethod { rest: format!("[buffer.list]\nbytes = {bytes}\n"), ..copied(&small) };
+    let message = with_buffer(512).refused();
+    assert!(message.contains("the shader's block has 1024 bytes, and the buffer list has 512"), "{message}");
+    let folder = with_buffer(1024).folder();
     folder.succeed(&on_room("render", &["--method", "m", "-o", "a.png"]));
 }
 
-/// A copy of a method.
+/// Returns a copy of a method.
 fn copied(small: &SmallMethod) -> SmallMethod {
     let SmallMethod { file, shader, inputs, values, rest, format } = small;
     SmallMethod {

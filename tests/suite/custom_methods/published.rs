@@ -1,22 +1,22 @@
-//! The published methods as folders: each is its built-in method to the bit, wherever the folder lies. A change of one
-//! constant or of one file of its shaders changes the image. If a manifest lacks fields, the error names all of them,
-//! with the values that they may have.
+//! Tests the published methods as folders. Each equals its built-in method to the bit, wherever the folder lies. A
+//! change of one constant or of one file of its shaders changes the image. If a manifest lacks fields, the error names
+//! all of them, with the values that they may have.
 
 use super::*;
 use std::collections::BTreeMap;
 
-/// Built-in methods whose shaders a folder of `examples/methods` names.
+/// The built-in methods that `examples/methods` has as folders, which name the built-in shaders.
 const METHODS: [&str; 5] = ["ssct", "hzct", "sslr", "ssr", "linear"];
 
-/// Renders a method at a roughness and returns three files that must agree: reflection, hits and finished image.
+/// Renders a method at a roughness, and returns the bytes of three files: reflection, hits and finished image.
 fn drawn(folder: &Folder, method: &str, roughness: &str) -> [Vec<u8>; 3] {
     let options = ["--roughness", roughness, "--size", "97x55", "--view", "corridor"];
     folder.succeed(&[&["render", "--method", method, "--dump", "dump"], &options[..]].concat());
     ["reflection.exr", "hits.exr", "composite.exr"].map(|file| std::fs::read(folder.path("dump").join(file)).unwrap())
 }
 
-/// Each of five published methods gives the same three files from its folder as built in. One other value in the manifest of
-/// each changes an image.
+/// Each of five published methods gives the same three files from its folder as built in. Another value of one constant
+/// in its manifest changes an image; otherwise the folder's values would not be those that are used.
 #[test]
 fn a_published_method_from_its_folder_is_the_built_in_one_to_the_bit_and_one_constant_changes_it() {
     let changes = [
@@ -38,7 +38,8 @@ fn a_published_method_from_its_folder_is_the_built_in_one_to_the_bit_and_one_con
     }
 }
 
-/// `ssr` names the built-in method although there is a folder `ssr`; `./ssr` names the folder.
+/// `ssr` names the built-in method although there is a folder `ssr`; `./ssr` names the folder. A folder beside a user's
+/// files must not replace a method unnoticed.
 #[test]
 fn a_name_of_a_built_in_method_is_no_folder() {
     let folder = with_example("march");
@@ -62,8 +63,8 @@ fn a_file_of_the_folder_stands_in_the_place_of_the_built_in_one() {
     assert!(drawn(&folder, "ssct", "0") != drawn(&folder, "./m", "0"), "the folder's text is taken");
     // The error of a mistake has the path in the folder, and not that of the built-in file.
     folder.write("m/thesis/border_fade.glsl", text.replace("return 1.0", "return one"));
-    let said = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
-    assert!(said.starts_with("./m/thesis/border_fade.glsl:9: 'one'"), "{said}");
+    let message = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
+    assert!(message.starts_with("./m/thesis/border_fade.glsl:9: 'one'"), "{message}");
 }
 
 /// Removes a section from the manifest of an example, and returns the removed table.
@@ -75,22 +76,23 @@ fn without_section(folder: &Folder, section: &str) -> toml::Table {
     toml::from_str(removed).unwrap()
 }
 
-/// By field, the words in brackets behind the name of each field that nothing feeds, as the sentence has them.
-fn hints(said: &str) -> BTreeMap<String, String> {
-    let fields = said.split("the field ").skip(1).filter_map(|field| field.split_once(" ("));
-    let name = |full: &str| full.rsplit('.').next().unwrap_or(full).to_owned();
-    fields.map(|(full, rest)| (name(full), rest.split(')').next().unwrap_or_default().to_owned())).collect()
+/// Returns, by field, the words in brackets that follow the name of each field that nothing feeds in an error's
+/// sentence.
+fn hints(message: &str) -> BTreeMap<String, String> {
+    let fields = message.split("the field ").skip(1).filter_map(|field| field.split_once(" ("));
+    let name = |full_name: &str| full_name.rsplit('.').next().unwrap_or(full_name).to_owned();
+    fields.map(|(full_name, rest)| (name(full_name), rest.split(')').next().unwrap_or_default().to_owned())).collect()
 }
 
 /// Without its section `[values]`, each example is refused with one sentence, which names every field, its option, and
-/// its published value as in the removed section.
+/// its published value as in the removed section. A user can thus write the section from the sentence alone.
 #[test]
 fn fields_that_are_missing_are_all_named_with_their_options_and_published_values() {
     for method in METHODS {
         let folder = with_example(method);
         let values = without_section(&folder, "values");
-        let said = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
-        let hints = hints(&said);
+        let message = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
+        let hints = hints(&message);
         for (name, value) in &values {
             // A value without a hint is that of a specialization constant, which has a default.
             let Some(hint) = hints.get(name) else { continue };
@@ -109,16 +111,19 @@ fn fields_that_are_missing_are_all_named_with_their_options_and_published_values
         }
         let fields = values.keys().filter(|name| name.chars().any(|c| c.is_ascii_lowercase()) && *name != "direction");
         for name in fields {
-            assert!(hints.contains_key(name) || said.contains(&format!("{name} ")), "{method}: {name} in {said}");
+            assert!(hints.contains_key(name) || message.contains(&format!("{name} ")), "{method}: {name} in {message}");
         }
     }
     let folder = with_example("ssct");
     without_section(&folder, "values");
-    let said = sentence(&folder, &["render", "--method", "./m", "-o", "x.png"]);
-    assert!(said.contains("ThesisBlock.view_direction_epsilon (--direction-tolerance, published 0.00001)"), "{said}");
+    let message = sentence(&folder, &["render", "--method", "./m", "-o", "x.png"]);
     assert!(
-        said.contains("pass \"hi-z\": nothing feeds the field HiZBlock.Offset (\"hi-z-offset\") of hi_z.frag"),
-        "{said}"
+        message.contains("ThesisBlock.view_direction_epsilon (--direction-tolerance, published 0.00001)"),
+        "{message}"
     );
-    assert!(said.ends_with("name them under [inputs] or [values]"), "{said}");
+    assert!(
+        message.contains("pass \"hi-z\": nothing feeds the field HiZBlock.Offset (\"hi-z-offset\") of hi_z.frag"),
+        "{message}"
+    );
+    assert!(message.ends_with("name them under [inputs] or [values]"), "{message}");
 }

@@ -1,13 +1,13 @@
-//! Sentences of the pages have few words.
+//! Tests that sentences of the pages are short.
 
 use super::{pages, root};
 use ssct_docs::pages::outside_code;
 use std::fs;
 
-/// Words that a sentence has at most.
+/// The greatest number of words of a sentence.
 const MOST_WORDS: usize = 35;
 
-/// A text without what stands between two marks.
+/// Returns a text without the parts between an opening and a closing mark.
 fn without(text: &str, [open, close]: [&str; 2]) -> String {
     let (mut kept, mut rest) = (String::new(), text);
     while let Some((before, marked)) = rest.split_once(open) {
@@ -17,7 +17,8 @@ fn without(text: &str, [open, close]: [&str; 2]) -> String {
     kept + rest
 }
 
-/// The paragraphs and the items of lists of a page. Code, tables, headings and addresses are no prose.
+/// Returns the paragraphs of a page, and the items of its lists. Code, tables, headings and addresses are left out,
+/// since they are no prose.
 fn paragraphs(page: &str) -> Vec<String> {
     let page = without(&outside_code(page).join("\n"), ["<!--", "-->"]);
     let mut all: Vec<String> = Vec::new();
@@ -38,24 +39,26 @@ fn paragraphs(page: &str) -> Vec<String> {
     all
 }
 
-/// The sentences of a paragraph that have too many words. A colon ends one if what follows it begins as a sentence does.
+/// Returns the sentences of a paragraph that have too many words. A colon ends a sentence if the next word begins as a
+/// sentence does.
 fn wordy(paragraph: &str) -> Vec<String> {
     let text = without(paragraph, ["](", ")"]);
     let words: Vec<&str> = text.split_whitespace().collect();
     let begins = |word: &&str| word.starts_with(|c: char| c.is_uppercase() || "`*[(".contains(c));
     let is_end = |n: usize| words[n].ends_with(['.', '!', '?', ':']) && words.get(n + 1).is_none_or(begins);
-    let (mut all, mut from) = (Vec::new(), 0);
+    let (mut all, mut start) = (Vec::new(), 0);
     for n in 0..words.len() {
         if is_end(n) || n + 1 == words.len() {
-            let sentence = &words[from..=n];
+            let sentence = &words[start..=n];
             let count = sentence.iter().filter(|word| word.contains(char::is_alphanumeric)).count();
             all.extend((count > MOST_WORDS).then(|| sentence.join(" ")));
-            from = n + 1;
+            start = n + 1;
         }
     }
     all
 }
 
+/// No sentence of a page has more than `MOST_WORDS` words. Sentences grow when facts are added to them.
 #[test]
 fn sentences_have_few_words() {
     let map = fs::read_to_string(root().join("src/ARCHITECTURE.md")).unwrap();
@@ -70,6 +73,8 @@ fn sentences_have_few_words() {
     assert!(sentences > 900, "only {sentences} paragraphs");
 }
 
+/// The count finds a sentence of too many words over a line break, and leaves out headings, addresses of links, code,
+/// tables and comments.
 #[test]
 fn words_are_counted_as_readers_count_them() {
     let thirty = "word ".repeat(30);

@@ -1,5 +1,5 @@
-//! Nothing is judged where it cannot be seen: no verdict and no row of a table is of a method whose reflection is black
-//! everywhere in the records that are quoted for it. And no record against an older reference is quoted.
+//! Tests that nothing is judged that cannot be seen. If a method's reflection is black everywhere in the quoted
+//! records, the page has no verdict and no row about it. No record against an older reference is quoted either.
 
 use super::{pages, root};
 use ssct::methods::{METHODS, MethodInfo};
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Files of records in a folder and below it, or the one file.
+/// Returns the files in a folder and below it, or the path itself if it is a file.
 fn files(path: &Path) -> Vec<PathBuf> {
     if !path.is_dir() {
         return vec![path.to_owned()];
@@ -19,20 +19,21 @@ fn files(path: &Path) -> Vec<PathBuf> {
     entries.flat_map(|entry| files(&entry)).collect()
 }
 
-/// The rows of a file of records; nothing of any other file.
+/// Returns the rows of a file of records, or nothing if the file has another ending.
 fn rows(path: &Path) -> Vec<Row> {
     let is_of_records = path.extension().is_some_and(|extension| extension == "json" || extension == "csv");
     if is_of_records { read(path, "").unwrap_or_default() } else { Vec::new() }
 }
 
-/// What records say of a method: the scenes that they are of, and the shares of black pixels as far as they have them.
+/// A method's quoted records: the scenes that they are of, and the shares of black pixels of those records that have
+/// them.
 #[derive(Default)]
 struct Quoted {
     scenes: BTreeSet<String>,
     black: Vec<f64>,
 }
 
-/// What the records of some folders say, by method.
+/// Gathers the records of some folders, by method.
 fn quoted(folders: &[PathBuf]) -> BTreeMap<String, Quoted> {
     let mut all = BTreeMap::<String, Quoted>::new();
     for row in folders.iter().flat_map(|folder| files(folder)).flat_map(|file| rows(&file)) {
@@ -45,7 +46,7 @@ fn quoted(folders: &[PathBuf]) -> BTreeMap<String, Quoted> {
     all
 }
 
-/// Why a method's records show nothing; `None` if they show something, or if there are none.
+/// Returns why a method's records show nothing, or `None` if they show something or there are none.
 fn nothing_shown(quoted: &Quoted, method: &str) -> Option<String> {
     if !quoted.black.is_empty() {
         let is_black = quoted.black.iter().all(|share| *share >= 1.0);
@@ -56,7 +57,8 @@ fn nothing_shown(quoted: &Quoted, method: &str) -> Option<String> {
     (!is_seen).then(|| format!("it lacks what it needs in {lacking:?}, so that it is black there"))
 }
 
-/// The methods that something shown is of: those that the query names, and those that begin a row of a table.
+/// Returns the methods that a quoted table is about: those that its query names, and those in the first row or the
+/// first column of the table.
 fn methods_of(query: &str, answer: &str) -> Vec<&'static MethodInfo> {
     let words = query.split([' ', ',']);
     let firsts = answer.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
@@ -65,6 +67,8 @@ fn methods_of(query: &str, answer: &str) -> Vec<&'static MethodInfo> {
     METHODS.iter().filter(|method| names.contains(method.name)).collect()
 }
 
+/// No page quotes a time or an error of a method from records in which its reflection is black everywhere. A method
+/// that shows nothing is fast and has an error like any other.
 #[test]
 fn nothing_is_judged_that_is_black_everywhere() {
     let (mut black, mut judged) = (Vec::new(), 0);
@@ -83,28 +87,30 @@ fn nothing_is_judged_that_is_black_everywhere() {
     assert!(judged > 200, "only {judged} methods are judged");
 }
 
+/// Records of a method without its impostors, or with a share of black pixels of 1, count as showing nothing; others do
+/// not. The test above relies on this.
 #[test]
 fn what_is_black_everywhere_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let folders = vec![folder.path().to_owned()];
-    let says = |records: &str, method: &str| {
+    let shows_nothing = |records: &str, method: &str| {
         fs::write(folder.path().join("error.json"), records).unwrap();
         nothing_shown(&quoted(&folders)[method], method).is_some()
     };
     let rooms = r#"[{"method": "billboard", "scene": "rooms"}, {"method": "ssct", "scene": "rooms"}]"#;
-    assert!(says(rooms, "billboard") && !says(rooms, "ssct"), "the rooms have no impostors");
+    assert!(shows_nothing(rooms, "billboard") && !shows_nothing(rooms, "ssct"), "the rooms have no impostors");
     let street = r#"[{"method": "billboard", "scene": "rooms"}, {"method": "billboard", "scene": "street"}]"#;
-    assert!(!says(street, "billboard"), "the street has impostors");
+    assert!(!shows_nothing(street, "billboard"), "the street has impostors");
     let measured = |black: [f64; 2]| {
         let row = |black: f64| format!(r#"{{"method": "planar", "scene": "museum", "black": {black}}}"#);
         format!("[{}]", black.map(row).join(", "))
     };
-    assert!(says(&measured([1.0, 1.0]), "planar") && !says(&measured([1.0, 0.9]), "planar"));
+    assert!(shows_nothing(&measured([1.0, 1.0]), "planar") && !shows_nothing(&measured([1.0, 0.9]), "planar"));
     let words = methods_of("claim-time billboard ssr 0", "| method | time |\n|---|---|\n| `ibr` | 1 |\n");
     assert_eq!(words.iter().map(|m| m.name).collect::<Vec<_>>(), ["ssr", "billboard", "ibr"]);
 }
 
-/// What a page names of the runs: by links, and by their paths below `benches/runs/` in code.
+/// Returns the files and folders of `benches/runs` that a page names, by links or by their paths in code.
 fn runs_named(name: &str, text: &str) -> Vec<PathBuf> {
     let folder = root().join(name).parent().unwrap().to_owned();
     let mut targets: Vec<PathBuf> = definitions(text).values().map(|target| folder.join(target)).collect();
@@ -117,12 +123,14 @@ fn runs_named(name: &str, text: &str) -> Vec<PathBuf> {
     targets.into_iter().filter(is_run).collect()
 }
 
+/// No page names a run whose records were judged by an older version of the references, since its errors cannot be
+/// compared with today's.
 #[test]
 fn no_record_against_an_older_reference_is_quoted() {
     let (mut older, mut count) = (Vec::new(), 0);
     for (name, text) in pages() {
         for path in runs_named(&name, &text) {
-            // A picture is of the records beside it.
+            // A picture shows the records in its folder.
             let folder = if path.is_dir() { path.clone() } else { path.parent().unwrap().to_owned() };
             for file in files(&folder) {
                 count += 1;

@@ -1,18 +1,19 @@
-//! One bad name through every command that prints: as the name of a scene, of a view, of a folder and of a device.
+//! Takes one bad name through every command that prints: as the name of a scene, of a view, of a folder and of a
+//! device.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
 
-/// A name that a terminal, a table, a page and a program for tables would each obey.
+/// A name with characters that a terminal, a table, a page and a spreadsheet would each obey.
 const BAD: &str = "=1+1\u{1b}[31m\u{7}|<img src=x onerror=alert(1)>\r\nforged: line\u{9b}2J\u{202e}";
 
-/// Whether a terminal obeys a character instead of showing it: control characters, and U+202E, which reverses the
-/// direction of text.
+/// Returns whether a terminal obeys a character instead of showing it. That holds for control characters, and for
+/// U+202E, which reverses the direction of text.
 fn is_obeyed(c: char) -> bool {
     (c.is_control() && c != '\n' && c != '\t') || c == '\u{202e}'
 }
 
-/// A folder with a scene whose own name and whose view's name are bad: a floor before a wall.
+/// Makes a folder with a scene, a floor before a wall, whose own name and whose view's name are bad.
 fn scene() -> Folder {
     let folder = Folder::new();
     let room = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
@@ -27,42 +28,43 @@ fn scene() -> Folder {
     folder
 }
 
-/// The text that a command prints on both streams; the command may fail, but not crash.
+/// Returns the text that a command prints on both streams. The command may fail, but not crash.
 fn printed(folder: &Folder, args: &[&str]) -> String {
     let output = folder.run(args);
-    let [out, said] = [&output.stdout, &output.stderr].map(|text| String::from_utf8(text.clone()).unwrap());
-    out + &said
+    let [text, errors] = [&output.stdout, &output.stderr].map(|text| String::from_utf8(text.clone()).unwrap());
+    text + &errors
 }
 
-/// Holds that a text has no character that a terminal obeys, and no line that begins with `forged`.
+/// Checks that a text has no character that a terminal obeys, and no line that begins with `forged`. `what` names the
+/// text in messages.
 fn assert_safe(what: &str, text: &str) {
     let found = text.chars().find(|c| is_obeyed(*c));
     assert!(found.is_none(), "{what} has {found:?}: {text:?}");
-    // In a page, the end of a line counts as a blank.
+    // In a page, the end of a line counts as a blank, so that no reader sees a forged line.
     let is_page = text.starts_with("<!DOCTYPE html>") || text.starts_with("<svg");
     let forged = !is_page && text.lines().any(|line| line.starts_with("forged"));
     assert!(!forged, "{what} has a line of its own: {text}");
 }
 
-/// A scene with a bad name goes through every command that prints: no printed text and no written file has a character
-/// that a terminal, a page or a spreadsheet would obey.
+/// A scene with a bad name goes through every command that prints. No printed text and no written file has a character
+/// that a terminal, a page or a spreadsheet would obey. Each kind of file escapes names in its own way.
 #[test]
 fn a_bad_name_is_obeyed_by_nobody() {
     let folder = scene();
     let scene = ["--scene", "bad.scene.toml", "--size", "16x9", "--roughness", "0", "--method", "linear"];
-    let of_scene = |command: &[&'static str], more: &[&'static str]| [command, &scene[..], more].concat();
+    let scene_command = |command: &[&'static str], more: &[&'static str]| [command, &scene[..], more].concat();
     let size = ["--size", "16x9"];
     let commands: Vec<Vec<&str>> = vec![
-        of_scene(&["render"], &["-o", "a.png", "--json"]),
-        of_scene(&["render"], &["--explain", "-o", "a.png"]),
-        of_scene(&["render"], &["--view", "no such view"]),
-        of_scene(&["time"], &["--samples", "2", "-o", "runs/time"]),
-        of_scene(&["time"], &["--samples", "2", "--json"]),
-        of_scene(&["error"], &["--samples", "1", "--rays", "2", "--no-sweep", "-o", "runs/error"]),
-        of_scene(&["video"], &["--way", "rest", "--frames", "2", "--rays", "2", "-o", "runs/video"]),
-        of_scene(&["motion"], &["--frames", "2", "--rays", "2", "-o", "runs/motion"]),
-        of_scene(&["precision"], &["--rays", "2", "-o", "runs/precision"]),
-        of_scene(&["path"], &["--frames", "2", "-o", "runs/path"]),
+        scene_command(&["render"], &["-o", "a.png", "--json"]),
+        scene_command(&["render"], &["--explain", "-o", "a.png"]),
+        scene_command(&["render"], &["--view", "no such view"]),
+        scene_command(&["time"], &["--samples", "2", "-o", "runs/time"]),
+        scene_command(&["time"], &["--samples", "2", "--json"]),
+        scene_command(&["error"], &["--samples", "1", "--rays", "2", "--no-sweep", "-o", "runs/error"]),
+        scene_command(&["video"], &["--way", "rest", "--frames", "2", "--rays", "2", "-o", "runs/video"]),
+        scene_command(&["motion"], &["--frames", "2", "--rays", "2", "-o", "runs/motion"]),
+        scene_command(&["precision"], &["--rays", "2", "-o", "runs/precision"]),
+        scene_command(&["path"], &["--frames", "2", "-o", "runs/path"]),
         vec!["captures", "bad.scene.toml", "--captures", "1"],
         vec!["captures", "bad.scene.toml", "--captures", "1", "--json"],
         [&["gbuffer", "export", "g.exr", "--scene", "bad.scene.toml"], &size[..]].concat(),
@@ -82,11 +84,11 @@ fn a_bad_name_is_obeyed_by_nobody() {
         assert_safe(&format!("{command:?}"), &printed(&folder, command));
     }
     // All files with text that the commands wrote.
-    let mut left = vec![folder.root().to_owned()];
+    let mut to_visit = vec![folder.root().to_owned()];
     let (mut seen, mut is_in_tables) = (Vec::new(), false);
-    while let Some(path) = left.pop() {
+    while let Some(path) = to_visit.pop() {
         if path.is_dir() {
-            left.extend(std::fs::read_dir(path).unwrap().map(|e| e.unwrap().path()));
+            to_visit.extend(std::fs::read_dir(path).unwrap().map(|e| e.unwrap().path()));
             continue;
         }
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
@@ -102,7 +104,7 @@ fn a_bad_name_is_obeyed_by_nobody() {
                 let rows = text.lines().skip(1).collect::<Vec<_>>();
                 assert!(rows.iter().all(|row| row.trim_matches('"').starts_with("'=1")), "{name}: {rows:?}");
             }
-            // What a machine reads keeps the name as it is, by the numbers of its characters.
+            // Records keep the name as it is, with escapes for its control characters.
             "json" => drop(serde_json::from_str::<Value>(&text).unwrap_or_else(|e| panic!("{name}: {e}"))),
             "jsonl" => continue,
             "md" => {
@@ -120,6 +122,8 @@ fn a_bad_name_is_obeyed_by_nobody() {
     }
 }
 
+/// Bad names of a command, a cell and a device in a shard's list of cells are printed without characters that a
+/// terminal or a page obeys. A merge prints what other machines wrote.
 #[test]
 fn what_a_command_is_told_by_a_shard_is_printed_as_text() {
     let folder = scene();

@@ -1,4 +1,4 @@
-//! Mistakes in a map, or in the files that it names, get one sentence that says the mistake and its place.
+//! Tests mistakes in a map, or in the files that it names: each gets one sentence that says the mistake and its place.
 
 use super::files::{Part, floats, halves, write_exr, write_png};
 use super::named;
@@ -36,7 +36,7 @@ channels = ["R", "G", "B"]
 /// Size of the frame in pixels.
 const SIZE: [u32; 2] = [4, 3];
 
-/// A folder with a frame of 4×3 pixels, and with files that do not fit the frame.
+/// Makes a folder with a frame of 4×3 pixels, and with files that do not fit the frame.
 pub fn folder() -> Folder {
     let folder = Folder::new();
     let flat = |v: f64| floats(vec![v; 12]);
@@ -58,14 +58,14 @@ pub fn folder() -> Folder {
     folder
 }
 
-/// A part of 4×3 pixels that does not begin where the image does.
+/// Returns a part of 4×3 pixels that does not begin where the image does.
 fn piece() -> Part {
     let mut part = Part::new(named(&["R"], [floats(vec![1.0; 12])]));
     part.attributes.layer_position = exr::prelude::Vec2(1, 0);
     part
 }
 
-/// The error about a map that is [`MAP`] with some pieces replaced by others, without the path of the folder.
+/// Returns the error about a map that is [`MAP`] with some pieces replaced by others, without the path of the folder.
 pub fn said(folder: &Folder, changes: &[(&str, &str)]) -> String {
     let map = changes.iter().fold(MAP.to_owned(), |map, (from, to)| {
         assert!(map.contains(from), "{from} is in the map");
@@ -77,8 +77,8 @@ pub fn said(folder: &Folder, changes: &[(&str, &str)]) -> String {
     error.replace(&format!("{}/", folder.root().display()), "")
 }
 
-/// The good map is read. Each replacement of one piece, (old text, new text, beginning of the sentence), is refused
-/// with one sentence that has the line.
+/// The good map is read. Each change of one piece (old text, new text, beginning of the sentence) is refused with one
+/// sentence that has the line. Most mistakes are found after parsing, when the line is easily lost.
 #[test]
 fn a_mistake_in_the_map_has_its_line() {
     let folder = folder();
@@ -289,8 +289,8 @@ fn a_projection_that_does_not_go_with_the_conventions_is_named() {
     }
 }
 
-/// A channel, part, file or attribute that does not exist is refused with the names that exist, and so are files of
-/// another size or with lossy depth.
+/// A channel, part, file or attribute that does not exist is refused with the names that exist. Files of another size,
+/// or with lossy depth, are refused, too.
 #[test]
 fn what_the_files_lack_is_named_with_what_they_have() {
     let folder = folder();

@@ -1,5 +1,6 @@
-//! The maps under `examples/gbuffer-maps` read files of the layouts that they are for. The files show a floor and a
-//! ball, which the tests trace in the world of the renderer; the surfaces that the maps read must lie on them.
+//! Tests the maps under `examples/gbuffer-maps`: they read files of the layouts that they are for. The files show a
+//! floor and a ball, which the tests trace in the world of the renderer; the surfaces that the maps read must lie on
+//! them.
 
 use super::files::{Part, floats, halves, write_exr, write_png};
 use super::named;
@@ -23,9 +24,10 @@ struct Seen {
     is_ball: bool,
 }
 
-/// Traces a floor at z = 0 and a ball on it, in a world with z up. The camera's view looks along `forward` z, [x, y]
-/// are the scales of its projection, and `middle` is the centre of the ball.
-fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, middle: DVec3) -> Vec<Seen> {
+/// Traces a floor at z = 0 and a ball on it, in a world with z up, and returns the surface of each pixel. The camera
+/// looks along `forward` z of its view space, [x, y] are the scales of its projection, and the ball has `radius` and
+/// `centre`.
+fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, centre: DVec3) -> Vec<Seen> {
     let to_world = world_to_view.inverse();
     let eye = to_world.w_axis.truncate();
     let pixel = |i: usize| {
@@ -33,12 +35,12 @@ fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, midd
         let ndc = [column / f64::from(SIZE[0]) * 2.0 - 1.0, 1.0 - row / f64::from(SIZE[1]) * 2.0];
         let ray = to_world.transform_vector3(DVec3::new(ndc[0] / x, ndc[1] / y, forward));
         let floor = -eye.z / ray.z;
-        let to = eye - middle;
-        let (a, b, c) = (ray.length_squared(), to.dot(ray), to.length_squared() - radius * radius);
-        let ball = b * b - a * c;
-        let ball = if ball > 0.0 { (-b - ball.sqrt()) / a } else { -1.0 };
+        let from_centre = eye - centre;
+        let (a, b, c) = (ray.length_squared(), from_centre.dot(ray), from_centre.length_squared() - radius * radius);
+        let discriminant = b * b - a * c;
+        let ball = if discriminant > 0.0 { (-b - discriminant.sqrt()) / a } else { -1.0 };
         if ball > 0.0 && (floor <= 0.0 || ball < floor) {
-            Seen { z: Some(ball), normal: (eye + ball * ray - middle) / radius, is_ball: true }
+            Seen { z: Some(ball), normal: (eye + ball * ray - centre) / radius, is_ball: true }
         } else if floor > 0.0 && floor < 40.0 * radius {
             Seen { z: Some(floor), normal: DVec3::Z, is_ball: false }
         } else {
@@ -48,16 +50,18 @@ fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, midd
     (0..SIZE[0] as usize * SIZE[1] as usize).map(pixel).collect()
 }
 
-/// Holds that every pixel that was read lies on the floor or on the ball. `of_world` takes a place of the renderer's
-/// world to this program's world, in metres. A place may be off by the share `near` of its depth, and a normal by the
-/// length `turn`.
+/// Checks that every pixel that was read lies on the floor or on the ball.
+///
+/// `of_world` takes a place of the renderer's world to this program's world, in metres. `ball` is the radius and the
+/// centre of the ball in the renderer's world. A place may be off by `depth_share` of its depth, and a normal by the
+/// length `normal_bound`.
 fn lies_on(
     data: &GBufferData,
     seen: &[Seen],
     of_world: impl Fn(DVec3) -> DVec3,
     ball: (f64, DVec3),
-    near: f64,
-    turn: f64,
+    depth_share: f64,
+    normal_bound: f64,
 ) {
     let to_world = (data.camera.view_to_clip_reversed().as_dmat4() * data.camera.world_to_view.as_dmat4()).inverse();
     let view = data.camera.world_to_view.as_dmat4();
@@ -73,31 +77,31 @@ fn lies_on(
             f64::from(data.depth[i]),
         );
         let place = to_world.project_point3(ndc);
-        let off = if seen.is_ball {
+        let error = if seen.is_ball {
             balls += 1;
             place.distance(of_world(ball.1)) - ball.0 * unit
         } else {
             floors += 1;
             place.y
         };
-        assert!(off.abs() < near * z * unit, "pixel {i}: {off} m off at {z}");
+        assert!(error.abs() < depth_share * z * unit, "pixel {i}: {error} m off at {z}");
         let normal = view.transform_vector3(of_world(seen.normal).normalize());
-        let off = normal.distance(data.normal[i].as_dvec3());
-        assert!(off < turn, "pixel {i}: normal {} is {off} off", data.normal[i]);
+        let error = normal.distance(data.normal[i].as_dvec3());
+        assert!(error < normal_bound, "pixel {i}: normal {} is {error} off", data.normal[i]);
         assert!(data.normal[i].z < 0.3, "pixel {i}: it is seen from in front");
     }
     assert!(floors > 3000 && balls > 500, "{floors} {balls}");
 }
 
-/// A map of the examples, and its text as a table.
+/// Returns a map of the examples, and its text as a table.
 fn example(name: &str) -> (GBufferMap, toml::Table) {
     let path = repository().join("examples/gbuffer-maps").join(name);
     (GBufferMap::load(&path).unwrap(), std::fs::read_to_string(&path).unwrap().parse().unwrap())
 }
 
-/// The numbers of a key of `[camera]`.
+/// Returns the numbers of a key of `[camera]`.
 fn camera_numbers(map: &toml::Table, key: &str) -> Vec<f64> {
-    /// All numbers of a value, of nested lists one after another.
+    /// Returns all numbers of a value as one list, also the numbers of nested lists.
     fn numbers(value: &toml::Value) -> Vec<f64> {
         match value {
             toml::Value::Array(list) => list.iter().flat_map(numbers).collect(),
@@ -109,7 +113,7 @@ fn camera_numbers(map: &toml::Table, key: &str) -> Vec<f64> {
 }
 
 /// Blender's passes in many parts, in one part and from the compositor's node give one G-buffer. Its places, normals,
-/// colours and materials are those of the traced scene.
+/// colours and materials are those of the traced scene. Blender names and orders channels otherwise in each case.
 #[test]
 fn the_map_of_blender_reads_one_part_and_many() {
     let (map, text) = example("blender.toml");
@@ -120,7 +124,7 @@ fn the_map_of_blender_reads_one_part_and_many() {
     let each = |value: &dyn Fn(&Seen) -> f64| floats(seen.iter().map(value));
     let halves_of = |value: &dyn Fn(&Seen) -> f64| halves(seen.iter().map(value));
     let rgb = |color: [f64; 3]| color.map(|v| halves_of(&|s| if s.z.is_some() { v } else { 0.0 })).to_vec();
-    let xyz = |k: usize| each(&|s| s.normal[k]);
+    let xyz = |component: usize| each(&|s| s.normal[component]);
     let sky = [0.25, 0.5, 1.0].map(|v| halves_of(&|s| if s.z.is_some() { 0.0 } else { v })).to_vec();
     let passes: Vec<(&str, &str, Vec<FlatSamples>)> = vec![
         ("Combined", "RGBA", [rgb([9.0; 3]), rgb([1.0; 3])[..1].to_vec()].concat()),
@@ -147,13 +151,13 @@ fn the_map_of_blender_reads_one_part_and_many() {
     assert!(data == map.read(&folder.path("one.exr")).unwrap(), "in one part as in many");
     assert_eq!(map.check(&folder.path("many.exr"), &data).unwrap(), None, "it does not contradict itself");
     // The compositor's node names channels without the layer, and gives single numbers the component V.
-    let of_node = |(pass, suffixes, samples): &(&str, &str, Vec<FlatSamples>)| {
+    let node_part = |(pass, suffixes, samples): &(&str, &str, Vec<FlatSamples>)| {
         let is_number = ["Depth", "roughness", "metallic"].contains(pass);
         let names: Vec<String> =
             suffixes.chars().map(|c| format!("{pass}.{}", if is_number { 'V' } else { c })).collect();
         Part::new(named(&names.iter().map(String::as_str).collect::<Vec<_>>(), samples.clone())).named(pass)
     };
-    write_exr(&folder.path("node.exr"), SIZE, passes.iter().map(of_node).collect());
+    write_exr(&folder.path("node.exr"), SIZE, passes.iter().map(node_part).collect());
     let (node, _) = example("blender-file-output.toml");
     assert!(data == node.read(&folder.path("node.exr")).unwrap(), "by the node as by the output");
     lies_on(&data, &seen, |v| DVec3::new(v.x, v.z, v.y), ball, 3e-6, 1e-6);
@@ -205,8 +209,8 @@ fn the_map_of_an_unreal_capture_reads_its_textures() {
         vec![rgba([depth, zero(), zero(), floats(seen.iter().map(|_| 1.0))])],
     );
     // Ten bits a component.
-    let ten = |v: f64| ((v * 0.5 + 0.5) * 1023.0).round() / 1023.0;
-    let normal = |k: usize| each(&|s| ten(s.normal[k]));
+    let in_ten_bits = |v: f64| ((v * 0.5 + 0.5) * 1023.0).round() / 1023.0;
+    let normal = |component: usize| each(&|s| in_ten_bits(s.normal[component]));
     write_exr(&folder.path("GBufferA.exr"), SIZE, vec![rgba([normal(0), normal(1), normal(2), one()])]);
     // Metallic, specular, roughness: a floor of metal, a ball of a dielectric.
     write_png(&folder.path("GBufferB.png"), SIZE, |i| if seen[i].is_ball { [0.0, 0.5, 0.3] } else { [1.0, 0.5, 0.1] });
@@ -214,8 +218,8 @@ fn the_map_of_an_unreal_capture_reads_its_textures() {
     let data = map.read(&folder.path("SceneColor.exr")).unwrap();
     // A component is rounded to ten bits and then to a 16-bit float from ½ to 1, and the map doubles it: its error is
     // one step of either. A direction is off by √3 times that, and by twice that once it is normalised.
-    let turn = 2.0 * 3_f64.sqrt() * (1.0 / 1023.0 + 1.0 / 2048.0);
-    lies_on(&data, &seen, |v| DVec3::new(v.y, v.z, v.x) * 0.01, ball, 3e-6, turn);
+    let normal_bound = 2.0 * 3_f64.sqrt() * (1.0 / 1023.0 + 1.0 / 2048.0);
+    lies_on(&data, &seen, |v| DVec3::new(v.y, v.z, v.x) * 0.01, ball, 3e-6, normal_bound);
     let grey = ((128.0 / 255.0 + 0.055_f64) / 1.055).powf(2.4);
     for (i, seen) in seen.iter().enumerate().filter(|(_, s)| s.z.is_some()) {
         // F0 is 0.08 of the specular, which is 128 of 255.

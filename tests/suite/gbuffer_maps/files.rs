@@ -18,52 +18,52 @@ pub struct Part {
 }
 
 impl Part {
-    /// An unnamed part of scan lines with these channels and a lossless compression.
+    /// Returns an unnamed part of scan lines with these channels and a lossless compression.
     pub fn new(channels: Vec<(String, FlatSamples)>) -> Self {
         let (compression, attributes) = (Compression::ZIP16, LayerAttributes::default());
         Self { name: None, channels, compression, tiles: None, attributes }
     }
 
-    /// The part with a name.
+    /// Returns the part with a name.
     pub fn named(self, name: &str) -> Self {
         Self { name: Some(name.to_owned()), ..self }
     }
 
-    /// The part with another compression.
+    /// Returns the part with another compression.
     pub fn compressed(self, compression: Compression) -> Self {
         Self { compression, ..self }
     }
 
-    /// The part in tiles of a side in pixels.
+    /// Returns the part in square tiles, whose side is given in pixels.
     pub fn tiled(self, side: usize) -> Self {
         Self { tiles: Some(side), ..self }
     }
 
-    /// The part with one more attribute.
+    /// Returns the part with one more attribute.
     pub fn with(mut self, name: &str, value: AttributeValue) -> Self {
         self.attributes.other.insert(name.into(), value);
         self
     }
 }
 
-/// A channel of 32-bit floats.
+/// Returns a channel of 32-bit floats.
 pub fn floats(values: impl IntoIterator<Item = f64>) -> FlatSamples {
     FlatSamples::F32(values.into_iter().map(|v| v as f32).collect())
 }
 
-/// A channel of 16-bit floats.
+/// Returns a channel of 16-bit floats.
 pub fn halves(values: impl IntoIterator<Item = f64>) -> FlatSamples {
     FlatSamples::F16(values.into_iter().map(f16::from_f64).collect())
 }
 
-/// A channel of 32-bit integers.
+/// Returns a channel of 32-bit integers.
 pub fn integers(values: impl IntoIterator<Item = u32>) -> FlatSamples {
     FlatSamples::U32(values.into_iter().collect())
 }
 
 /// Turns a channel upside down: the lowest row comes first.
 pub fn flipped(samples: FlatSamples, width: usize) -> FlatSamples {
-    /// The rows of a channel in opposite order.
+    /// Returns a channel of rows of `width` values, with the rows in opposite order.
     fn flip<T: Copy>(values: &[T], width: usize) -> Vec<T> {
         values.chunks(width).rev().flatten().copied().collect()
     }
@@ -74,7 +74,7 @@ pub fn flipped(samples: FlatSamples, width: usize) -> FlatSamples {
     }
 }
 
-/// Writes an OpenEXR file.
+/// Writes an OpenEXR file of a width and height in pixels.
 pub fn write_exr(path: &Path, [width, height]: [u32; 2], parts: Vec<Part>) {
     let size = Vec2(width as usize, height as usize);
     let layer = |part: Part| {

@@ -1,4 +1,4 @@
-//! Files as other programs write them: compressions that keep some channels exactly, and images with overscan.
+//! Tests files as other programs write them: compressions that keep some channels exactly, and images with overscan.
 
 use super::errors::{self, MAP};
 use super::files::{Part, floats, halves, write_exr};
@@ -17,33 +17,34 @@ const SIZE: [u32; 2] = [8, 4];
 /// The channels of the frame.
 const NAMES: [&str; 8] = ["Z", "N.X", "N.Y", "N.Z", "rough", "R", "G", "B"];
 
-/// The values of all channels at a pixel; pixels outside the image have values, too.
+/// Returns the values of all channels at a pixel. Pixels outside the image have values, too.
 fn values(x: i32, y: i32) -> [f64; 8] {
     let depth = 2.0 + 0.01 * f64::from(x) + 0.13 * f64::from(y);
     let [red, green] = [12.9, 78.2].map(|rate| 0.5 + 0.4 * (rate * f64::from(x) + 4.1 * f64::from(y)).sin());
     [depth, 0.6, 0.0, -0.8, 0.25, red, green, 0.5]
 }
 
-/// The samples of each channel over a window that begins at `position`.
+/// Returns the samples of each channel over a window that begins at `position`.
 fn channels(position: [i32; 2], [width, height]: [u32; 2]) -> Vec<FlatSamples> {
     let places = || (0..height as i32).flat_map(|y| (0..width as i32).map(move |x| (x + position[0], y + position[1])));
-    (0..NAMES.len()).map(|k| floats(places().map(|(x, y)| values(x, y)[k]))).collect()
+    (0..NAMES.len()).map(|channel| floats(places().map(|(x, y)| values(x, y)[channel]))).collect()
 }
 
-/// The G-buffer of a file by the map without mistakes, or the error.
+/// Reads a file by the map without mistakes, and returns the G-buffer or the error.
 fn read(folder: &Folder, name: &str) -> Result<GBufferData, String> {
     folder.write("map.toml", MAP);
     let map = GBufferMap::load(&folder.path("map.toml")).unwrap();
     map.read(&folder.path(name)).map_err(|e| e.to_string())
 }
 
-/// The frame without compression or overscan.
+/// Writes the frame without compression or overscan, and reads it back.
 fn plain(folder: &Folder) -> GBufferData {
     write_exr(&folder.path("plain.exr"), SIZE, vec![Part::new(named(&NAMES, channels([0, 0], SIZE)))]);
     read(folder, "plain.exr").unwrap()
 }
 
-/// The compressions B44 round 16-bit floats alone, so that a frame of 32-bit floats is read exactly.
+/// A frame of 32-bit floats in a B44 or B44A file is read exactly, since these compressions round 16-bit floats alone.
+/// To refuse them for depth in every case would refuse good files.
 #[test]
 fn floats_survive_b44_to_the_bit() {
     let folder = Folder::new();
@@ -55,8 +56,8 @@ fn floats_survive_b44_to_the_bit() {
     }
 }
 
-/// Colours of 16-bit floats in a B44 file are read with their rounding, and depth of 16-bit floats in such a file is
-/// refused.
+/// Colours of 16-bit floats in a B44 file are read with their rounding. Depth of 16-bit floats in such a file is
+/// refused, since rays would meet its steps.
 #[test]
 fn colours_may_be_rounded_by_b44_and_depth_may_not() {
     let folder = Folder::new();
@@ -67,16 +68,17 @@ fn colours_may_be_rounded_by_b44_and_depth_may_not() {
         *samples = halves(values.into_iter().map(f64::from));
     }
     write_exr(&folder.path("b44.exr"), SIZE, vec![Part::new(named(&NAMES, mixed)).compressed(Compression::B44)]);
-    let got = read(&folder, "b44.exr").unwrap();
-    assert_eq!((&got.depth, &got.normal), (&expected.depth, &expected.normal));
-    let off = got.color.iter().zip(&expected.color).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
-    assert!(off < 0.1 && off > 0.0, "{off}");
+    let found = read(&folder, "b44.exr").unwrap();
+    assert_eq!((&found.depth, &found.normal), (&expected.depth, &expected.normal));
+    let distance = found.color.iter().zip(&expected.color).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!(distance < 0.1 && distance > 0.0, "{distance}");
     let depth = ("channel = \"Z\"\n", "file = \"b44.exr\"\nchannel = \"R\"\n");
-    let said = errors::said(&errors::folder(), &[depth]);
-    assert!(said.contains("was rounded by b44 compression"), "{said}");
+    let message = errors::said(&errors::folder(), &[depth]);
+    assert!(message.contains("was rounded by b44 compression"), "{message}");
 }
 
-/// Writes a part whose data begin at `position` and whose image is [`SIZE`] from 0, 0 on.
+/// Writes a part whose stored pixels begin at `position` and have the size `stored`, and whose image is [`SIZE`] from
+/// pixel 0, 0 on.
 fn write_overscan(folder: &Folder, name: &str, position: [i32; 2], stored: [u32; 2]) {
     let all = NAMES.iter().zip(channels(position, stored)).map(|(name, samples)| AnyChannel::new(*name, samples));
     let attributes = LayerAttributes { layer_position: Vec2(position[0], position[1]), ..LayerAttributes::default() };
@@ -86,7 +88,8 @@ fn write_overscan(folder: &Folder, name: &str, position: [i32; 2], stored: [u32;
     Image::from_layers(ImageAttributes::new(window), [layer].to_vec()).write().to_file(folder.path(name)).unwrap();
 }
 
-/// Files whose stored window is larger than the image give the frame without overscan.
+/// Files whose stored window is larger than the image give the frame without overscan. Read whole, the image would be
+/// shifted against the camera.
 #[test]
 fn overscan_is_cut_to_the_image() {
     let folder = Folder::new();
@@ -105,7 +108,7 @@ fn data_that_leave_a_part_of_the_image_out_are_refused() {
     let folder = Folder::new();
     for (position, stored) in [([1, 0], [8, 4]), ([0, 0], [8, 3]), ([-4, -4], [8, 4])] {
         write_overscan(&folder, "piece.exr", position, stored);
-        let said = read(&folder, "piece.exr").unwrap_err();
-        assert!(said.ends_with("only whole images can be read"), "{said}");
+        let message = read(&folder, "piece.exr").unwrap_err();
+        assert!(message.ends_with("only whole images can be read"), "{message}");
     }
 }

@@ -1,4 +1,4 @@
-//! Materials and colours in the terms of engines: roughness and reflectivity in bytes, sRGB, constants, sums of
+//! Tests materials and colours in the terms of engines: roughness and reflectivity in bytes, sRGB, constants, sums of
 //! colours, and lossy compressions.
 
 use super::files::{Part, floats, write_exr, write_png};
@@ -7,7 +7,8 @@ use crate::common::folder::Folder;
 use exr::prelude::Compression;
 use ssct_scenes::gbuffer_map::GBufferMap;
 
-/// ϱ of a perceptual roughness by the formula of docs/definitions.md, "glTF", written independently of the program.
+/// Returns ϱ of a perceptual roughness by the formula of docs/definitions.md, "glTF", written independently of the
+/// program.
 fn lobe_of_perceptual(r: f64) -> f64 {
     let half = 2.0 * (r * r).atan();
     if half >= std::f64::consts::FRAC_PI_2 {
@@ -17,7 +18,7 @@ fn lobe_of_perceptual(r: f64) -> f64 {
     (2.0 * 0.244_f64.powf(1.0 / exponent_and_one).acos()).clamp(0.0, 1.0)
 }
 
-/// The perceptual roughness of ϱ: the inverse of [`lobe_of_perceptual`].
+/// Returns the perceptual roughness of ϱ: the inverse of [`lobe_of_perceptual`].
 fn perceptual_of_lobe(rho: f64) -> f64 {
     if rho <= 0.0 {
         return 0.0;
@@ -28,21 +29,26 @@ fn perceptual_of_lobe(rho: f64) -> f64 {
 }
 
 /// Smoothness, perceptual roughness and α of GGX in bytes give ϱ within half a step of a byte. Metal has the
-/// reflectivity of its base colour; constants and colours are read as such.
+/// reflectivity of its base colour, and constants and colours are read as such. The scales of roughness are easily
+/// mistaken for each other.
 #[test]
 fn roughness_and_reflectivity_of_engines_in_bytes() {
     let data = original();
     let folder = Folder::new();
     let decode = |v: f64| if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
     let encode = |v: f64| if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
-    let r: Vec<f64> = data.roughness.iter().map(|v| perceptual_of_lobe(f64::from(*v))).collect();
+    let perceptual: Vec<f64> = data.roughness.iter().map(|v| perceptual_of_lobe(f64::from(*v))).collect();
     // Metal of a grey base colour reflects that grey.
     let base = write_png(&folder.path("base.png"), SIZE, |i| [encode(f64::from(data.reflectivity[i])); 3]);
-    let orm = write_png(&folder.path("orm.png"), SIZE, |i| [1.0 - r[i], r[i], r[i] * r[i]]);
+    let orm = write_png(&folder.path("orm.png"), SIZE, |i| {
+        [1.0 - perceptual[i], perceptual[i], perceptual[i] * perceptual[i]]
+    });
     let floats_of = |values: &[f32]| floats(each(values, |v| f64::from(*v)));
-    let channels = [floats_of(&data.depth)].into_iter().chain([0, 1, 2].map(|k| floats(axis(&data.normal, k))));
+    let channels =
+        [floats_of(&data.depth)].into_iter().chain([0, 1, 2].map(|component| floats(axis(&data.normal, component))));
     let channels = named(&["D", "X", "Y", "Z"], channels);
-    let colour = named(&["c.R", "c.G", "c.B"], [0, 1, 2].map(|k| floats(axis(&data.color, k).map(encode))));
+    let colour =
+        named(&["c.R", "c.G", "c.B"], [0, 1, 2].map(|component| floats(axis(&data.color, component).map(encode))));
     write_exr(&folder.path("f.exr"), SIZE, vec![Part::new([channels, colour].concat())]);
     let lens = data.camera.lens;
     let map = |roughness: &str, reflectivity: &str| {
@@ -67,43 +73,43 @@ fn roughness_and_reflectivity_of_engines_in_bytes() {
         ("file = \"orm.png\"\nchannel = \"G\"\nkind = \"perceptual\"", &|i| orm[i][1]),
         ("file = \"orm.png\"\nchannel = \"B\"\nkind = \"ggx-alpha\"", &|i| orm[i][2].sqrt()),
     ] {
-        let got = read(&folder, &map(roughness, metal), "f.exr");
-        assert!(got.depth == data.depth && got.normal == data.normal && got.camera == data.camera);
-        let mut held = got.clone();
+        let found = read(&folder, &map(roughness, metal), "f.exr");
+        assert!(found.depth == data.depth && found.normal == data.normal && found.camera == data.camera);
+        let mut expected = found.clone();
         for i in 0..data.depth.len() {
             if data.depth[i] <= 0.0 {
-                assert_eq!((got.roughness[i], got.reflectivity[i]), (0.0, 0.0));
+                assert_eq!((found.roughness[i], found.reflectivity[i]), (0.0, 0.0));
                 continue;
             }
-            held.roughness[i] = lobe_of_perceptual(exact(i)) as f32;
-            held.reflectivity[i] = decode(base[i][0]) as f32;
-            assert!((got.roughness[i] - held.roughness[i]).abs() < 1e-6, "{i}");
-            assert!((got.reflectivity[i] - held.reflectivity[i]).abs() < 1e-6, "{i}");
+            expected.roughness[i] = lobe_of_perceptual(exact(i)) as f32;
+            expected.reflectivity[i] = decode(base[i][0]) as f32;
+            assert!((found.roughness[i] - expected.roughness[i]).abs() < 1e-6, "{i}");
+            assert!((found.reflectivity[i] - expected.reflectivity[i]).abs() < 1e-6, "{i}");
             // A byte rounds by half a step. As ϱ rises with the roughness, the values of ϱ at both ends of the step
             // bound it.
             let rho = f64::from(data.roughness[i]);
             let ends = if roughness.contains("alpha") {
-                [-step, step].map(|s| lobe_of_perceptual((r[i] * r[i] + s).max(0.0).sqrt()))
+                [-step, step].map(|s| lobe_of_perceptual((perceptual[i] * perceptual[i] + s).max(0.0).sqrt()))
             } else {
-                [-step, step].map(|s| lobe_of_perceptual((r[i] + s).max(0.0)))
+                [-step, step].map(|s| lobe_of_perceptual((perceptual[i] + s).max(0.0)))
             };
-            let got_rho = f64::from(got.roughness[i]);
+            let got_rho = f64::from(found.roughness[i]);
             assert!(
                 got_rho >= ends[0].min(rho) - 1e-6 && got_rho <= ends[1].max(rho) + 1e-6,
                 "{i}: {got_rho} {rho} {ends:?}"
             );
             // The slope of sRGB's decoding is 2.4 / 1.055 at most.
-            let off = f64::from((got.reflectivity[i] - data.reflectivity[i]).abs());
-            assert!(off <= 2.4 / 1.055 * step + 1e-6, "{i}: {off}");
-            let colour = (got.color[i] - data.color[i]).abs().max_element();
+            let difference = f64::from((found.reflectivity[i] - data.reflectivity[i]).abs());
+            assert!(difference <= 2.4 / 1.055 * step + 1e-6, "{i}: {difference}");
+            let colour = (found.color[i] - data.color[i]).abs().max_element();
             assert!(f64::from(colour) <= 1e-6 * f64::from(data.color[i].max_element()).max(1.0), "{i}: {colour}");
         }
         if roughness.contains("perceptual") {
-            same_images(&got, &held);
+            same_images(&found, &expected);
         }
     }
     // Constants, dielectrics, and a reflectivity that is given as a colour.
-    let got = read(
+    let found = read(
         &folder,
         &map(
             "value = 0.25\nkind = \"lobe\"",
@@ -111,25 +117,27 @@ fn roughness_and_reflectivity_of_engines_in_bytes() {
         ),
         "f.exr",
     );
-    let there = |i: &usize| data.depth[*i] > 0.0;
+    let is_surface = |i: &usize| data.depth[*i] > 0.0;
     assert!(
         (0..data.depth.len())
-            .filter(there)
-            .all(|i| got.roughness[i] == 0.25 && (got.reflectivity[i] - 0.04).abs() < 1e-7)
+            .filter(is_surface)
+            .all(|i| found.roughness[i] == 0.25 && (found.reflectivity[i] - 0.04).abs() < 1e-7)
     );
-    let got = read(&folder, &map("value = 0\nkind = \"lobe\"", "[reflectivity]\nvalue = [1, 0.5, 0]"), "f.exr");
-    assert!((0..data.depth.len()).filter(there).all(|i| (got.reflectivity[i] - 0.2126 - 0.5 * 0.7152).abs() < 1e-6));
+    let found = read(&folder, &map("value = 0\nkind = \"lobe\"", "[reflectivity]\nvalue = [1, 0.5, 0]"), "f.exr");
+    assert!(
+        (0..data.depth.len()).filter(is_surface).all(|i| (found.reflectivity[i] - 0.2126 - 0.5 * 0.7152).abs() < 1e-6)
+    );
 }
 
-/// Entries of [[color]] are added, scaled and multiplied, and negative sums become 0. Lossy compressions are allowed
-/// for colours and refused for normals.
+/// Entries of `[[color]]` are scaled, multiplied and added, and negative sums become 0. Lossy compressions are allowed
+/// for colours and refused for normals, from which rays start.
 #[test]
 fn colours_are_sums_of_products_and_only_they_may_be_rounded() {
     let folder = Folder::new();
     let size = [64, 48];
     let count = size[0] as usize * size[1] as usize;
-    let ramp = |k: usize| (0..count).map(move |i| ((i * (k + 1)) % 97) as f64 / 97.0);
-    let channels = |names: [&str; 3]| named(&names, [0, 1, 2].map(|k| floats(ramp(k))));
+    let ramp = |component: usize| (0..count).map(move |i| ((i * (component + 1)) % 97) as f64 / 97.0);
+    let channels = |names: [&str; 3]| named(&names, [0, 1, 2].map(|component| floats(ramp(component))));
     let plain =
         Part::new([named(&["Z"], [floats(vec![2.0; count])]), channels(["a.X", "a.Y", "a.Z"])].concat()).named("plain");
     let lossy =
@@ -148,26 +156,27 @@ fn colours_are_sums_of_products_and_only_they_may_be_rounded() {
         )
     };
     let term = "[[color]]\nchannels = [\"a.X\", \"a.Y\", \"a.Z\"]\nscale = 3\n[color.times]\nvalue = [1, 0.5, 0.25]\n";
-    let got = read(&folder, &map(&format!("{term}[[color]]\nvalue = -1.0\n")), "f.exr");
-    for (i, colour) in got.color.iter().enumerate() {
-        for (k, factor) in [1.0, 0.5, 0.25].into_iter().enumerate() {
-            let a = f64::from(((i * (k + 1)) % 97) as f32 / 97.0);
+    let found = read(&folder, &map(&format!("{term}[[color]]\nvalue = -1.0\n")), "f.exr");
+    for (i, colour) in found.color.iter().enumerate() {
+        for (component, factor) in [1.0, 0.5, 0.25].into_iter().enumerate() {
+            let a = f64::from(((i * (component + 1)) % 97) as f32 / 97.0);
             let expected = (3.0 * a * factor - 1.0).max(0.0);
-            assert!((f64::from(colour[k]) - expected).abs() < 1e-6, "{i} {k}");
+            assert!((f64::from(colour[component]) - expected).abs() < 1e-6, "{i} {component}");
         }
     }
     for (part, bound) in [("dwa", 0.1), ("pxr", 1.0 / (1 << 15) as f64)] {
         let lossy = format!("[[color]]\npart = \"{part}\"\nchannels = [\"b.R\", \"b.G\", \"b.B\"]\n");
-        let got = read(&folder, &map(&lossy), "f.exr");
-        let off = (0..count).map(|i| (f64::from(got.color[i].x) - (i % 97) as f64 / 97.0).abs()).fold(0.0, f64::max);
-        assert!(off <= bound && off > 0.0, "{part}: {off}");
+        let found = read(&folder, &map(&lossy), "f.exr");
+        let difference =
+            (0..count).map(|i| (f64::from(found.color[i].x) - (i % 97) as f64 / 97.0).abs()).fold(0.0, f64::max);
+        assert!(difference <= bound && difference > 0.0, "{part}: {difference}");
         let normal = map(&lossy).replace(
             "channels = [\"a.X\", \"a.Y\", \"a.Z\"]",
             &format!("part = \"{part}\"\nchannels = [\"b.R\", \"b.G\", \"b.B\"]"),
         );
         folder.write("map.toml", &normal);
-        let said =
+        let message =
             GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap_err().to_string();
-        assert!(said.contains("map.toml:11: channel b.R of ") && said.contains("was rounded by "), "{said}");
+        assert!(message.contains("map.toml:11: channel b.R of ") && message.contains("was rounded by "), "{message}");
     }
 }

@@ -1,4 +1,4 @@
-//! The map for Mitsuba reads a frame of its layout: a floor and a ball, whose depth is counted from the near plane.
+//! Tests the map for Mitsuba on a frame of its layout: a floor and a ball, whose depth is counted from the near plane.
 
 use super::files::{Part, floats, write_exr};
 use super::named;
@@ -10,7 +10,7 @@ use ssct_scenes::gbuffer_map::GBufferMap;
 /// Size of the frame in pixels.
 const SIZE: [u32; 2] = [160, 90];
 
-/// The surface that a pixel sees. `from_near` is the distance along the ray from the near plane, 0 for sky; place and
+/// The surface that a pixel shows. `from_near` is the distance along the ray from the near plane, 0 for sky; place and
 /// normal are in the renderer's world. The number `shape` is 1 for the ball, 2 for the floor and 0 for sky.
 #[derive(Clone, Copy)]
 struct Seen {
@@ -20,20 +20,21 @@ struct Seen {
     shape: f64,
 }
 
-/// Traces the scene of `mitsuba_scene.py` in its own right-handed world, through the camera of the map.
+/// Traces pixel (`x`, `y`) of the scene of `mitsuba_scene.py`, in its own right-handed world, through the camera of the
+/// map.
 fn seen(x: u32, y: u32) -> Seen {
     let (eye, target, near) = (DVec3::new(2.5, 1.6, -5.0), DVec3::new(0.0, 0.6, 0.0), 0.5);
     let forward = (target - eye).normalize();
     let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
-    let tan = 30_f64.to_radians().tan();
+    let tan_half_fov = 30_f64.to_radians().tan();
     let [width, height] = SIZE.map(f64::from);
-    let across = ((f64::from(x) + 0.5) / width * 2.0 - 1.0) * tan;
-    let above = (1.0 - (f64::from(y) + 0.5) / height * 2.0) * tan * height / width;
+    let across = ((f64::from(x) + 0.5) / width * 2.0 - 1.0) * tan_half_fov;
+    let above = (1.0 - (f64::from(y) + 0.5) / height * 2.0) * tan_half_fov * height / width;
     let ray = forward + across * right + above * up;
-    let middle = DVec3::new(0.0, 0.9, 0.0);
-    let to = eye - middle;
-    let (a, b, c) = (ray.length_squared(), to.dot(ray), to.length_squared() - 0.81);
+    let centre = DVec3::new(0.0, 0.9, 0.0);
+    let from_centre = eye - centre;
+    let (a, b, c) = (ray.length_squared(), from_centre.dot(ray), from_centre.length_squared() - 0.81);
     let ball = if b * b > a * c { (-b - (b * b - a * c).sqrt()) / a } else { f64::INFINITY };
     let floor = if ray.y < 0.0 { -eye.y / ray.y } else { f64::INFINITY };
     let z = ball.min(floor);
@@ -41,12 +42,12 @@ fn seen(x: u32, y: u32) -> Seen {
     if !z.is_finite() || place.abs().max_element() > 6.0 {
         return Seen { from_near: 0.0, place: DVec3::ZERO, normal: DVec3::ZERO, shape: 0.0 };
     }
-    let (normal, shape) = if ball < floor { ((place - middle) / 0.9, 1.0) } else { (DVec3::Y, 2.0) };
+    let (normal, shape) = if ball < floor { ((place - centre) / 0.9, 1.0) } else { (DVec3::Y, 2.0) };
     Seen { from_near: (z - near) * ray.length(), place, normal, shape }
 }
 
-/// The frame read by the map agrees with its own places of surfaces. With another kind of depth, the check names the
-/// right one.
+/// The frame read by the map agrees with its own places of surfaces. If the map named another kind of depth, the check
+/// would name the right one. No other renderer counts depth from the near plane.
 #[test]
 fn the_map_of_mitsuba_counts_depth_from_the_near_plane() {
     let pixels: Vec<Seen> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| seen(x, y))).collect();
@@ -78,6 +79,6 @@ fn the_map_of_mitsuba_counts_depth_from_the_near_plane() {
     let text = std::fs::read_to_string(repository().join("examples/gbuffer-maps/mitsuba.toml")).unwrap();
     folder.write("wrong.toml", text.replace("distance-from-near", "distance"));
     let wrong = GBufferMap::load(&folder.path("wrong.toml")).unwrap();
-    let said = wrong.check(&file, &wrong.read(&file).unwrap()).unwrap().unwrap();
-    assert!(said.contains("with kind = \"distance-from-near\" in [depth] it would be 0 %"), "{said}");
+    let message = wrong.check(&file, &wrong.read(&file).unwrap()).unwrap().unwrap();
+    assert!(message.contains("with kind = \"distance-from-near\" in [depth] it would be 0 %"), "{message}");
 }

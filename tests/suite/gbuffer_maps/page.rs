@@ -1,9 +1,10 @@
-//! The page on maps, docs/gbuffer-maps.md, has every key of every section, and no other.
+//! Tests that the page on maps, docs/gbuffer-maps.md, has every key of every section, and no other.
 
 use super::errors::{folder, said};
 use crate::common::repository;
 
-/// For each section of a map, the table on the page has the keys that the error about an unknown key lists.
+/// For each section of a map, the table on the page has the keys that the error about an unknown key lists. A new key
+/// is easily left out of the page.
 #[test]
 fn the_page_has_every_key() {
     let page = std::fs::read_to_string(repository().join("docs/gbuffer-maps.md")).unwrap();

@@ -1,4 +1,4 @@
-//! Files of several views, as for both eyes: each view in parts of its own, or all in one part.
+//! Tests files of several views, such as those of both eyes: each view in parts of its own, or all in one part.
 
 use super::errors::MAP;
 use super::files::{Part, floats, write_exr};
@@ -13,7 +13,7 @@ const SIZE: [u32; 2] = [4, 3];
 const PASSES: [(&str, &[&str]); 4] =
     [("Depth", &["Z"]), ("Normal", &["X", "Y", "Z"]), ("rough", &["V"]), ("Light", &["R", "G", "B"])];
 
-/// The value of a component of a pass; depth and light differ between the left and the right view.
+/// Returns the value of a component of a pass. Depth and light differ between the left and the right view.
 fn values(pass: &str, component: &str, is_left: bool) -> f64 {
     match (pass, component) {
         ("Depth", _) => {
@@ -36,7 +36,7 @@ fn values(pass: &str, component: &str, is_left: bool) -> f64 {
     }
 }
 
-/// A map whose channels are the passes in a layer `L`, with the text `top` before it.
+/// Returns a map whose channels are the passes in a layer `L`, with the text `top` before it.
 fn map(top: &str) -> String {
     let named = [
         ("\"Z\"", "\"L.Depth.Z\""),
@@ -51,7 +51,7 @@ fn map(top: &str) -> String {
     format!("{top}{map}")
 }
 
-/// The G-buffer of a file by a map, or the error.
+/// Reads a file by a map, and returns the G-buffer or the error.
 fn read(folder: &Folder, map: &str, file: &str) -> Result<GBufferData, String> {
     folder.write("map.toml", map);
     GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(file)).map_err(|e| e.to_string())
@@ -83,7 +83,8 @@ fn write_one(folder: &Folder) {
     write_exr(&folder.path("one.exr"), SIZE, vec![Part::new(channels)]);
 }
 
-/// For either view, the file of many parts and the file of one part give one G-buffer, with the colour of that view.
+/// For either view, the file of many parts and the file of one part give one G-buffer, with the colour of that view. A
+/// mixture of both views would look almost right.
 #[test]
 fn a_view_is_read_from_parts_and_from_one_part() {
     let folder = Folder::new();
@@ -108,7 +109,7 @@ fn a_file_of_several_views_says_which_there_are() {
     assert!(other.contains("there is no view \"middle\" in ") && other.ends_with("which has left, right"), "{other}");
 }
 
-/// A file without views is read by a map that asks for a view.
+/// A file without views is read by a map that asks for a view, since parts that name no view belong to all.
 #[test]
 fn parts_without_a_view_belong_to_every_view() {
     let folder = Folder::new();
@@ -116,6 +117,6 @@ fn parts_without_a_view_belong_to_every_view() {
         ["L.Depth.Z", "L.Normal.X", "L.Normal.Y", "L.Normal.Z", "L.rough.V", "L.Light.R", "L.Light.G", "L.Light.B"];
     let values = [2.0, 0.0, 0.0, -1.0, 0.25, 0.5, 0.5, 0.5].map(|v| floats(vec![v; 12]));
     write_exr(&folder.path("plain.exr"), SIZE, vec![Part::new(named(&channels, values))]);
-    let with = read(&folder, &map("view = \"left\"\n"), "plain.exr").unwrap();
-    assert!(with == read(&folder, &map(""), "plain.exr").unwrap());
+    let with_view = read(&folder, &map("view = \"left\"\n"), "plain.exr").unwrap();
+    assert!(with_view == read(&folder, &map(""), "plain.exr").unwrap());
 }

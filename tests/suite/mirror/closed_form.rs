@@ -1,5 +1,5 @@
-//! Hits and colours of the Hi-Z methods against the closed form of the mirror and the wall, pixel by pixel, near and
-//! far.
+//! Compares hits and colours of the Hi-Z methods with the closed form of the mirror and the wall, pixel by pixel, near
+//! and far.
 
 use super::{CELL, CELLS, Case, EYE, WALL_Z, bytes, cell_color, is_near, mirror_ray, on_screen, path, reflecting};
 use crate::common::{Builder, Shown, camera, gpu, show, unfaded};
@@ -22,22 +22,22 @@ struct Compared {
 }
 
 impl Compared {
-    /// The error below which a share of the hits lies: 0.5 gives the median.
+    /// Returns the error below which a share of the hits lies. The share 0.5 gives the median.
     fn error_at(&self, share: f64) -> f64 {
         self.errors[((self.errors.len() - 1) as f64 * share) as usize]
     }
 }
 
-/// Compares hits and colours with the closed form. A colour must agree where the right hit lies
-/// more than `margin` pixels inside its cell.
+/// Compares hits and colours with the closed form. A colour must agree if the right hit lies more than `margin` pixels
+/// inside its cell.
 fn compare(case: &Case, shown: &Shown, margin: f64) -> Compared {
     let (hits, reflection, composite) = (shown.get("hits"), shown.get("reflection"), shown.get("composite"));
     let size = DVec2::new(f64::from(hits.width), f64::from(hits.height));
     let pixels_a_metre = size.y / (2.0 * (37_f64.to_radians()).tan() * WALL_Z);
     let mut found = Compared { expected: 0, missed: 0, errors: Vec::new(), colored: 0 };
     for (x, y, uv) in reflecting(shown) {
-        let (p, r) = mirror_ray(shown, uv, -EYE, case.normal());
-        let wall = p + r * ((WALL_Z - p.z) / r.z);
+        let (origin, direction) = mirror_ray(shown, uv, -EYE, case.normal());
+        let wall = origin + direction * ((WALL_Z - origin.z) / direction.z);
         let Some(expected) = on_screen(shown, wall) else { continue };
         found.expected += 1;
         let hit = hits.texel(x, y);
@@ -51,17 +51,21 @@ fn compare(case: &Case, shown: &Shown, margin: f64) -> Compared {
         found.errors.push(error.abs().max_element());
         // The place on the wall in cells, counted from the lower left corner.
         let cell = DVec2::new(wall.x / CELL + f64::from(CELLS[0]) / 2.0, (wall.y + EYE.y + 3.0) / CELL);
-        let inside = cell.fract().min(DVec2::ONE - cell.fract()).min_element() * CELL * pixels_a_metre;
+        let to_cell_border = cell.fract().min(DVec2::ONE - cell.fract()).min_element() * CELL * pixels_a_metre;
         // The height above the mirror's plane, which cuts the lowest cells, in pixels.
-        let above = (wall + EYE).dot(case.normal()) * pixels_a_metre;
-        if inside.min(above) > margin {
-            let right = cell_color(cell.x as u32, cell.y as u32);
+        let to_mirror = (wall + EYE).dot(case.normal()) * pixels_a_metre;
+        if to_cell_border.min(to_mirror) > margin {
+            let expected_color = cell_color(cell.x as u32, cell.y as u32);
             assert!(
-                is_near(bytes(reflection.texel(x, y)), right),
-                "({x}, {y}): {:?}, not {right:?}",
+                is_near(bytes(reflection.texel(x, y)), expected_color),
+                "({x}, {y}): {:?}, not {expected_color:?}",
                 reflection.texel(x, y)
             );
-            assert!(is_near(bytes(composite.texel(x, y)), right), "({x}, {y}): composite {:?}", composite.texel(x, y));
+            assert!(
+                is_near(bytes(composite.texel(x, y)), expected_color),
+                "({x}, {y}): composite {:?}",
+                composite.texel(x, y)
+            );
             found.colored += 1;
         }
     }
@@ -70,7 +74,7 @@ fn compare(case: &Case, shown: &Shown, margin: f64) -> Compared {
 }
 
 /// For three rolls, two sizes, two methods and two presets, hits of the Hi-Z traversal lie where the closed form has
-/// them, with the errors that the published formulas explain.
+/// them, with the errors that the published formulas explain. Any larger error would be this program's own.
 #[test]
 fn mirror_rays_meet_the_wall_where_they_should() {
     let gpu = gpu();
@@ -84,7 +88,7 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                 ("hzct", Preset::Published),
                 ("hzct", Preset::Author),
             ] {
-                let what = format!("{method}, {preset:?}, roll {roll}, {extent:?}");
+                let name = format!("{method}, {preset:?}, roll {roll}, {extent:?}");
                 let setup = unfaded(extent).of_preset(preset);
                 let shown = show(&gpu, &scene, case.camera(extent), method, &setup, &Globals::default());
                 // A ray is pushed half a pixel past each boundary that it crosses (erratum). A ray that meets the wall
@@ -97,7 +101,7 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                 // pattern.
                 let found = compare(&case, &shown, farthest + 3.0);
                 println!(
-                    "{what}: {} pixels, {} missed, {} with colour; error median {:.3}, 90 % {:.3}, 99 % {:.3}, worst {:.3} px",
+                    "{name}: {} pixels, {} missed, {} with colour; error median {:.3}, 90 % {:.3}, 99 % {:.3}, worst {:.3} px",
                     found.expected,
                     found.missed,
                     found.colored,
@@ -106,17 +110,17 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                     found.error_at(0.99),
                     found.error_at(1.0)
                 );
-                assert!(found.expected > extent[0] as usize * extent[1] as usize / 4, "{what}");
-                assert!(found.colored > found.expected / 4, "{what}");
+                assert!(found.expected > extent[0] as usize * extent[1] as usize / 4, "{name}");
+                assert!(found.colored > found.expected / 4, "{name}");
                 // All other rays have the error of Alg. 2's finite difference. Its slope is wrong by 3e-2 at 20 m in
                 // the worst twentieth (docs/numerics.md, "Errata of the thesis"). Its cancellation grows with the
                 // square of the distance, so that it is wrong by 3e-3 at 6 m. A ray typically crosses 30 pixels before
                 // the depth plane stops it: the error is 0.1 pixels.
-                assert!(found.error_at(0.5) < 0.02 && found.error_at(0.9) < 0.1, "{what}");
-                assert!(found.error_at(0.97) < 1.5, "{what}");
-                assert!(found.error_at(1.0) < farthest, "{what}");
+                assert!(found.error_at(0.5) < 0.02 && found.error_at(0.9) < 0.1, "{name}");
+                assert!(found.error_at(0.97) < 1.5, "{name}");
+                assert!(found.error_at(1.0) < farthest, "{name}");
                 // Rays whose first step ends outside the screen miss: at most one in 5000.
-                assert!(found.missed * 5_000 <= found.expected, "{what}");
+                assert!(found.missed * 5_000 <= found.expected, "{name}");
             }
         }
     }
@@ -136,19 +140,19 @@ fn far_rays_fall_back_as_published() {
     b.quad(gray, Vec3::new(-200.0, -1.0, 200.0), Vec3::X * 400.0, Vec3::Y * 300.0, -Vec3::Z);
     let extent = [160, 240];
     let view = camera(EYE.as_vec3(), EYE.as_vec3() + Vec3::Z, extent);
-    for (method, beyond) in [("ssct", Some(false)), ("hzct", None)] {
+    for (method, expected_beyond) in [("ssct", Some(false)), ("hzct", None)] {
         let setup = Setup::new(extent);
         let shown = show(&gpu, &b.0, view, method, &setup, &Globals::default());
         let (mut near, mut far) = (0, 0);
         for (x, y, uv) in reflecting(&shown) {
-            let (p, _) = mirror_ray(&shown, uv, -EYE, DVec3::Y);
-            let by = path(shown.get("hits").texel(x, y)).by_hi_z();
-            if p.z < 25.0 {
+            let (origin, _) = mirror_ray(&shown, uv, -EYE, DVec3::Y);
+            let is_by_hi_z = path(shown.get("hits").texel(x, y)).by_hi_z();
+            if origin.z < 25.0 {
                 near += 1;
-                assert_eq!(by, Some(true), "{method}, {} m", p.z);
-            } else if p.z > 40.0 {
+                assert_eq!(is_by_hi_z, Some(true), "{method}, {} m", origin.z);
+            } else if origin.z > 40.0 {
                 far += 1;
-                assert_eq!(by, beyond, "{method}, {} m", p.z);
+                assert_eq!(is_by_hi_z, expected_beyond, "{method}, {} m", origin.z);
             }
         }
         assert!(near > 1000 && far > 300, "{near} {far}");

@@ -1,4 +1,4 @@
-//! The ends of the rays of the marches and of the poster's cones, against the expected ends: within a step, within
+//! Compares the ends of the rays of the marches and of the poster's cones with the expected ends: within a step, within
 //! epsilon, within a part of a pixel.
 
 use super::{Case, EYE, WALL_Z, mirror_ray, on_screen, path, reflecting};
@@ -12,14 +12,14 @@ use ssct_ground::math::projection::project;
 use ssct_ground::parameter::Preset;
 use ssct_lab::stage::Globals;
 
-/// The end of a ray beside its expected end. Lengths are measured along the ray in texture coordinates and standard
-/// depth together, in which the thesis measures strides.
+/// The end of a ray and its expected end. Lengths are measured along the ray in texture coordinates and standard depth
+/// together, in which the thesis measures strides.
 struct RayEndError {
     /// The length from the pixel to the wall.
     wall: f64,
     /// The length from the pixel to the hit; none for a miss.
     hit: Option<f64>,
-    /// Distance of a hit from the ray, in pixels.
+    /// The distance of a hit from the ray, in pixels.
     beside: f64,
     /// The distance of a hit from its expected place in pixels, in the axis where it is larger.
     pixels: f64,
@@ -29,47 +29,47 @@ struct RayEndError {
     border: f64,
 }
 
-/// The end of every ray that meets the wall on the screen.
+/// Returns the end of every ray that meets the wall on the screen.
 fn ended(case: &Case, shown: &Shown) -> Vec<RayEndError> {
     let hits = shown.get("hits");
     let size = DVec2::new(f64::from(hits.width), f64::from(hits.height));
     let matrix = shown.camera.view_to_clip().as_dmat4();
-    let mut all = Vec::new();
+    let mut ends = Vec::new();
     for (x, y, uv) in reflecting(shown) {
-        let (p, r) = mirror_ray(shown, uv, -EYE, case.normal());
-        let wall = p + r * ((WALL_Z - p.z) / r.z);
+        let (origin, reflected) = mirror_ray(shown, uv, -EYE, case.normal());
+        let wall = origin + reflected * ((WALL_Z - origin.z) / reflected.z);
         if on_screen(shown, wall).is_none() {
             continue;
         }
-        let (from, to) = (project(p, &matrix), project(wall, &matrix));
-        let direction = (to - from).normalize();
+        let (start, expected_end) = (project(origin, &matrix), project(wall, &matrix));
+        let direction = (expected_end - start).normalize();
         let hit = hits.texel(x, y);
         let is_hit = path(hit).is_hit();
-        let offset = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2])) - from;
+        let offset = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2])) - start;
         let along = offset.dot(direction);
         let in_pixels = |v: DVec3| (v.truncate() * size).abs().max_element();
         let border = [0, 1].map(|i| {
             let side = if direction[i] > 0.0 { 1.0 } else { 0.0 };
-            if direction[i] == 0.0 { f64::MAX } else { (side - from[i]) / direction[i] }
+            if direction[i] == 0.0 { f64::MAX } else { (side - start[i]) / direction[i] }
         });
-        all.push(RayEndError {
-            wall: from.distance(to),
+        ends.push(RayEndError {
+            wall: start.distance(expected_end),
             hit: is_hit.then_some(along),
             beside: in_pixels(offset - direction * along),
-            pixels: in_pixels(from + offset - to),
+            pixels: in_pixels(start + offset - expected_end),
             depth_slope: direction.z,
             border: border[0].min(border[1]),
         });
     }
-    all
+    ends
 }
 
-/// The share of rays for which `holds` is true.
+/// Returns the share of rays for which `holds` is true.
 fn share(all: &[RayEndError], holds: impl Fn(&RayEndError) -> bool) -> f64 {
     all.iter().filter(|e| holds(e)).count() as f64 / all.len() as f64
 }
 
-/// A bound in pixels below which the slope error of Alg. 2's finite difference stays in 97 of a hundred rays
+/// A bound in pixels. In 97 of a hundred rays, the slope error of Alg. 2's finite difference stays below it
 /// (`mirror_rays_meet_the_wall_where_they_should`).
 const SLOPE_PIXELS: f64 = 1.5;
 
@@ -96,41 +96,44 @@ fn uniform_marches_end_within_a_step_behind_the_wall() {
                 let case = Case { roll };
                 let globals = Globals { roughness: Some(roughness), ..Globals::default() };
                 let shown = show(&gpu, &case.scene(), case.camera(extent), method, &setup, &globals);
-                let what = format!("{method}, {:?}, stride {stride}, roll {roll}, {extent:?}", setup.values.preset);
+                let name = format!("{method}, {:?}, stride {stride}, roll {roll}, {extent:?}", setup.values.preset);
                 let all = ended(&case, &shown);
                 // The side of a pixel, and the slope error of Alg. 2, as lengths.
                 let pixel = 1.0 / f64::from(extent[1]);
                 let slack = SLOPE_PIXELS * pixel;
                 // The first sample behind the wall decides. Rays for which the slack would change the answer are left
                 // out.
-                let sample = |e: &RayEndError| (e.wall / stride).ceil();
-                let reached =
-                    |e: &RayEndError| sample(e) <= steps - slack / stride && sample(e) * stride < e.border - slack;
-                let unreached = |e: &RayEndError| e.wall > steps * stride + slack;
-                let beyond = share(&all, |e| unreached(e) && e.hit.is_some());
-                let right = |e: &RayEndError| {
-                    let behind = e.hit.map(|h| h - e.wall);
-                    behind.is_some_and(|b| b > first * stride - slack && b < (first + 1.0) * stride + slack)
-                        && e.beside < SLOPE_PIXELS
+                let sample = |end: &RayEndError| (end.wall / stride).ceil();
+                let reached = |end: &RayEndError| {
+                    sample(end) <= steps - slack / stride && sample(end) * stride < end.border - slack
                 };
-                let (reached_share, right_share) = (share(&all, reached), share(&all, |e| reached(e) && right(e)));
-                let mut parts: Vec<f64> = all
+                let unreached = |end: &RayEndError| end.wall > steps * stride + slack;
+                let beyond = share(&all, |end| unreached(end) && end.hit.is_some());
+                let right = |end: &RayEndError| {
+                    let behind = end.hit.map(|hit| hit - end.wall);
+                    behind.is_some_and(|distance| {
+                        distance > first * stride - slack && distance < (first + 1.0) * stride + slack
+                    }) && end.beside < SLOPE_PIXELS
+                };
+                let (reached_share, right_share) =
+                    (share(&all, reached), share(&all, |end| reached(end) && right(end)));
+                let mut step_shares: Vec<f64> = all
                     .iter()
-                    .filter(|e| reached(e) && right(e))
-                    .filter_map(|e| Some((e.hit? - e.wall) / stride))
+                    .filter(|end| reached(end) && right(end))
+                    .filter_map(|end| Some((end.hit? - end.wall) / stride))
                     .collect();
-                parts.sort_by(f64::total_cmp);
-                let median = parts[parts.len() / 2];
+                step_shares.sort_by(f64::total_cmp);
+                let median = step_shares[step_shares.len() / 2];
                 println!(
-                    "{what}: {reached_share:.3} in reach, {right_share:.3} right, {beyond:.3} beyond; median {median:.3} of a step"
+                    "{name}: {reached_share:.3} in reach, {right_share:.3} right, {beyond:.3} beyond; median {median:.3} of a step"
                 );
-                assert!(all.len() > 1000 && reached_share > 0.05, "{what}");
-                assert!(right_share > 0.99 * reached_share, "{what}");
-                assert!(beyond < 0.01, "{what}: nothing is hit beyond the last step");
+                assert!(all.len() > 1000 && reached_share > 0.05, "{name}");
+                assert!(right_share > 0.99 * reached_share, "{name}");
+                assert!(beyond < 0.01, "{name}: nothing is hit beyond the last step");
                 // Rays meet the wall anywhere in a step, so that the median is half a step. A stride below two thirds
                 // of a pixel is not tested, since Alg. 2's error is larger.
                 if stride > 2.0 * pixel / 3.0 {
-                    assert!((median - first - 0.5).abs() < 0.1, "{what}");
+                    assert!((median - first - 0.5).abs() < 0.1, "{name}");
                 }
             }
         }
@@ -138,7 +141,7 @@ fn uniform_marches_end_within_a_step_behind_the_wall() {
 }
 
 /// The linear march with a binary search ends within epsilon of the wall's depth in 99 % of its hits, and hits in 98 %
-/// of the rays.
+/// of the rays. A search that stops early would leave a whole step of error.
 #[test]
 fn binary_searches_end_within_epsilon_of_the_wall() {
     let gpu = gpu();
@@ -148,24 +151,25 @@ fn binary_searches_end_within_epsilon_of_the_wall() {
                 let case = Case { roll };
                 let setup = unfaded(extent).of_preset(preset);
                 let shown = show(&gpu, &case.scene(), case.camera(extent), "linear", &setup, &Globals::default());
-                let what = format!("linear, {preset:?}, roll {roll}, {extent:?}");
+                let name = format!("linear, {preset:?}, roll {roll}, {extent:?}");
                 let all = ended(&case, &shown);
                 // The wall has one depth, so that an error of epsilon in depth is an error of epsilon / slope in
                 // length.
-                let within =
-                    |e: &RayEndError| e.hit.is_some_and(|h| (h - e.wall).abs() * e.depth_slope < 1.05 * epsilon);
-                let found = share(&all, |e| e.hit.is_some());
-                let right = share(&all, |e| within(e) && e.beside < SLOPE_PIXELS);
-                println!("{what}: {found:.3} of {} found, {right:.3} within epsilon", all.len());
-                assert!(all.len() > 1000 && found > 0.98, "{what}");
-                assert!(right > 0.99 * found, "{what}");
+                let is_within = |end: &RayEndError| {
+                    end.hit.is_some_and(|hit| (hit - end.wall).abs() * end.depth_slope < 1.05 * epsilon)
+                };
+                let found = share(&all, |end| end.hit.is_some());
+                let right_share = share(&all, |end| is_within(end) && end.beside < SLOPE_PIXELS);
+                println!("{name}: {found:.3} of {} found, {right_share:.3} within epsilon", all.len());
+                assert!(all.len() > 1000 && found > 0.98, "{name}");
+                assert!(right_share > 0.99 * found, "{name}");
             }
         }
     }
 }
 
 /// The poster's cones on a mirror end within a quarter of a pixel of the expected place in 98 % of the hits, for three
-/// filters and two presets.
+/// filters and two presets. A cone of a mirror has no width, so that it must behave as a ray.
 #[test]
 fn cones_of_no_width_meet_the_wall_where_they_should() {
     let gpu = gpu();
@@ -175,15 +179,15 @@ fn cones_of_no_width_meet_the_wall_where_they_should() {
             let case = Case { roll: 0.3 };
             let setup = unfaded(extent).of_preset(preset).with(|p: &mut PosterParams| p.poster_filter = poster_filter);
             let shown = show(&gpu, &case.scene(), case.camera(extent), "poster", &setup, &Globals::default());
-            let what = format!("poster, {poster_filter:?}, {preset:?}");
-            let mut all = ended(&case, &shown);
-            let found = share(&all, |e| e.hit.is_some());
-            all.retain(|e| e.hit.is_some());
+            let name = format!("poster, {poster_filter:?}, {preset:?}");
+            let mut ends = ended(&case, &shown);
+            let found = share(&ends, |end| end.hit.is_some());
+            ends.retain(|end| end.hit.is_some());
             // The poster marches in view space, without the difference of Alg. 2. Epsilon is 2e-4 of the depth: 1.2 mm
             // at 6 m. Even the flattest ray here crosses that depth within 0.2 pixels, of 38 mm each.
-            let near = share(&all, |e| e.pixels < 0.25);
-            println!("{what}: {found:.3} found, {near:.3} of them near");
-            assert!(all.len() > 1000 && found > least && near > 0.98, "{what}");
+            let near = share(&ends, |end| end.pixels < 0.25);
+            println!("{name}: {found:.3} found, {near:.3} of them near");
+            assert!(ends.len() > 1000 && found > least && near > 0.98, "{name}");
         }
     }
 }

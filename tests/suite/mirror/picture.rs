@@ -1,4 +1,4 @@
-//! The picture as a whole: which way round it is, which options change it and which do not, sky and windows.
+//! Tests the picture as a whole: which way round it is, which options change it and which do not, sky and windows.
 
 use super::{Case, EYE, bytes, mirror_ray, on_screen, path};
 use crate::common::{
@@ -17,7 +17,8 @@ use ssct_lab::stage::Globals;
 use ssct_scenes::Scene;
 use ssct_truth::metrics::rmse;
 
-/// A mirror floor before a wall of four quarters: bottom left, bottom right, top left, top right.
+/// Returns a mirror floor before a wall of four quarters, whose colours in sRGB are given in the order bottom left,
+/// bottom right, top left, top right.
 fn quarters(colors: [[u8; 3]; 4]) -> Scene {
     let mut b = Builder::new("quarters");
     b.light(Vec3::Z);
@@ -28,7 +29,8 @@ fn quarters(colors: [[u8; 3]; 4]) -> Scene {
     b.0
 }
 
-/// The reflection of `linear` is the same at roughness 0 and 0.6, to the bit.
+/// The reflection of `linear` is the same at roughness 0 and 0.6, to the bit, since the published method reflects
+/// mirrors alone.
 #[test]
 fn a_mirror_lookup_knows_no_roughness() {
     let gpu = gpu();
@@ -40,8 +42,8 @@ fn a_mirror_lookup_knows_no_roughness() {
     assert_eq!(mirror.get("reflection"), rough.get("reflection"));
 }
 
-/// A wall of four coloured quarters over a mirror floor: in ten variants of methods, left and right stay in the
-/// reflection, and up and down change places.
+/// In ten variants of methods, a wall of four coloured quarters keeps left and right in the reflection of a mirror
+/// floor, and up and down change places. A wrong sign mirrors the picture, which a symmetric scene would not show.
 #[test]
 fn right_is_right_and_down_is_up() {
     const RED: [u8; 3] = [255, 0, 0];
@@ -91,15 +93,15 @@ fn right_is_right_and_down_is_up() {
     }
 }
 
-/// The number of pixels of two images, and the number of those that differ in a bit.
+/// Returns the number of pixels of an image, and the number of those that differ from another image in a bit.
 fn differing(a: &Pixels, b: &Pixels) -> [f64; 2] {
     let bits = |pixel: &[f32]| pixel.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-    let off = a.texels().zip(b.texels()).filter(|(a, b)| bits(a) != bits(b)).count();
-    [a.texels().count() as f64, off as f64]
+    let differing_pixels = a.texels().zip(b.texels()).filter(|(a, b)| bits(a) != bits(b)).count();
+    [a.texels().count() as f64, differing_pixels as f64]
 }
 
 /// Each screen-space method makes one image whether its trace is split in two passes, combined in one, or also stores
-/// hits.
+/// hits. These are different programs, and measurements of one must hold for the others.
 #[test]
 fn split_combined_and_with_hits_give_the_same_reflection() {
     let gpu = gpu();
@@ -112,11 +114,17 @@ fn split_combined_and_with_hits_give_the_same_reflection() {
                 show_with(&gpu, &clutter(), (clutter_camera(extent), &globals), method.name, &setup, wants)
             };
             let combined = shown(false, Wants::REFLECTION);
-            for (other, how) in [(shown(true, Wants::REFLECTION), "split"), (shown(false, Wants::HITS), "with hits")] {
-                for what in ["reflection", "composite"] {
-                    let [all, off] = differing(other.get(what), combined.get(what));
-                    let case = format!("{}, {preset:?}, roughness {roughness}: the {what}, {how}", method.name);
-                    assert!(off <= tolerated_share(&gpu) * all, "{case}: {off} of {all} pixels differ");
+            for (other, drawn_how) in
+                [(shown(true, Wants::REFLECTION), "split"), (shown(false, Wants::HITS), "with hits")]
+            {
+                for image_name in ["reflection", "composite"] {
+                    let [all, differing_pixels] = differing(other.get(image_name), combined.get(image_name));
+                    let case =
+                        format!("{}, {preset:?}, roughness {roughness}: the {image_name}, {drawn_how}", method.name);
+                    assert!(
+                        differing_pixels <= tolerated_share(&gpu) * all,
+                        "{case}: {differing_pixels} of {all} pixels differ"
+                    );
                 }
             }
         }
@@ -138,7 +146,7 @@ fn roughness_changes_the_reflection() {
         assert_eq!(mirror.get("color"), rough.get("color"), "the lit colour does not change");
         let difference = rmse(&mirror.get("reflection").values, &rough.get("reflection").values);
         assert!(difference > 0.02, "{method}: {difference}");
-        // A blur roughly keeps the mean colour and lowers the contrast.
+        // Returns the mean and the standard deviation of red in a part of a row.
         let spread = |shown: &Shown| {
             let rows: Vec<f32> = (120..200).map(|x| shown.get("reflection").texel(x, 220)[0]).collect();
             let mean = rows.iter().sum::<f32>() / rows.len() as f32;
@@ -150,7 +158,7 @@ fn roughness_changes_the_reflection() {
     }
 }
 
-/// At reflectivity 0, every screen-space method leaves the lit colour unchanged to the bit, and traces no ray; at
+/// At reflectivity 0, every screen-space method leaves the lit colour unchanged to the bit, and traces no ray. At
 /// reflectivity 1 the image changes.
 #[test]
 fn without_reflectivity_the_composite_is_the_lit_colour() {
@@ -179,7 +187,7 @@ fn without_reflectivity_the_composite_is_the_lit_colour() {
 }
 
 /// Pixels of sky and of windows do not reflect. Rays that meet a window hit it within 2.54 pixels and show the colour
-/// at the hit.
+/// at the hit. A window shows the sky but has depth, so that it is taken for sky easily.
 #[test]
 fn sky_does_not_reflect_but_windows_are_hit() {
     let gpu = gpu();
@@ -208,8 +216,8 @@ fn sky_does_not_reflect_but_windows_are_hit() {
                 continue;
             }
             let uv = DVec2::new((f64::from(x) + 0.5) / 320.0, (f64::from(y) + 0.5) / 240.0);
-            let (p, r) = mirror_ray(&shown, uv, -EYE, DVec3::Y);
-            let point = p + r * ((6.0 - p.z) / r.z);
+            let (origin, reflected) = mirror_ray(&shown, uv, -EYE, DVec3::Y);
+            let point = origin + reflected * ((6.0 - origin.z) / reflected.z);
             if point.x.abs() < 1.8 && (0.2..2.8).contains(&(point.y + EYE.y)) {
                 let expected = on_screen(&shown, point).expect("the window is on screen");
                 let hit = hits.texel(x, y);

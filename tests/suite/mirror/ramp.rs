@@ -18,7 +18,7 @@ impl Ramp {
     /// The middle of the ramp's lower edge, in metres.
     const FOOT: DVec3 = DVec3::new(0.0, 0.0, 3.2);
 
-    /// The unit normal of the ramp.
+    /// Returns the unit normal of the ramp.
     fn normal() -> DVec3 {
         DVec3::new(0.0, Self::TILT.cos(), -Self::TILT.sin())
     }
@@ -40,33 +40,33 @@ impl Ramp {
         show(gpu, &b.0, view, method, &setup, &Globals::default())
     }
 
-    /// The direction of a pixel's mirror ray, and whether the ray meets the ceiling where the screen shows it.
+    /// Returns the direction of a pixel's mirror ray, and whether the ray meets the ceiling where the screen shows it.
     fn ray(shown: &Shown, uv: DVec2) -> (DVec3, bool) {
-        let (p, r) = mirror_ray(shown, uv, Self::FOOT - EYE, Self::normal());
-        (r, on_screen(shown, p + r * ((3.0 - EYE.y - p.y) / r.y)).is_some())
+        let (origin, reflected) = mirror_ray(shown, uv, Self::FOOT - EYE, Self::normal());
+        (reflected, on_screen(shown, origin + reflected * ((3.0 - EYE.y - origin.y) / reflected.y)).is_some())
     }
 }
 
-/// Both methods trace rays away from the camera by Hi-Z. Of rays towards the camera, `ssct` marches linearly and finds
-/// the ceiling in 98 % of the cases, and `hzct` leaves them black.
+/// Both methods trace rays away from the camera by Hi-Z, which cannot follow rays towards the camera. `ssct` marches
+/// linearly along those, and finds the ceiling in 98 % of the cases; `hzct` leaves them black.
 #[test]
 fn rays_towards_the_camera_are_traced_by_ssct_alone() {
     let gpu = gpu();
     let [ssct, hzct] = ["ssct", "hzct"].map(|m| Ramp::show(&gpu, m, true));
     let (mut away, mut towards, mut on_ceiling, mut red) = (0, 0, 0, 0);
     for (x, y, uv) in reflecting(&ssct) {
-        let (r, meets) = Ramp::ray(&ssct, uv);
+        let (reflected, meets) = Ramp::ray(&ssct, uv);
         let paths = [&ssct, &hzct].map(|s| path(s.get("hits").texel(x, y)));
         let colors = [&ssct, &hzct].map(|s| s.get("reflection").texel(x, y));
         // The threshold between the two kinds of ray is not at R_z = 0. It is at a V_z of 1e-5, where V_z belongs to a
         // ray whose length is the distance of the near plane.
-        if r.z > 0.03 {
+        if reflected.z > 0.03 {
             away += 1;
-            assert_eq!(paths.map(PathCode::by_hi_z), [Some(true); 2], "({x}, {y}), {r}");
-        } else if r.z < 0.0 {
+            assert_eq!(paths.map(PathCode::by_hi_z), [Some(true); 2], "({x}, {y}), {reflected}");
+        } else if reflected.z < 0.0 {
             towards += 1;
-            assert_eq!(paths[0].by_hi_z(), Some(false), "({x}, {y}), {r}");
-            assert_eq!(paths[1], PathCode::Untraced, "({x}, {y}), {r}");
+            assert_eq!(paths[0].by_hi_z(), Some(false), "({x}, {y}), {reflected}");
+            assert_eq!(paths[1], PathCode::Untraced, "({x}, {y}), {reflected}");
             assert_eq!(colors[1], [0.0; 4], "hzct is black");
             assert_eq!(hzct.get("composite").texel(x, y)[..3], [0.0; 3], "hzct is black");
             if meets {
@@ -81,8 +81,8 @@ fn rays_towards_the_camera_are_traced_by_ssct_alone() {
     assert!(red * 100 > on_ceiling * 98, "{red} of {on_ceiling}");
 }
 
-/// The fade of each hit is that of Eq. 4.7 with the distance from the middle of the screen; in `hzct` it also falls
-/// with R_z of the ray.
+/// The fade of each hit is that of Eq. 4.7 with the distance from the middle of the screen. In `hzct` it also falls
+/// with R_z of the ray. The composite weighs each reflection by it.
 #[test]
 fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
     let gpu = gpu();

@@ -1,5 +1,5 @@
-//! Files that glTF 2.0 allows, and files that other programs write and that have one obvious reading. They load, with a
-//! warning where the file breaks the specification.
+//! Tests files that glTF 2.0 allows, and files that other programs write and that have one obvious reading. They load,
+//! with a warning where a file breaks the specification.
 
 use super::gltf::{Square, binary, close, error, picture, pictured, scene, sentences, square};
 use super::*;
@@ -8,7 +8,7 @@ use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 use ssct_scenes::{Light, gltf};
 
-/// Holds that the scene is the square as it always is: sides of 2 by 1 in the xy plane.
+/// Checks that the scene is the unchanged square: sides of 2 by 1 in the xy plane.
 fn is_the_square(scene: &Scene) {
     assert!(close(area(scene), 2.0) && scene.triangle_count() == 2, "{}", area(scene));
     let bounds = scene.bounds();
@@ -18,14 +18,15 @@ fn is_the_square(scene: &Scene) {
     );
 }
 
-/// Holds that the square with a change loads as the square does, with exactly the warnings in `said`.
-fn assert_loads_as_square(said: &[&str], change: impl FnOnce(&mut Value)) {
+/// Checks that the square with a change loads as the square does, with exactly these warnings.
+fn assert_loads_as_square(warnings: &[&str], change: impl FnOnce(&mut Value)) {
     let scene = scene(&square(json!({}), change));
     is_the_square(&scene);
-    assert_eq!(sentences(&scene), said);
+    assert_eq!(sentences(&scene), warnings);
 }
 
-/// Attributes whose names begin with `_` are the application's own; other unknown names get a sentence.
+/// Attributes whose names begin with `_` are the application's own; other unknown names get a sentence. A strict reader
+/// would refuse files that the specification allows.
 #[test]
 fn attributes_of_applications_are_passed_over() {
     let add = |name: &'static str| move |d: &mut Value| d["meshes"][0]["primitives"][0]["attributes"][name] = 2.into();
@@ -42,10 +43,11 @@ fn attributes_of_applications_are_passed_over() {
     });
 }
 
-/// An animation with an unknown target, too few values or no content is left out with a sentence, and the scene loads.
+/// An animation with an unknown target, too few values or no content is left out with a sentence, and the scene loads,
+/// since it needs no animation to be drawn.
 #[test]
 fn animations_that_cannot_be_played_are_passed_over() {
-    for (target, said) in [
+    for (target, warning) in [
         (json!({"path": "scale"}), None),
         (
             json!({"node": 0, "path": "pointer"}),
@@ -57,7 +59,7 @@ fn animations_that_cannot_be_played_are_passed_over() {
         ),
         (json!({}), Some("animation 0 is not one of glTF and was left out")),
     ] {
-        assert_loads_as_square(said.as_slice(), |d| {
+        assert_loads_as_square(warning.as_slice(), |d| {
             d["animations"] =
                 json!([{"samplers": [{"input": 3, "output": 0}], "channels": [{"sampler": 0, "target": target}]}]);
         });
@@ -65,7 +67,8 @@ fn animations_that_cannot_be_played_are_passed_over() {
     assert_loads_as_square(&[], |d| d["animations"] = json!([]));
 }
 
-/// An accessor without bytes has zeros, as glTF says; too large a count is refused.
+/// An accessor without bytes has zeros, as glTF says. Too large a count is refused, since such an accessor allocates
+/// memory that no file has to hold.
 #[test]
 fn accessors_without_a_view_are_zeros() {
     assert_loads_as_square(&[], |d| {
@@ -91,7 +94,7 @@ fn accessors_without_a_view_are_zeros() {
 /// A sparse accessor replaces the elements that its indices name, over bytes or over zeros.
 #[test]
 fn sparse_accessors_change_some_elements() {
-    let with = |base: bool| {
+    let sparse_scene = |has_base: bool| {
         let mut square = Square::new();
         // Elements 2 and 1, in this order, of the positions: the right side is moved to x = 4.
         square.accessor("SCALAR", 5121, 2, &[2, 1]);
@@ -100,14 +103,14 @@ fn sparse_accessors_change_some_elements() {
         let indices = json!({"bufferView": 4, "componentType": 5121});
         let position = &mut document["accessors"][0];
         position["sparse"] = json!({"count": 2, "indices": indices, "values": {"bufferView": 5}});
-        if !base {
+        if !has_base {
             position.as_object_mut().unwrap().remove("bufferView");
         }
         scene(&document)
     };
-    assert_eq!((area(&with(true)), with(true).bounds().max.x), (4.0, 4.0));
+    assert_eq!((area(&sparse_scene(true)), sparse_scene(true).bounds().max.x), (4.0, 4.0));
     // Without a view, the others are at the origin: one of the two triangles is left.
-    assert_eq!((area(&with(false)), with(false).triangle_count()), (2.0, 1));
+    assert_eq!((area(&sparse_scene(false)), sparse_scene(false).triangle_count()), (2.0, 1));
 }
 
 /// A further scene without nodes, and a file without scenes, load; if the shown scene has no nodes, the file is
@@ -172,7 +175,7 @@ fn unknown_ways_of_repeating_are_plain() {
 }
 
 /// Data addresses in base64 or percent codes, with any case, line breaks and missing padding are read; broken ones are
-/// refused.
+/// refused. Each of these forms occurs in files of some exporter.
 #[test]
 fn data_addresses_are_read_as_rfc_2397_says() {
     let bytes = Square::new().bytes;
@@ -191,8 +194,8 @@ fn data_addresses_are_read_as_rfc_2397_says() {
         assert_loads_as_square(&[], |d| d["buffers"][0]["uri"] = uri.into());
     }
     for uri in ["data:", "data:;base64", "data:;base64,", "data:;base64,!!!!", "DATA:x,"] {
-        let said = error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
-        assert_eq!(said, "buffer 0 is not valid base64", "{uri}");
+        let message = error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
+        assert_eq!(message, "buffer 0 is not valid base64", "{uri}");
     }
     let mut image = picture(1, 1, |_, _| [0, 255, 0, 255]);
     let encoded = image["uri"].as_str().unwrap().replace("data:image/png", "DATA:image/PNG").replace('+', "%2B");
@@ -202,8 +205,8 @@ fn data_addresses_are_read_as_rfc_2397_says() {
     assert_eq!((scene.warnings.len(), &scene.textures[0].rgba[..]), (0, &[0, 255, 0, 255][..]));
 }
 
-/// Network addresses, folders and devices are refused as buffers or images; a file name with a percent sign is found as
-/// it is written.
+/// Network addresses, folders and devices are refused as buffers or images: a scene of somebody else must open no
+/// connection and no device. A file name with a percent sign is found as it is written.
 #[test]
 fn addresses_that_are_no_files_are_refused() {
     let refusal = |uri: &str| error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
@@ -235,15 +238,15 @@ fn addresses_that_are_no_files_are_refused() {
     is_the_square(&gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap());
 }
 
-/// The square with a skin of two joints. Every vertex has the two weights; the joints are nodes of their own.
+/// Returns the square with a skin of two joints. Every vertex has the two weights; the joints are nodes of their own.
 fn skinned(weights: [f32; 2], change: impl FnOnce(&mut Value)) -> Value {
     let mut square = Square::new();
     square.accessor("VEC4", 5121, 4, &[0, 1, 0, 0].repeat(4));
     square.floats("VEC4", &[weights[0], weights[1], 0.0, 0.0].repeat(4));
-    let matrix = |scale: f32, x: f32| {
-        let mut m = [0.0; 16];
-        (m[0], m[5], m[10], m[15], m[12]) = (scale, scale, scale, 1.0, x);
-        m
+    let matrix = |scale: f32, shift: f32| {
+        let mut columns = [0.0; 16];
+        (columns[0], columns[5], columns[10], columns[15], columns[12]) = (scale, scale, scale, 1.0, shift);
+        columns
     };
     square.floats("MAT4", &[matrix(1.0, 0.0), matrix(1.0, -10.0)].concat());
     let mut document = square.document(json!({}));
@@ -260,7 +263,7 @@ fn skinned(weights: [f32; 2], change: impl FnOnce(&mut Value)) -> Value {
     document
 }
 
-/// A mesh with a skin stands where its joints place it, and not where its own node does.
+/// A mesh with a skin stands where its joints place it, and not where its own node does, as glTF demands.
 #[test]
 fn skins_are_placed_by_their_joints() {
     let placed = |weights, change: fn(&mut Value)| scene(&skinned(weights, change));
@@ -290,24 +293,25 @@ fn skins_are_placed_by_their_joints() {
     assert_eq!(plain.bounds().min.x, 10.0);
 }
 
+/// A skin with too few joints or matrices, or with a wrong accessor, is refused with its name.
 #[test]
 fn skins_that_cannot_be_are_named() {
-    let said = |change: fn(&mut Value)| error(&skinned([1.0, 0.0], change));
+    let message = |change: fn(&mut Value)| error(&skinned([1.0, 0.0], change));
     assert_eq!(
-        said(|d| d["skins"][0]["joints"] = json!([1])),
+        message(|d| d["skins"][0]["joints"] = json!([1])),
         "mesh mesh 0: vertex 0 has joint 1, and the skin has 1 joints"
     );
     assert_eq!(
-        said(|d| d["skins"][0]["joints"] = json!([1, 2, 0])),
+        message(|d| d["skins"][0]["joints"] = json!([1, 2, 0])),
         "skin 0 has fewer inverse bind matrices than its 3 joints"
     );
     assert_eq!(
-        said(|d| d["skins"][0]["inverseBindMatrices"] = 5.into()),
+        message(|d| d["skins"][0]["inverseBindMatrices"] = 5.into()),
         "accessor 5 of inverse bind matrices must have 4x4 floats"
     );
 }
 
-/// A morph target moves positions by its weight; the weights of the node go before those of the mesh.
+/// A morph target moves positions by its weight; the weights of the node override those of the mesh.
 #[test]
 fn morph_targets_count_by_their_weights() {
     let morphed = |mesh: Value, node: Value| {
@@ -328,7 +332,7 @@ fn morph_targets_count_by_their_weights() {
 }
 
 /// A scene that is loaded at an eighth of its size has all lengths scaled: bounds, views, planes, and energies of point
-/// lights as squares of lengths.
+/// lights as squares of lengths. A length that is forgotten shows in no other test.
 #[test]
 fn the_scale_is_of_every_length() {
     let document = square(json!({}), |d| {
@@ -349,9 +353,9 @@ fn the_scale_is_of_every_length() {
     let (whole, small) = (loaded(1.0), loaded(0.125));
     assert_eq!(small.bounds().max, 0.125 * whole.bounds().max);
     for (a, b) in whole.views.iter().zip(&small.views) {
-        let (of_a, of_b) = (a.lens.unwrap(), b.lens.unwrap());
+        let (lens_a, lens_b) = (a.lens.unwrap(), b.lens.unwrap());
         assert_eq!((0.125 * a.eye, 0.125 * a.look_at), (b.eye, b.look_at));
-        assert_eq!([0.125 * of_a.near_m, 0.125 * of_a.far_m], [of_b.near_m, of_b.far_m]);
+        assert_eq!([0.125 * lens_a.near_m, 0.125 * lens_a.far_m], [lens_b.near_m, lens_b.far_m]);
     }
     let [Light::Point { energy: a, .. }, Light::Directional { energy: sun, .. }] = whole.lights[..] else {
         panic!("{:?}", whole.lights)
@@ -366,13 +370,13 @@ fn the_scale_is_of_every_length() {
 /// Old glTF, other JSON, empty, truncated and wide texts, and damaged binary files each get a sentence of their own.
 #[test]
 fn files_of_other_kinds_are_told_apart() {
-    let said = |name: &str, bytes: &[u8]| {
+    let message_of = |name: &str, bytes: &[u8]| {
         let folder = Folder::new(&[]);
         folder.write(name, bytes);
         let error = gltf::load(&folder.path(name), &LoadOptions::default()).unwrap_err().to_string();
         folder.without_folder(&error).split_once(": ").unwrap().1.to_owned()
     };
-    let text = |text: &str| said("a.gltf", text.as_bytes());
+    let text = |text: &str| message_of("a.gltf", text.as_bytes());
     let old = r#"{"asset": {"version": "1.0"}, "scenes": {"s": {"nodes": []}}, "nodes": {}}"#;
     assert_eq!(text(old), "is glTF 1.0; version 2 is supported");
     assert_eq!(text(r#"{"nodes": {}, "meshes": {}}"#), "is glTF 1.0; version 2 is supported");
@@ -384,20 +388,21 @@ fn files_of_other_kinds_are_told_apart() {
     assert!(text("v 0 0 0").starts_with("is not JSON, as glTF must be: "), "{}", text("v 0 0 0"));
     let whole = square(json!({}), |_| ()).to_string();
     let wide: Vec<u8> = whole.encode_utf16().flat_map(u16::to_le_bytes).collect();
-    assert_eq!(said("a.gltf", &wide), "is UTF-16 text; save it as UTF-8");
-    assert!(said("a.gltf", b"{\"a\": \"\xe9\"}").starts_with("is not UTF-8 text, as glTF must be"));
+    assert_eq!(message_of("a.gltf", &wide), "is UTF-16 text; save it as UTF-8");
+    assert!(message_of("a.gltf", b"{\"a\": \"\xe9\"}").starts_with("is not UTF-8 text, as glTF must be"));
 
     let glb = binary(Square::new().document(json!({})), &Square::new().bytes);
-    assert_eq!(said("a.glb", &glb[..6]), "is a truncated .glb: it ends within its header, after 6 bytes");
-    let half = said("a.glb", &glb[..glb.len() / 2]);
+    assert_eq!(message_of("a.glb", &glb[..6]), "is a truncated .glb: it ends within its header, after 6 bytes");
+    let half = message_of("a.glb", &glb[..glb.len() / 2]);
     assert_eq!(half, format!("is a truncated .glb: it has {} bytes and states {}", glb.len() / 2, glb.len()));
     let old = [&b"glTF"[..], &1_u32.to_le_bytes(), &20_u32.to_le_bytes(), &[0; 8]].concat();
-    assert_eq!(said("a.glb", &old), "is glTF 1.0; version 2 is supported");
+    assert_eq!(message_of("a.glb", &old), "is glTF 1.0; version 2 is supported");
     let mut long_chunk = glb.clone();
     long_chunk[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
-    assert!(said("a.glb", &long_chunk).starts_with("is a truncated .glb: a chunk states 4294967295 bytes, and "));
+    assert!(message_of("a.glb", &long_chunk).starts_with("is a truncated .glb: a chunk states 4294967295 bytes, and "));
 }
 
+/// A file that begins with a byte order mark, and a binary file with unknown chunks, load as the square.
 #[test]
 fn byte_order_marks_and_unknown_chunks_are_skipped() {
     let marked = format!("\u{feff}{}", square(json!({}), |_| ()));
@@ -407,13 +412,14 @@ fn byte_order_marks_and_unknown_chunks_are_skipped() {
     let glb = binary(Square::new().document(json!({})), &Square::new().bytes);
     let json_end = 20 + u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let other = [&4_u32.to_le_bytes()[..], b"XTRA", b"abcd"].concat();
-    let mut with = [&glb[..json_end], &other, &glb[json_end..], &other].concat();
-    let length = (with.len() as u32).to_le_bytes();
-    with[8..12].copy_from_slice(&length);
-    folder.write("a.glb", &with);
+    let mut with_chunks = [&glb[..json_end], &other, &glb[json_end..], &other].concat();
+    let length = (with_chunks.len() as u32).to_le_bytes();
+    with_chunks[8..12].copy_from_slice(&length);
+    folder.write("a.glb", &with_chunks);
     is_the_square(&gltf::load(&folder.path("a.glb"), &LoadOptions::default()).unwrap());
 }
 
+/// A primitive without positions is left out with a sentence, and the other primitives are drawn.
 #[test]
 fn primitives_without_positions_are_not_drawn() {
     assert_loads_as_square(&["primitives without positions are not drawn"], |d| {
@@ -424,7 +430,7 @@ fn primitives_without_positions_are_not_drawn() {
     });
 }
 
-/// The square's document in which one accessor has other floats.
+/// Returns the square's document in which one accessor has other floats.
 fn with_floats(accessor: usize, kind: &str, floats: &[f32]) -> Value {
     let mut square = Square::new();
     square.floats(kind, floats);

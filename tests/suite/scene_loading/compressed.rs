@@ -1,5 +1,5 @@
-//! glTF with compressed content: meshes of meshopt and images of WebP. Other compressions are refused with the command
-//! of a tool that makes the file readable.
+//! Tests glTF with compressed content: meshes of meshopt and images of WebP. Other compressions are refused with the
+//! command of a tool that makes the file readable.
 
 use super::gltf::{Square, error, load, picture, pictured, scene, sentences, square};
 use super::*;
@@ -7,23 +7,25 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 
+/// The name of the meshopt extension before Khronos ratified it.
 const EXT: &str = "EXT_meshopt_compression";
+/// The ratified name of the meshopt extension.
 const KHR: &str = "KHR_meshopt_compression";
 
-/// Bytes as a data address.
+/// Returns bytes as a data address.
 fn data(bytes: &[u8]) -> Value {
     format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(bytes)).into()
 }
 
-/// The square with all of its views stored by meshopt, under either name of the extension, as optimisers write it: the
-/// buffer that the views name has no bytes.
+/// Returns the square with all of its views stored by meshopt, under either name of the extension, as optimisers write
+/// it: the buffer that the views name has no bytes.
 fn compressed(name: &str, change: impl FnOnce(&mut Value)) -> Value {
-    let made = Square::new();
-    let mut document = made.document(json!({}));
+    let plain = Square::new();
+    let mut document = plain.document(json!({}));
     let mut encoded = Vec::new();
-    for (index, view) in made.views.iter().enumerate() {
+    for (index, view) in plain.views.iter().enumerate() {
         let number = |key: &str| view[key].as_u64().unwrap() as usize;
-        let bytes = &made.bytes[number("byteOffset")..][..number("byteLength")];
+        let bytes = &plain.bytes[number("byteOffset")..][..number("byteLength")];
         let (mode, stride, stored) = match index {
             3 => {
                 let indices: Vec<u32> = bytes.chunks(2).map(|b| u32::from(u16::from_le_bytes([b[0], b[1]]))).collect();
@@ -40,7 +42,7 @@ fn compressed(name: &str, change: impl FnOnce(&mut Value)) -> Value {
         }});
         encoded.extend(stored);
     }
-    let fallback = json!({"byteLength": made.bytes.len(), "extensions": {name: {"fallback": true}}});
+    let fallback = json!({"byteLength": plain.bytes.len(), "extensions": {name: {"fallback": true}}});
     document["buffers"] = json!([fallback, {"byteLength": encoded.len(), "uri": data(&encoded)}]);
     document["extensionsUsed"] = json!([name]);
     document["extensionsRequired"] = json!([name]);
@@ -61,10 +63,10 @@ fn views_of_meshopt_hold_what_they_held_before() {
 }
 
 /// Normals in octahedral filters of 8 and 16 bits and in exponential filters are decoded within the rounding of each
-/// filter.
+/// filter. Read without the filter, they are other directions.
 #[test]
 fn filters_of_meshopt_are_undone() {
-    let with = |filter: &'static str, kind: &'static str, component: u32, stride: usize, stored: Vec<u8>| {
+    let filtered = |filter: &'static str, kind: &'static str, component: u32, stride: usize, stored: Vec<u8>| {
         compressed(EXT, |d| {
             d["buffers"][1]["uri"].take();
             let view = &mut d["bufferViews"][1];
@@ -82,33 +84,34 @@ fn filters_of_meshopt_are_undone() {
             d["buffers"] = buffers;
         })
     };
-    let towards = [[0.6_f32, 0.0, 0.8, 0.0]; 4];
-    let bytes: Vec<[i8; 4]> = meshopt::encode_filter_oct(&towards, 8);
-    let shorts: Vec<[i16; 4]> = meshopt::encode_filter_oct(&towards, 16);
-    let floats: Vec<f32> = towards.iter().flat_map(|v| &v[..3]).copied().collect();
+    let normals = [[0.6_f32, 0.0, 0.8, 0.0]; 4];
+    let bytes: Vec<[i8; 4]> = meshopt::encode_filter_oct(&normals, 8);
+    let shorts: Vec<[i16; 4]> = meshopt::encode_filter_oct(&normals, 16);
+    let floats: Vec<f32> = normals.iter().flat_map(|v| &v[..3]).copied().collect();
     let exponents: Vec<[u32; 3]> = meshopt::encode_filter_exp(
         bytemuck::cast_slice::<f32, [f32; 3]>(&floats),
         15,
         meshopt::EncodeExpMode::Separate,
     );
-    for (document, near) in [
-        (with("OCTAHEDRAL", "VEC3", 5120, 4, meshopt::encode_vertex_buffer(&bytes).unwrap()), 0.02),
-        (with("OCTAHEDRAL", "VEC3", 5122, 8, meshopt::encode_vertex_buffer(&shorts).unwrap()), 1e-3),
-        (with("EXPONENTIAL", "VEC3", 5126, 12, meshopt::encode_vertex_buffer(&exponents).unwrap()), 1e-3),
+    for (document, bound) in [
+        (filtered("OCTAHEDRAL", "VEC3", 5120, 4, meshopt::encode_vertex_buffer(&bytes).unwrap()), 0.02),
+        (filtered("OCTAHEDRAL", "VEC3", 5122, 8, meshopt::encode_vertex_buffer(&shorts).unwrap()), 1e-3),
+        (filtered("EXPONENTIAL", "VEC3", 5126, 12, meshopt::encode_vertex_buffer(&exponents).unwrap()), 1e-3),
     ] {
         let scene = scene(&document);
         // The file is right-handed.
-        let off = normal(&scene.meshes[0].vertices[0]).distance(Vec3::new(0.6, 0.0, -0.8));
-        assert!(off < near, "{off}");
+        let distance = normal(&scene.meshes[0].vertices[0]).distance(Vec3::new(0.6, 0.0, -0.8));
+        assert!(distance < bound, "{distance}");
     }
 }
 
-/// A view of meshopt with a wrong count, place, stride, mode or filter is refused with its number and the cause.
+/// A view of meshopt with a wrong count, place, stride, mode or filter is refused with its number and the cause. The
+/// decoder must not read past its bytes, nor allocate what a small view claims.
 #[test]
 fn damaged_views_of_meshopt_get_a_sentence() {
     let view =
         |change: fn(&mut Value)| error(&compressed(EXT, |d| change(&mut d["bufferViews"][0]["extensions"][EXT])));
-    for (change, said) in [
+    for (change, cause) in [
         ((|v| v["count"] = 5.into()) as fn(&mut Value), "its compressed bytes are damaged"),
         (|v| v["byteLength"] = 3.into(), "its compressed bytes are damaged"),
         (|v| v["byteOffset"] = 4000.into(), "its compressed bytes leave their buffer"),
@@ -116,7 +119,7 @@ fn damaged_views_of_meshopt_get_a_sentence() {
         (|v| v["mode"] = "POINTS".into(), "POINTS with 4 elements of 12 bytes is no mode of meshopt"),
         (|v| v["filter"] = "QUATERNION".into(), "the filter QUATERNION is none of meshopt for elements of 12 bytes"),
     ] {
-        assert_eq!(view(change), format!("buffer view 0: {said}"));
+        assert_eq!(view(change), format!("buffer view 0: {cause}"));
     }
     let claims = view(|v| v["count"] = (1_u64 << 40).into());
     assert!(claims.starts_with("buffer view 0: ") && claims.contains("cannot hold 1099511627776 elements"), "{claims}");
@@ -124,7 +127,7 @@ fn damaged_views_of_meshopt_get_a_sentence() {
     assert!(member.starts_with("buffer view 0: its compression is not one of meshopt"), "{member}");
 }
 
-/// A picture as WebP.
+/// Returns a picture as WebP, as an image of glTF.
 fn webp(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> Value {
     let mut bytes = std::io::Cursor::new(Vec::new());
     let image = image::RgbaImage::from_fn(width, height, |x, y| image::Rgba(texel(x, y)));
@@ -147,7 +150,8 @@ fn images_may_be_webp() {
     assert_eq!((&webp.textures[0].rgba, sentences(&webp)), (&png.textures[0].rgba, vec![]));
 }
 
-/// A large image in few bytes is not refused as an attack.
+/// A large WebP image in few bytes is loaded. The bound that refuses huge images in small files must allow this, since
+/// one colour compresses so well.
 #[test]
 fn a_webp_image_of_one_colour_may_be_large() {
     let material = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0}});
@@ -163,8 +167,11 @@ fn what_is_refused_says_which_command_makes_it_readable() {
         ("EXT_texture_avif", "`npx @gltf-transform/cli webp IN.glb OUT.glb`"),
         ("KHR_materials_pbrSpecularGlossiness", "`npx @gltf-transform/cli metalrough IN.glb OUT.glb`"),
     ] {
-        let said = error(&square(json!({}), |d| d["extensionsRequired"] = json!([name])));
-        assert!(said.starts_with(&format!("requires the extension {name}, ")) && said.contains(command), "{said}");
+        let message = error(&square(json!({}), |d| d["extensionsRequired"] = json!([name])));
+        assert!(
+            message.starts_with(&format!("requires the extension {name}, ")) && message.contains(command),
+            "{message}"
+        );
     }
     // A mesh without other bytes is refused even if the file does not say that it needs the extension.
     let alone = error(&square(json!({}), |d| {
@@ -182,6 +189,8 @@ fn what_is_refused_says_which_command_makes_it_readable() {
     );
 }
 
+/// The member `extras` may be any value in any object, and changes nothing. A reader with a fixed type for it would
+/// refuse the file.
 #[test]
 fn extras_may_be_any_value_of_any_object() {
     let plain = scene(&square(json!({}), |_| ()));
@@ -197,10 +206,11 @@ fn extras_may_be_any_value_of_any_object() {
     }
 }
 
-/// A value of a wrong type is refused with its path in the document and the type that belongs there.
+/// A value of a wrong type is refused with its path in the document and the type that belongs there. The parser's own
+/// message names types of Rust and no path.
 #[test]
 fn wrong_types_are_said_in_the_words_of_gltf() {
-    for (path, key, value, said) in [
+    for (path, key, value, message) in [
         (
             "/materials/0/pbrMetallicRoughness",
             "roughnessFactor",
@@ -233,7 +243,7 @@ fn wrong_types_are_said_in_the_words_of_gltf() {
     ] {
         let document =
             square(json!({"pbrMetallicRoughness": {}}), |d| d.pointer_mut(path).unwrap()[key] = value.clone());
-        assert_eq!(error(&document), format!("is not glTF 2.0: {said}"), "{path} {key} {value}");
+        assert_eq!(error(&document), format!("is not glTF 2.0: {message}"), "{path} {key} {value}");
     }
     assert!(load(&square(json!({"emissiveTexture": {}}), |_| ())).is_err());
 }
@@ -243,8 +253,14 @@ fn wrong_types_are_said_in_the_words_of_gltf() {
 fn factors_out_of_range_are_named_and_clamped() {
     let scene =
         scene(&square(json!({"pbrMetallicRoughness": {"roughnessFactor": 900, "metallicFactor": -0.5}}), |_| ()));
-    let said = sentences(&scene);
-    assert_eq!(said[0], "materials[0].pbrMetallicRoughness.metallicFactor: -0.5 lies outside 0 to 1 and counts as 0");
-    assert_eq!(said[1], "materials[0].pbrMetallicRoughness.roughnessFactor: 900 lies outside 0 to 1 and counts as 1");
+    let warnings = sentences(&scene);
+    assert_eq!(
+        warnings[0],
+        "materials[0].pbrMetallicRoughness.metallicFactor: -0.5 lies outside 0 to 1 and counts as 0"
+    );
+    assert_eq!(
+        warnings[1],
+        "materials[0].pbrMetallicRoughness.roughnessFactor: 900 lies outside 0 to 1 and counts as 1"
+    );
     assert_eq!(scene.materials[0].roughness, 1.0);
 }

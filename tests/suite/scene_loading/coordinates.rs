@@ -1,6 +1,6 @@
-//! The coordinates of the places in a scene file: those of its files, right-handed as in OBJ and glTF, unless the scene
-//! file says otherwise. Also the warnings about views that see next to nothing, which often come from wrong
-//! coordinates.
+//! Tests the coordinates of the places in a scene file. They are those of its files, right-handed as in OBJ and glTF,
+//! unless the scene file says otherwise. Wrong coordinates often cause views that see next to nothing, whose warnings
+//! are tested, too.
 
 use super::*;
 use crate::common::repository;
@@ -16,7 +16,7 @@ const PLACES: &str = "[[mesh]]\nfile = 'a.obj'\n[[light]]\nkind = 'point'\nposit
     a = [0, 1, 2]\nb = [0, 1, 3]\nradius = 1\n[[capture]]\nplace = [0, 1, 2]\n[motion.turn]\nmesh = 'a'\npivot = [0, 0, 1]\n\
     [[motion.turn.key]]\ntime = 0\n[[motion.turn.key]]\ntime = 1\noffset = [0, 0, 2]\nturn_deg = 90\n";
 
-/// Loads a scene file that begins with some lines, in a folder with a square `a.obj` that is named `a`.
+/// Loads a scene file that begins with the lines `first`, in a folder with a square `a.obj` that is named `a`.
 fn placed(first: &str, rest: &str) -> Scene {
     let folder = square("o a\nf 1 2 3\nf 1 3 4\n");
     folder.image("sign.png", 4, 2, |_, _| [200, 0, 0, 255]);
@@ -25,7 +25,7 @@ fn placed(first: &str, rest: &str) -> Scene {
 }
 
 /// Places are mirrored in z for right-handed files and kept for left-handed ones; `coordinates` overrides `handedness`.
-/// Every kind of place is checked.
+/// Every kind of place is checked, since a forgotten one would lie behind the scene.
 #[test]
 fn places_are_in_the_coordinates_of_the_files_unless_a_file_says_otherwise() {
     let right = placed("", PLACES);
@@ -59,6 +59,7 @@ fn places_are_in_the_coordinates_of_the_files_unless_a_file_says_otherwise() {
 }
 
 /// A turn and an offset of a motion have the direction of the file's coordinates, right-handed and left-handed.
+/// Mirroring reverses the direction of a turn.
 #[test]
 fn a_motion_turns_as_its_coordinates_do() {
     // In a file of either handedness, a quarter turn about +y takes +x to −z, about a pivot at z = 1. Then everything
@@ -88,7 +89,8 @@ fn a_view_in_front_of_an_obj_and_of_a_gltf_file_sees_its_front() {
     }
 }
 
-/// Loads the example `two-rooms` with some lines before its scene file and others behind it. Returns the folder, too.
+/// Loads the example `two-rooms` with some lines before its scene file and others after it. Returns the folder and the
+/// scene.
 fn two_rooms(first: &str, last: &str) -> (Folder, Scene) {
     let folder = Folder::new(&[]);
     let example = repository().join("examples/scene");
@@ -101,6 +103,8 @@ fn two_rooms(first: &str, last: &str) -> (Folder, Scene) {
     (folder, scene)
 }
 
+/// The example of a scene file loads without a warning. With the wrong coordinates, a view outside of the room gets
+/// one, which tells a user what is wrong.
 #[test]
 fn the_example_loads_without_a_warning_and_places_in_other_coordinates_get_one() {
     let (_, scene) = two_rooms("", "");
@@ -110,8 +114,8 @@ fn the_example_loads_without_a_warning_and_places_in_other_coordinates_get_one()
     let mirrors: Vec<_> = scene.materials.iter().filter(|m| m.reflectivity > 0.0).map(|m| m.name.as_str()).collect();
     assert_eq!(mirrors, ["floor"]);
     let (folder, mirrored) = two_rooms("coordinates = 'left'\n", "");
-    let said = "two-rooms.scene.toml: [view.front] stands outside of the room and sees no front of its walls";
-    assert_eq!(folder.warnings(&mirrored), [said]);
+    let warning = "two-rooms.scene.toml: [view.front] stands outside of the room and sees no front of its walls";
+    assert_eq!(folder.warnings(&mirrored), [warning]);
 }
 
 /// Views of a wall from 0.5 m, from above the roof, and past the only square each get a warning with the likely cause.
@@ -150,7 +154,7 @@ fn a_file_that_calls_its_obj_files_right_handed_is_told_what_that_means_for_plac
 }
 
 /// The script `left_handed.sh` makes a copy of an old scene file whose places mean the same as before, unless the file
-/// already says its coordinates.
+/// already says its coordinates. Old files have left-handed places and no line about them.
 #[test]
 fn the_script_makes_copies_whose_places_stay_where_they_were() {
     let folder = square("f 1 2 3\nf 1 3 4\n");

@@ -1,8 +1,9 @@
-//! Every error of OBJ and MTL files: one sentence with the file and, where there is one, the line.
+//! Tests every error of OBJ and MTL files: each is one sentence with the file and, where there is one, the line.
 
 use super::*;
 
-/// Each faulty line behind the square, whose own lines end at line 8, is refused with this sentence.
+/// Each faulty line after the square, whose own lines end at line 8, is refused with its sentence. Blank and joined
+/// lines make the count go wrong.
 #[test]
 fn errors_name_file_line_and_cause() {
     let cases = [
@@ -32,12 +33,14 @@ fn errors_name_file_line_and_cause() {
     }
 }
 
+/// A face of 1025 corners is refused. Splitting a face into triangles takes the square of its corners.
 #[test]
 fn faces_of_too_many_corners_are_refused() {
     let face = format!("f{}\n", " 1".repeat(1025));
     assert_eq!(square(&face).error(), "a.obj:9: a face has 1025 corners, more than 1024");
 }
 
+/// A missing file, an empty one, and one of 3 GiB are refused with a sentence each, the last one before it is read.
 #[test]
 fn missing_empty_and_huge_files_are_refused() {
     let folder = square("f 1 2 3\n");
@@ -49,7 +52,7 @@ fn missing_empty_and_huge_files_are_refused() {
     assert_eq!(folder.error(), "a.obj: a file of 3221225472 bytes is too large; at most 1073741824 bytes are read");
 }
 
-/// Folders and devices are refused as OBJ files.
+/// Folders and devices are refused as OBJ files. Reading a device such as `/dev/zero` would never end.
 #[test]
 fn only_regular_files_are_read() {
     let folder = square("f 1 2 3\n");
@@ -64,6 +67,8 @@ fn only_regular_files_are_read() {
     }
 }
 
+/// A scale that is no positive number, and a scene without files, are mistakes of usage, which have another exit status
+/// than mistakes in a file.
 #[test]
 fn wrong_arguments_are_usage_errors() {
     let folder = square("f 1 2 3\n");
@@ -75,6 +80,7 @@ fn wrong_arguments_are_usage_errors() {
     assert_eq!(obj::load(&[], &LEFT).unwrap_err().to_string(), "a scene needs at least one OBJ file");
 }
 
+/// A statement of an MTL file with wrong numbers is refused with the file and the line.
 #[test]
 fn wrong_numbers_in_an_mtl_file_name_its_line() {
     let cases = [

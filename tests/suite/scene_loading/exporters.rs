@@ -1,5 +1,5 @@
-//! One scene as each exporter writes it: glTF, OBJ, and OBJ with PBR keys give the same material (docs/definitions.md,
-//! "Exporters of MTL").
+//! Tests one scene as each exporter writes it: glTF, OBJ, and OBJ with PBR keys give the same material
+//! (docs/definitions.md, "Exporters of MTL").
 
 use super::gltf::square as gltf_square;
 use super::*;
@@ -11,10 +11,10 @@ use ssct_scenes::material_terms::roughness_of_perceptual;
 /// The header that Blender gives its MTL files.
 const BLENDER: &str = "# Blender 5.2.3 LTS MTL File: 'None'\n# www.blender.org\n\n";
 
-/// The lines that Blender writes behind every material with PBR extensions; they say that there is no coat.
+/// The lines that Blender writes after every material with PBR extensions. They say that there is no coat.
 const NO_COATS: &str = "Ps 0.000000\nPc 0.000000\nPcr 0.030000\naniso 0.000000\nanisor 0.000000\n";
 
-/// A textured square in the material `m` of a library, in a folder with the pictures of [`pictures`].
+/// Makes a folder with a textured square in the material `m` of an MTL library, and with the pictures of [`pictures`].
 fn with_library(text: &str) -> Folder {
     let folder = super::square("mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
     folder.write("a.mtl", text.as_bytes());
@@ -32,20 +32,20 @@ fn pictures(folder: &Folder) {
     folder.image("emitted.png", 2, 2, |_, y| if y == 0 { [0, 0, 0, 255] } else { [90, 40, 20, 255] });
 }
 
-/// The values of the first material in the middle of each of the four texels: albedo (three channels), emission,
-/// reflectivity, roughness.
+/// Returns the values of the first material in the middle of each of the four texels: albedo (three channels),
+/// emission, reflectivity, roughness.
 fn texels(scene: &Scene) -> Vec<[f32; 6]> {
-    let m = &scene.materials[0];
+    let material = &scene.materials[0];
     let image = |map: Option<usize>, x: usize, y: usize| {
         let uv = glam::DVec2::new((x as f64 + 0.5) / 2.0, (y as f64 + 0.5) / 2.0);
         map.map_or(glam::DVec4::ONE, |i| sampling::bilinear(&scene.textures[i], uv)).as_vec4()
     };
     let texel = |(x, y)| {
-        let colour = image(m.albedo_map, x, y);
-        let albedo = m.albedo * colour.truncate();
-        let emission = if m.emission > 0.0 { m.emission * colour.w } else { 0.0 };
-        let reflectivity = m.reflectivity * image(m.reflectivity_map, x, y).x;
-        let roughness = m.roughness * image(m.roughness_map, x, y).y;
+        let colour = image(material.albedo_map, x, y);
+        let albedo = material.albedo * colour.truncate();
+        let emission = if material.emission > 0.0 { material.emission * colour.w } else { 0.0 };
+        let reflectivity = material.reflectivity * image(material.reflectivity_map, x, y).x;
+        let roughness = material.roughness * image(material.roughness_map, x, y).y;
         [albedo.x, albedo.y, albedo.z, emission, reflectivity, roughness]
     };
     [(0, 0), (1, 0), (0, 1), (1, 1)].map(texel).to_vec()
@@ -59,7 +59,7 @@ struct Exported {
     gltf: Value,
 }
 
-/// Materials as Blender 5.2.3 writes them: as OBJ, as OBJ with PBR extensions, and as glTF.
+/// Returns materials as Blender 5.2.3 writes them: as OBJ, as OBJ with PBR extensions, and as glTF.
 fn exported() -> Vec<Exported> {
     let all = [
         (
@@ -129,7 +129,7 @@ fn exported() -> Vec<Exported> {
     all.into_iter().map(|(name, obj, pbr, gltf)| Exported { name, obj, pbr, gltf }).collect()
 }
 
-/// The glTF file of a material, with its images as Blender combines them.
+/// Loads a glTF file with a material, with its images as Blender combines them.
 fn gltf_scene(material: Value) -> Scene {
     let folder = Folder::new(&[]);
     pictures(&folder);
@@ -142,7 +142,8 @@ fn gltf_scene(material: Value) -> Scene {
     ssct_scenes::gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap()
 }
 
-/// Seven materials from Blender have the same texels from each of the three files, within a step of 8 bits.
+/// Seven materials from Blender have the same texels from each of the three files, within a step of 8 bits. Each format
+/// says roughness and reflectivity in other terms.
 #[test]
 fn obj_and_gltf_of_one_exporter_are_one_material() {
     for Exported { name, obj, pbr, gltf } in exported() {
@@ -154,8 +155,8 @@ fn obj_and_gltf_of_one_exporter_are_one_material() {
                 let near = texel.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.004);
                 assert!(near, "{name}: {texel:?} {expected:?}");
             }
-            let others = scene.warnings.iter().filter(|w| !w.contains("wider than the widest lobe"));
-            assert_eq!(others.count(), 0, "{name}: {:?}", scene.warnings);
+            let other_warnings = scene.warnings.iter().filter(|w| !w.contains("wider than the widest lobe"));
+            assert_eq!(other_warnings.count(), 0, "{name}: {:?}", scene.warnings);
         }
     }
 }
@@ -167,9 +168,9 @@ fn the_level_of_specular_may_be_an_image() {
     for text in [format!("Ns 810\n{keys}"), format!("{keys}Pr 0.1\nPm 0\n")] {
         let scene = with_library(&format!("{BLENDER}newmtl m\n{text}")).scene();
         let expected = [40.0, 100.0].map(|level| 0.08 * level / 255.0);
-        for (k, expected) in expected.into_iter().enumerate() {
-            let got = texels(&scene)[k][4];
-            assert!((got - expected).abs() < 0.003, "{text}: {got} {expected}");
+        for (texel, expected) in expected.into_iter().enumerate() {
+            let found = texels(&scene)[texel][4];
+            assert!((found - expected).abs() < 0.003, "{text}: {found} {expected}");
         }
     }
 }
@@ -196,17 +197,17 @@ fn pbr_keys_of_other_exporters_are_those_of_gltf() {
     let folder =
         with_library("# Somebody's exporter\nnewmtl m\nKd 0.9 0.7 0.3\nKs 1 1 1\nPm 1\nPr 0.2\nmap_Ks level.png\n");
     let scene = folder.scene();
-    let m = &scene.materials[0];
-    assert_eq!((m.albedo, m.roughness), (Vec3::ZERO, roughness_of_perceptual(0.2)));
-    assert!((m.reflectivity - sampling::luminance(Vec3::new(0.9, 0.7, 0.3))).abs() < 1e-6);
-    let said = "a.mtl:7: images of specular colour (map_Ks) do not count beside metalness and roughness";
-    assert_eq!(folder.warnings(&scene), [said]);
+    let material = &scene.materials[0];
+    assert_eq!((material.albedo, material.roughness), (Vec3::ZERO, roughness_of_perceptual(0.2)));
+    assert!((material.reflectivity - sampling::luminance(Vec3::new(0.9, 0.7, 0.3))).abs() < 1e-6);
+    let warning = "a.mtl:7: images of specular colour (map_Ks) do not count beside metalness and roughness";
+    assert_eq!(folder.warnings(&scene), [warning]);
     let plastic = with_library("newmtl m\nKd 0.9 0.7 0.3\nPr 0.2\n").scene();
     assert!((plastic.materials[0].reflectivity - 0.04).abs() < 1e-6);
     // With a roughness and a specular colour but no metalness, both count.
     let stated = with_library("newmtl m\nKd 0.9 0.7 0.3\nKs 0.5 0.5 0.5\nPr 0.2\nNs 10\n").scene();
-    let m = &stated.materials[0];
-    assert!((m.reflectivity - 0.5).abs() < 1e-6 && m.roughness == roughness_of_perceptual(0.2));
+    let material = &stated.materials[0];
+    assert!((material.reflectivity - 0.5).abs() < 1e-6 && material.roughness == roughness_of_perceptual(0.2));
     let glossy = with_library("newmtl m\nPm 0\nNi 2\nNs 100\n").scene();
     assert!((glossy.materials[0].reflectivity - 1.0 / 9.0).abs() < 1e-6);
     assert!((glossy.materials[0].roughness - 0.334).abs() < 1e-3);
@@ -217,36 +218,38 @@ fn pbr_keys_of_other_exporters_are_those_of_gltf() {
 fn images_of_roughness_and_metalness_have_factors() {
     let scene = with_library("newmtl m\nKd 1 1 1\nPr 0.5\nmap_Pr rough.png\nPm 0.5\nmap_Pm metal.png\n").scene();
     assert_sound(&scene);
-    let got = texels(&scene);
+    let found = texels(&scene);
     let rough = |byte: f32| roughness_of_perceptual(0.5 * byte / 255.0);
-    assert!((got[0][5] - rough(60.0)).abs() < 0.004 && (got[1][5] - rough(90.0)).abs() < 0.004, "{got:?}");
+    assert!((found[0][5] - rough(60.0)).abs() < 0.004 && (found[1][5] - rough(90.0)).abs() < 0.004, "{found:?}");
     let metal = 0.5 * 200.0 / 255.0;
-    assert!((got[2][4] - (0.04 + 0.96 * metal)).abs() < 0.004 && (got[0][4] - 0.04).abs() < 0.004, "{got:?}");
-    assert!((got[2][0] - (1.0 - metal)).abs() < 0.01, "{got:?}");
+    assert!((found[2][4] - (0.04 + 0.96 * metal)).abs() < 0.004 && (found[0][4] - 0.04).abs() < 0.004, "{found:?}");
+    assert!((found[2][0] - (1.0 - metal)).abs() < 0.01, "{found:?}");
 }
 
-/// Emission as a colour and as an image becomes albedo and the emitted share.
+/// Emission as a colour and as an image becomes albedo and the emitted share, since a material of this program has one
+/// colour for both.
 #[test]
 fn emission_is_read_by_every_law() {
     let scene = with_library("newmtl m\nKd 0 0 0\nKs 0 0 0\nKe 0.5 0.25 0\n").scene();
-    let m = &scene.materials[0];
-    assert_eq!((m.albedo, m.emission, scene.warnings.len()), (Vec3::new(0.5, 0.25, 0.0), 1.0, 0));
+    let material = &scene.materials[0];
+    assert_eq!((material.albedo, material.emission, scene.warnings.len()), (Vec3::new(0.5, 0.25, 0.0), 1.0, 0));
     let image = with_library("newmtl m\nKd 0 0 0\nKe 0 0 0\nmap_Ke emitted.png\n").scene();
-    let got = texels(&image);
-    assert!(got[0][0] == 0.0 && (got[2][0] - 0.1022).abs() < 0.01 && got[2][3] > 0.99, "{got:?}");
+    let found = texels(&image);
+    assert!(found[0][0] == 0.0 && (found[2][0] - 0.1022).abs() < 0.01 && found[2][3] > 0.99, "{found:?}");
     assert_eq!(image.textures[image.materials[0].albedo_map.unwrap()].encoding, Encoding::Srgb);
 }
 
-/// A coat of strength 0 gets no warning, and other coats and transparency get one each.
+/// A coat of strength 0 gets no warning, and other coats and transparency get one each. Blender writes keys of coats
+/// for every material, so that a warning for each would hide the true ones.
 #[test]
 fn only_coats_that_are_there_are_lost() {
-    let said = |keys: &str| {
+    let warnings = |keys: &str| {
         let folder = with_library(&format!("{BLENDER}newmtl m\nKd 1 1 1\nPr 0.1\nPm 0\n{keys}"));
         folder.warnings(&folder.scene())
     };
-    assert_eq!(said(NO_COATS), [""; 0]);
+    assert_eq!(warnings(NO_COATS), [""; 0]);
     let lost = "a.mtl:8: sheen, clear coats and anisotropy are not supported and were ignored";
-    assert_eq!(said("Pc 0.5\nPcr 0.03\n"), [lost]);
-    let glass = said("Tf 1 1 1\n");
+    assert_eq!(warnings("Pc 0.5\nPcr 0.03\n"), [lost]);
+    let glass = warnings("Tf 1 1 1\n");
     assert!(glass.len() == 1 && glass[0].starts_with("a.mtl:8: transparency"), "{glass:?}");
 }

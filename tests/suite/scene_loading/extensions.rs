@@ -1,39 +1,42 @@
-//! Extensions of glTF that place geometry, hide it, or store it in another way.
+//! Tests extensions of glTF that place geometry, hide it, or store it in another form.
 
 use super::gltf::{Square, close, error, scene, sentences, square};
 use super::*;
 use glam::Quat;
 use serde_json::{Value, json};
 
+/// The name of the extension that places copies of a mesh.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// The square, placed by the attributes of the instancing extension, which the document uses and does not require.
-fn copies(mut made: Square, attributes: Value) -> Value {
+/// Returns the square, placed by the attributes of the instancing extension, which the document uses and does not
+/// require.
+fn copies(mut square: Square, attributes: Value) -> Value {
     // The accessors of the copies have no bounds, as real files have none there.
-    made.accessors.iter_mut().skip(4).for_each(|a| {
+    square.accessors.iter_mut().skip(4).for_each(|a| {
         a.as_object_mut().unwrap().retain(|key, _| key != "min" && key != "max");
     });
-    let mut document = made.document(json!({}));
+    let mut document = square.document(json!({}));
     document["extensionsUsed"] = json!([INSTANCING]);
     document["nodes"][0]["translation"] = json!([10, 0, 0]);
     document["nodes"][0]["extensions"] = json!({INSTANCING: {"attributes": attributes}});
     document
 }
 
-/// The bounds of the scene's meshes, in order.
+/// Returns the bounds of the scene's meshes, in order.
 fn bounds(scene: &Scene) -> Vec<[Vec3; 2]> {
     scene.meshes.iter().map(|m| [m.bounds.min, m.bounds.max]).collect()
 }
 
 /// Three copies of the square stand where translation, rotation and scale of the extension place them below their node.
+/// A copy's transformation applies before that of its node.
 #[test]
 fn copies_stand_where_their_node_places_them() {
-    let mut made = Square::new();
-    made.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, -7.0]);
+    let mut square = Square::new();
+    square.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, -7.0]);
     let quarter = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2).to_array();
-    made.floats("VEC4", &[[0.0, 0.0, 0.0, 1.0], quarter, [0.0, 0.0, 0.0, 0.0]].concat());
-    made.floats("VEC3", &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 3.0, 1.0]);
-    let scene = scene(&copies(made, json!({"TRANSLATION": 4, "ROTATION": 5, "SCALE": 6})));
+    square.floats("VEC4", &[[0.0, 0.0, 0.0, 1.0], quarter, [0.0, 0.0, 0.0, 0.0]].concat());
+    square.floats("VEC3", &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 3.0, 1.0]);
+    let scene = scene(&copies(square, json!({"TRANSLATION": 4, "ROTATION": 5, "SCALE": 6})));
     assert_eq!((sentences(&scene).len(), scene.triangle_count()), (0, 6));
     let expected = [
         [Vec3::new(10.0, 0.0, 0.0), Vec3::new(12.0, 1.0, 0.0)],
@@ -41,32 +44,34 @@ fn copies_stand_where_their_node_places_them() {
         // The third lies at z = -7 of a right-handed file, and a rotation without a length turns nothing.
         [Vec3::new(10.0, 0.0, 7.0), Vec3::new(12.0, 3.0, 7.0)],
     ];
-    for (got, expected) in bounds(&scene).iter().zip(&expected) {
-        assert!(got.iter().zip(expected).all(|(a, b)| a.distance(*b) < 1e-5), "{got:?} {expected:?}");
+    for (found, expected) in bounds(&scene).iter().zip(&expected) {
+        assert!(found.iter().zip(expected).all(|(a, b)| a.distance(*b) < 1e-5), "{found:?} {expected:?}");
     }
 }
 
 /// Rotations of copies in normalised 16-bit integers place the copies as rotations in floats do.
 #[test]
 fn rotations_of_copies_may_be_quantised() {
-    let mut made = Square::new();
+    let mut square = Square::new();
     let half = (32767.0 * std::f32::consts::FRAC_1_SQRT_2).round() as i16;
     let turns: Vec<u8> = [0_i16, 0, 0, 32767, 0, 0, half, half].into_iter().flat_map(i16::to_le_bytes).collect();
-    made.accessor("VEC4", 5122, 2, &turns);
-    made.accessors[4]["normalized"] = true.into();
-    let scene = scene(&copies(made, json!({"ROTATION": 4})));
+    square.accessor("VEC4", 5122, 2, &turns);
+    square.accessors[4]["normalized"] = true.into();
+    let scene = scene(&copies(square, json!({"ROTATION": 4})));
     let [first, second] = bounds(&scene)[..] else { panic!("{}", scene.meshes.len()) };
     assert!(
         first[1].distance(Vec3::new(12.0, 1.0, 0.0)) < 1e-3 && second[1].distance(Vec3::new(10.0, 2.0, 0.0)) < 1e-3
     );
 }
 
+/// Attributes of copies that differ in length, are missing, or have a wrong kind are refused with a sentence. Without
+/// attributes, the mesh is drawn once.
 #[test]
 fn copies_that_cannot_be_placed_are_refused() {
-    let mut made = Square::new();
-    made.floats("VEC3", &[0.0; 6]);
-    made.floats("VEC3", &[1.0; 9]);
-    let differ = error(&copies(made, json!({"TRANSLATION": 4, "SCALE": 5})));
+    let mut square = Square::new();
+    square.floats("VEC3", &[0.0; 6]);
+    square.floats("VEC3", &[1.0; 9]);
+    let differ = error(&copies(square, json!({"TRANSLATION": 4, "SCALE": 5})));
     assert_eq!(differ, "node 0: the attributes of EXT_mesh_gpu_instancing differ in length");
     let absent = error(&copies(Square::new(), json!({"TRANSLATION": 9})));
     assert_eq!(
@@ -97,9 +102,11 @@ fn hidden_nodes_and_what_hangs_from_them_are_not_drawn() {
     assert!(close(scene.bounds().max.x, 2.0));
 }
 
+/// The warning about an unsupported extension says what is lost by it, if the extension places geometry. A general
+/// sentence would not explain why things stand elsewhere.
 #[test]
 fn an_extension_that_places_geometry_has_a_sentence_of_its_own() {
-    for (name, said) in [
+    for (name, warning) in [
         (
             "MSFT_lod",
             "only the finest level of detail of each thing is drawn, since the extension MSFT_lod is not supported",
@@ -111,6 +118,6 @@ fn an_extension_that_places_geometry_has_a_sentence_of_its_own() {
         ("KHR_materials_sheen", "the extension KHR_materials_sheen is not supported and was ignored"),
     ] {
         let scene = scene(&square(json!({}), |d| d["extensionsUsed"] = json!([name])));
-        assert_eq!(sentences(&scene), [said]);
+        assert_eq!(sentences(&scene), [warning]);
     }
 }

@@ -1,33 +1,34 @@
-//! Scenes far from the origin are moved to the origin before positions are rounded to 32 bits, and a warning says by
-//! how much.
+//! Tests scenes far from the origin. They are moved to the origin before positions are rounded to 32 bits, and a
+//! warning says by how much.
 
 use super::gltf::{Square, sentences, square as gltf_square};
 use super::*;
 use serde_json::{Value, json};
 use ssct_scenes::{gltf, scene_file};
 
-/// A square as an OBJ file, with its corner at (x, y, z) and a side of `size`, in numbers with six decimals.
+/// Returns a square as an OBJ file, with its corner at (x, y, z) and a side of `size`, in numbers with six decimals.
 fn square_text(x: f64, y: f64, z: f64, size: f64) -> String {
     let corner = |u: f64, v: f64| format!("v {:.6} {:.6} {:.6}\n", x + size * u, y + size * v, z);
     [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)].concat() + "f 1 2 3 4\n"
 }
 
-/// The length of the first edge of each triangle, which rounding would change.
+/// Returns the length of the first edge of each triangle, which rounding would change.
 fn edges(scene: &Scene) -> Vec<f32> {
     let all = scene.meshes.iter().flat_map(triangles);
     all.map(|[a, b, _]| position(&a).distance(position(&b))).collect()
 }
 
-/// A square of 12 cm at coordinates of a map keeps its edges within 0.1 mm. Two files of one scene are moved together.
+/// A square of 12 cm at coordinates of a map keeps its edges within 0.1 mm, where a 32-bit float has steps of half a
+/// metre. Two files of one scene are moved together.
 #[test]
 fn an_obj_file_of_a_map_keeps_its_details() {
     let folder = Folder::new(&[("a.obj", &square_text(456_789.25, 12.5, 5_432_109.75, 0.123))]);
     let scene = folder.scene();
     assert!(edges(&scene).iter().all(|e| (e - 0.123).abs() < 1e-4 || (e - 0.123 * 2_f32.sqrt()).abs() < 1e-4));
     assert!(scene.bounds().max.abs().max_element() < 1.0, "{:?}", scene.bounds());
-    let said = folder.warnings(&scene);
-    assert_eq!(said.len(), 1, "{said:?}");
-    assert!(said[0].contains("too far for its size") && said[0].contains("moved by (-456789"), "{said:?}");
+    let warnings = folder.warnings(&scene);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("too far for its size") && warnings[0].contains("moved by (-456789"), "{warnings:?}");
     let half = folder.load("a.obj", &ObjOptions { load: scaled(0.5), ..LEFT }).unwrap();
     assert!(edges(&half).iter().any(|e| (e - 0.0615).abs() < 1e-4), "{:?}", edges(&half));
     // Files of one scene are moved together.
@@ -38,7 +39,7 @@ fn an_obj_file_of_a_map_keeps_its_details() {
     assert!((size.x - 2.123).abs() < 1e-3, "{size}");
 }
 
-/// Scenes near the origin, or large ones around it, are not moved.
+/// Scenes near the origin, or large ones around it, are not moved, so that their coordinates stay those of their files.
 #[test]
 fn near_scenes_stay_where_they_are() {
     for text in
@@ -49,7 +50,7 @@ fn near_scenes_stay_where_they_are() {
     }
 }
 
-/// The glTF square at a place on the surface of the Earth, with a camera in front of it.
+/// Returns the glTF square at a place on the surface of the Earth, with a camera in front of it.
 fn on_earth(scale: f64) -> Value {
     gltf_square(json!({}), |d| {
         d["nodes"] = json!([
@@ -90,9 +91,9 @@ fn a_far_scene_file_is_not_moved_but_warned_of() {
     assert!(scene.bounds().min.x > 456_000.0);
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
     assert!(scene.warnings[0].contains("floats lose its details"), "{:?}", scene.warnings);
-    let of_gltf = Folder::new(&[("a.gltf", &on_earth(1.0).to_string())]);
-    of_gltf.write("a.scene.toml", b"[[mesh]]\nfile = \"a.gltf\"\n");
-    let scene = scene_file::load(&of_gltf.path("a.scene.toml"), &LoadOptions::default()).unwrap();
+    let gltf_folder = Folder::new(&[("a.gltf", &on_earth(1.0).to_string())]);
+    gltf_folder.write("a.scene.toml", b"[[mesh]]\nfile = \"a.gltf\"\n");
+    let scene = scene_file::load(&gltf_folder.path("a.scene.toml"), &LoadOptions::default()).unwrap();
     assert!(scene.bounds().min.x > 4e6 && scene.warnings.len() == 1, "{:?}", scene.warnings);
 }
 

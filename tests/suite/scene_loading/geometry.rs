@@ -1,4 +1,4 @@
-//! Faces, normals, tangents, winding and groups of OBJ files, and the default view.
+//! Tests faces, normals, tangents, winding and groups of OBJ files, and the default view.
 
 use super::*;
 use ssct_scenes::Light;
@@ -13,15 +13,19 @@ fn polygons_are_triangulated() {
     assert_sound(&concave);
 }
 
+/// Points, lines and triangles without area are left out with a warning each, and the other triangles are drawn. A
+/// triangle without area has no normal.
 #[test]
 fn points_lines_and_triangles_without_area_are_left_out() {
     let folder = square("f 1\nl 1 2\np 1\nf 1 2\nf 1 2 2\nv 2 0 0\nf 1 2 5\nf 1 2 3\n");
     let scene = folder.scene();
     assert_eq!(scene.triangle_count(), 1);
-    let said = ["a.obj:10: lines and points are not drawn", "a.obj: 2 triangles without area were left out"];
-    assert_eq!(folder.warnings(&scene), said);
+    let warnings = ["a.obj:10: lines and points are not drawn", "a.obj: 2 triangles without area were left out"];
+    assert_eq!(folder.warnings(&scene), warnings);
 }
 
+/// Negative indices count back from the last vertex before the face. A face may also name a vertex that follows it in
+/// the file.
 #[test]
 fn negative_indices_count_from_the_end_and_later_vertices_may_be_named() {
     let scene = square("f -4/-4 -3/-3 -2/-2\nf 1 2 5\nv 0 -1 0\n").scene();
@@ -30,6 +34,8 @@ fn negative_indices_count_from_the_end_and_later_vertices_may_be_named() {
     assert_eq!(scene.meshes[0].vertices[2].uv, [1.0, 0.0]);
 }
 
+/// Vertices with a weight or a colour, texture coordinates of one number, lines that a backslash continues, and the
+/// line ends of Windows and old Macs are read.
 #[test]
 fn weights_colours_short_texture_coordinates_and_continued_lines_are_read() {
     let text = "v 0 0 0 1.0\r\nv 1 0 0 0.5 0.5 0.5\r\nv 1 1 \\\r\n 0 2\r\nvt 0.25\r\nf 1/1 2/1 \\\r\n3/1 # end\r\n";
@@ -40,11 +46,14 @@ fn weights_colours_short_texture_coordinates_and_continued_lines_are_read() {
     assert_eq!(old_mac.triangle_count(), 1);
 }
 
+/// A backslash at the end of a comment does not continue it: paths of Windows end so, and the next face would be lost.
 #[test]
 fn a_comment_that_ends_in_a_backslash_ends_there() {
     assert_eq!(square("# C:\\models\\\nf 1 2 3\n").scene().triangle_count(), 1);
 }
 
+/// Texture coordinates of OBJ count from the lower left, and those of the program from the upper left, as textures'
+/// rows do.
 #[test]
 fn texture_coordinates_start_at_the_top_left() {
     let scene = square("f 1/1 2/2 3/3 4/4\n").scene();
@@ -117,6 +126,8 @@ fn in_a_smoothing_group_missing_normals_are_means() {
     assert_eq!(two.meshes[0].vertices.len(), 8);
 }
 
+/// Vertices that repeat a position are smoothed as one. In a face where only some corners have normals, or one has the
+/// length 0, the others get the normal of the face.
 #[test]
 fn smoothing_is_by_position_and_some_corners_may_lack_normals() {
     let twice = "v 1 0 0\nv 1 1 0\nv 1 0 -1\nv 1 1 -1\ns 1\nf 1 2 3 4\nf 5 7 8 6\n";
@@ -129,6 +140,8 @@ fn smoothing_is_by_position_and_some_corners_may_lack_normals() {
     assert_eq!(normals[1..], [Vec3::Z, Vec3::Z]);
 }
 
+/// If some corners lack texture coordinates, those corners get (0, 0), and the coordinates of all others stay with
+/// their corners. The two lists have different lengths then.
 #[test]
 fn corners_without_texture_coordinates_do_not_shift_the_others() {
     let scene = square("f 1 2/2 3/3\nf 1/3 3/3 4\n").scene();
@@ -140,7 +153,7 @@ fn corners_without_texture_coordinates_do_not_shift_the_others() {
 }
 
 /// For plain, mirrored and turned texture coordinates in files of both handednesses, tangent and bitangent are the
-/// directions in which u and −v grow.
+/// directions in which u and −v grow. A wrong sign turns bumps into dents.
 #[test]
 fn tangents_run_along_u_and_bitangents_up_in_the_image() {
     let mirrored = "f 2/1 1/2 4/3 3/4\n";
@@ -171,6 +184,8 @@ fn tangents_run_along_u_and_bitangents_up_in_the_image() {
     }
 }
 
+/// Each group of an OBJ file gives a mesh for each of its materials, and a material of one name is one material in all
+/// groups.
 #[test]
 fn a_mesh_is_a_group_of_one_material() {
     let text = "g left\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\ng right\nusemtl red\nf 2 3 4\n";
@@ -181,7 +196,7 @@ fn a_mesh_is_a_group_of_one_material() {
     assert_eq!(names, ["red", "blue"]);
 }
 
-/// A grid of n × n squares in the xz plane, each in a group of its own if `groups` is true.
+/// Makes a folder with a grid of n × n squares in the xz plane, each in a group of its own if `groups` is true.
 fn grid(n: usize, groups: bool) -> Folder {
     use std::fmt::Write;
     let mut text = String::new();
@@ -202,8 +217,8 @@ fn grid(n: usize, groups: bool) -> Folder {
     Folder::new(&[("a.obj", &text)])
 }
 
-/// A mesh of 20 000 triangles becomes four meshes, each of a part of the plane. 2500 groups of one square become one
-/// mesh, and 100 such groups stay apart.
+/// A mesh of 20 000 triangles becomes four meshes, each of a part of the plane, so that a camera draws what it sees.
+/// 2500 groups of one square become one mesh, since each mesh costs a draw; 100 such groups stay apart.
 #[test]
 fn large_meshes_are_split_in_space_and_tiny_groups_are_pooled() {
     let scene = grid(100, false).scene();
@@ -217,6 +232,8 @@ fn large_meshes_are_split_in_space_and_tiny_groups_are_pooled() {
     assert_eq!(grid(10, true).scene().meshes.len(), 100);
 }
 
+/// Two OBJ files become one scene with the name of the first. Each file keeps its kind of surface, although both name a
+/// material `glass`.
 #[test]
 fn several_files_are_one_scene_with_their_own_surfaces() {
     let folder = square("usemtl glass\nf 1 2 3\n");
@@ -262,7 +279,8 @@ fn the_default_view_stands_outside_of_things_and_inside_of_rooms() {
     assert!(huge.lens.far_m > huge.views[0].eye.length() + 7000.0);
 }
 
-/// Two boxes side by side, with ground and without, are viewed from in front of both.
+/// Two boxes side by side, with ground and without, are viewed from in front of both. The centre of their bounds is
+/// empty, which may pass for the inside of a room.
 #[test]
 fn the_default_view_sees_things_that_stand_around_an_empty_place() {
     let moved_box = |x: f32, y: f32, first: usize| {
@@ -287,6 +305,7 @@ fn the_default_view_sees_things_that_stand_around_an_empty_place() {
 }
 
 /// Moving or scaling a scene moves or scales every kind of place in it; energies of point lights scale with the square.
+/// A new kind of place is easily left out.
 #[test]
 fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
     let before = with_a_path(crate::common::built_in("street"));
@@ -302,22 +321,22 @@ fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
     let planes = |scene: &Scene| [scene.lens.near_m, scene.lens.far_m];
     assert_eq!(planes(&scaled), planes(&before).map(|plane| factor * plane));
     let energies = |scene: &Scene| -> Vec<f32> {
-        let of_point = |light: &Light| if let Light::Point { energy, .. } = light { Some(*energy) } else { None };
-        scene.lights.iter().filter_map(of_point).collect()
+        let point_energy = |light: &Light| if let Light::Point { energy, .. } = light { Some(*energy) } else { None };
+        scene.lights.iter().filter_map(point_energy).collect()
     };
     assert_eq!(energies(&scaled), energies(&before).iter().map(|e| factor * factor * e).collect::<Vec<_>>());
-    for ((was, is), large) in places(&before).into_iter().zip(places(&moved)).zip(places(&scaled)) {
-        assert!(is.distance(was + offset) < 1e-4, "{was} became {is}");
-        assert!(large.distance(factor * was) < 1e-4, "{was} became {large}");
+    for ((old, moved_place), scaled_place) in places(&before).into_iter().zip(places(&moved)).zip(places(&scaled)) {
+        assert!(moved_place.distance(old + offset) < 1e-4, "{old} became {moved_place}");
+        assert!(scaled_place.distance(factor * old) < 1e-4, "{old} became {scaled_place}");
     }
     // Places of a path between its key frames are moved and scaled, too.
     for share in [0.0, 0.3, 0.5, 0.9] {
-        let [was, is, large] = [&before, &moved, &scaled].map(|s| s.paths[0].eye_and_look_at(share).0);
-        assert!(is.distance(was + offset) < 1e-4 && large.distance(factor * was) < 1e-4, "{share}");
+        let [old, moved_place, scaled_place] = [&before, &moved, &scaled].map(|s| s.paths[0].eye_and_look_at(share).0);
+        assert!(moved_place.distance(old + offset) < 1e-4 && scaled_place.distance(factor * old) < 1e-4, "{share}");
     }
 }
 
-/// The scene with a path, a point light and a capture, so that no kind of place is missing.
+/// Returns the scene with a path, a point light and a capture, so that no kind of place is missing.
 fn with_a_path(mut scene: Scene) -> Scene {
     let path = ssct_scenes::CameraPath::through_views(&scene).unwrap();
     scene.paths.push(path);
@@ -326,7 +345,7 @@ fn with_a_path(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Every point of a scene, kind by kind; none of the kinds is empty.
+/// Returns every point of a scene, kind by kind. Panics if a kind has none.
 fn places(scene: &Scene) -> Vec<Vec3> {
     use ssct_scenes::AreaShape;
     let vertices = scene.meshes.iter().flat_map(|m| m.vertices.iter().map(|v| Vec3::from(v.position)));

@@ -1,18 +1,14 @@
-//! glTF files: geometry, materials, images, cameras and lights as glTF 2.0 defines them, a sentence for each thing that
-//! is not supported, and damaged files.
+//! Tests glTF files: geometry, materials, images, cameras and lights, sentences for lost features, and damaged files.
 
 use super::*;
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
+use base64::{Engine, prelude::BASE64_STANDARD};
 use glam::Quat;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use ssct_ground::Result;
-use ssct_scenes::{Lens, Light, Material, Texture};
-use ssct_scenes::{gltf, material_terms::roughness_of_perceptual};
+use ssct_scenes::{Lens, Light, Material, Texture, gltf, material_terms::roughness_of_perceptual};
 
-/// A square in the xy plane from (0, 0) to (2, 1), seen from +z. Its texture coordinates are those of images: (0, 0) at
-/// the upper left.
+/// A square in the xy plane from (0, 0) to (2, 1), seen from +z, with (0, 0) of its texture at the upper left.
 pub struct Square {
     pub bytes: Vec<u8>,
     pub views: Vec<Value>,
@@ -31,29 +27,26 @@ impl Square {
         square
     }
 
+    /// Adds an accessor of 32-bit floats, whose type `kind` is that of glTF.
     pub fn floats(&mut self, kind: &str, values: &[f32]) {
-        let count = values.len()
-            / [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)]
-                .iter()
-                .find(|k| k.0 == kind)
-                .unwrap()
-                .1;
+        let sizes = [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)];
+        let count = values.len() / sizes.iter().find(|size| size.0 == kind).unwrap().1;
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.accessor(kind, 5126, count, &bytes);
     }
 
+    /// Adds an accessor with its view: the type, the component type and the number of its elements, and its bytes.
     pub fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) {
-        let view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
         self.accessors.push(json!({
             "bufferView": self.views.len(), "componentType": component, "count": count, "type": kind,
             "min": [0, 0, 0], "max": [2, 1, 0],
         }));
-        self.views.push(view);
+        self.views.push(json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()}));
         self.bytes.extend(bytes);
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
     }
 
-    /// The document that draws the square with one material, which is smooth unless it says otherwise.
+    /// Returns the document that draws the square with one material, which is smooth unless it says otherwise.
     pub fn document(&self, mut material: Value) -> Value {
         let pbr = &mut material["pbrMetallicRoughness"];
         pbr["roughnessFactor"] = pbr.get("roughnessFactor").cloned().unwrap_or(0.into());
@@ -74,37 +67,37 @@ impl Square {
     }
 }
 
-/// The square's document with a material, changed.
+/// Returns the square's document with a material, changed.
 pub fn square(material: Value, change: impl FnOnce(&mut Value)) -> Value {
     let mut document = Square::new().document(material);
     change(&mut document);
     document
 }
 
+/// Loads a document from a file of its own, a.gltf.
 pub fn load(document: &Value) -> Result<Scene> {
     let folder = Folder::new(&[("a.gltf", &document.to_string())]);
     gltf::load(&folder.path("a.gltf"), &LoadOptions::default())
 }
 
-/// The scene of a document, with the sentences about it.
+/// Loads a document, and checks that the scene is sound.
 pub fn scene(document: &Value) -> Scene {
     let scene = load(document).unwrap();
     assert_sound(&scene);
     scene
 }
 
-/// The sentences without the name of the file.
+/// Returns the warnings about a scene, without the name of the file.
 pub fn sentences(scene: &Scene) -> Vec<&str> {
     scene.warnings.iter().map(|w| w.split_once("a.gltf: ").expect("the file's name").1).collect()
 }
 
-/// The error without the name of the file.
+/// Returns the error of loading a document, without the name of the file.
 pub fn error(document: &Value) -> String {
-    let error = load(document).unwrap_err().to_string();
-    error.split_once("a.gltf: ").expect("the file's name").1.to_owned()
+    load(document).unwrap_err().to_string().split_once("a.gltf: ").expect("the file's name").1.to_owned()
 }
 
-/// A picture as an image of a document.
+/// Returns a picture as an image of a document.
 pub fn picture(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> Value {
     let mut bytes = std::io::Cursor::new(Vec::new());
     let image = image::RgbaImage::from_fn(width, height, |x, y| image::Rgba(texel(x, y)));
@@ -112,7 +105,7 @@ pub fn picture(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> 
     json!({"uri": format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes.into_inner()))})
 }
 
-/// A document's square with a material that uses images 0, 1, … as textures of the same numbers.
+/// Returns a document's square with a material that uses images 0, 1, … as textures of the same numbers.
 pub fn pictured(material: Value, images: &[Value]) -> Value {
     square(material, |document| {
         document["images"] = images.into();
@@ -124,6 +117,7 @@ fn material(material: Value) -> Material {
     scene(&square(material, |_| ())).materials[0].clone()
 }
 
+/// Returns the RGBA bytes of a scene's texture in column `x` and row `y`. `map` is the index of the texture.
 fn texel(scene: &Scene, map: Option<usize>, x: u32, y: u32) -> [u8; 4] {
     let Texture { width, rgba, .. } = &scene.textures[map.expect("a map")];
     std::array::from_fn(|k| rgba[4 * (y * width + x) as usize + k])
@@ -133,6 +127,7 @@ pub fn close(a: f32, b: f32) -> bool {
     (a - b).abs() < 1e-5
 }
 
+/// A square seen from +z of its file is seen from −z of the scene, with its texture upright: both were right-handed.
 #[test]
 fn a_right_handed_square_faces_the_same_side() {
     let scene = scene(&square(json!({}), |_| ()));
@@ -140,7 +135,6 @@ fn a_right_handed_square_faces_the_same_side() {
     assert_eq!(scene.meshes[0].name, "square");
     assert!(close(area(&scene), 2.0));
     for v in &scene.meshes[0].vertices {
-        // The file's square is seen from +z, which becomes −z.
         assert_eq!(normal(v), Vec3::NEG_Z);
         let [u, w] = v.uv;
         assert_eq!(position(v), Vec3::new(2.0 * u, 1.0 - w, 0.0));
@@ -152,6 +146,7 @@ fn a_right_handed_square_faces_the_same_side() {
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
 }
 
+/// Nodes turn, scale and mirror their meshes. A mirrored triangle has its corners in the other order.
 #[test]
 fn nodes_place_their_meshes_and_mirrored_ones_keep_their_front() {
     let turned = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2).to_array();
@@ -163,18 +158,16 @@ fn nodes_place_their_meshes_and_mirrored_ones_keep_their_front() {
     let scene = scene(&square(json!({}), |d| d["nodes"] = nodes));
     let mesh = |name: &str| scene.meshes.iter().find(|m| m.name == name).expect(name);
     // A quarter turn about y takes +x to −z and +z to +x; then z is negated.
-    let of_turned = mesh("turned");
-    assert!(of_turned.bounds.min.distance(Vec3::new(10.0, 0.0, 0.0)) < 1e-5, "{:?}", of_turned.bounds);
-    assert!(of_turned.bounds.max.distance(Vec3::new(10.0, 2.0, 4.0)) < 1e-5, "{:?}", of_turned.bounds);
-    assert!(of_turned.vertices.iter().all(|v| normal(v).distance(Vec3::X) < 1e-5));
-    let of_mirrored = mesh("mirrored");
-    assert_eq!(
-        (of_mirrored.bounds.min, of_mirrored.bounds.max),
-        (Vec3::new(6.0, 0.0, -6.0), Vec3::new(10.0, 2.0, -6.0))
-    );
-    assert!(of_mirrored.vertices.iter().all(|v| normal(v) == Vec3::NEG_Z && v.tangent == [-1.0, 0.0, 0.0, 1.0]));
+    let turned_mesh = mesh("turned");
+    assert!(turned_mesh.bounds.min.distance(Vec3::new(10.0, 0.0, 0.0)) < 1e-5, "{:?}", turned_mesh.bounds);
+    assert!(turned_mesh.bounds.max.distance(Vec3::new(10.0, 2.0, 4.0)) < 1e-5, "{:?}", turned_mesh.bounds);
+    assert!(turned_mesh.vertices.iter().all(|v| normal(v).distance(Vec3::X) < 1e-5));
+    let mirrored = mesh("mirrored");
+    assert_eq!((mirrored.bounds.min, mirrored.bounds.max), (Vec3::new(6.0, 0.0, -6.0), Vec3::new(10.0, 2.0, -6.0)));
+    assert!(mirrored.vertices.iter().all(|v| normal(v) == Vec3::NEG_Z && v.tangent == [-1.0, 0.0, 0.0, 1.0]));
 }
 
+/// Tangents in the file and tangents made of texture coordinates are equal, also in a mirrored node.
 #[test]
 fn tangents_of_the_file_are_those_that_would_be_made() {
     for scale in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]] {
@@ -190,6 +183,7 @@ fn tangents_of_the_file_are_those_that_would_be_made() {
     }
 }
 
+/// Strips, fans, bytes as indices or positions, and primitives without indices or normals give the square.
 #[test]
 fn strips_fans_bytes_and_missing_indices_and_normals_are_read() {
     let primitive =
@@ -219,6 +213,7 @@ fn strips_fans_bytes_and_missing_indices_and_normals_are_read() {
     assert_eq!((area(&strip), strip.triangle_count()), (1.0, 2));
 }
 
+/// Base colour, metalness, roughness, index of refraction and the unlit material become the program's own terms.
 #[test]
 fn metallic_roughness_becomes_albedo_reflectivity_and_the_lobe() {
     let metal = material(json!({"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0, 1], "roughnessFactor": 0.25}}));
@@ -235,12 +230,12 @@ fn metallic_roughness_becomes_albedo_reflectivity_and_the_lobe() {
     assert_eq!((unlit.emission, unlit.reflectivity, unlit.albedo), (1.0, 0.0, Vec3::new(1.0, 0.5, 0.0)));
 }
 
+/// Emission, by a factor or an image, is added to the albedo, and its share is kept, since a texel has one colour.
 #[test]
 fn emission_adds_to_the_albedo_and_is_its_share() {
     let base = json!({"baseColorFactor": [0.25, 0.25, 0.25, 1], "metallicFactor": 0, "roughnessFactor": 0});
-    let lamp = json!({"pbrMetallicRoughness": base, "emissiveFactor": [0.25, 0.25, 0.25],
-        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2}}});
-    let lamp = material(lamp);
+    let lamp = material(json!({"pbrMetallicRoughness": base, "emissiveFactor": [0.25, 0.25, 0.25],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2}}}));
     assert!(lamp.albedo.abs_diff_eq(Vec3::splat(0.75), 1e-6) && close(lamp.emission, 2.0 / 3.0), "{lamp:?}");
     let image = picture(2, 1, |x, _| [if x == 0 { 255 } else { 0 }; 4]);
     let half = json!({"pbrMetallicRoughness": base, "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}});
@@ -252,9 +247,9 @@ fn emission_adds_to_the_albedo_and_is_its_share() {
     assert_eq!(texel(&scene, map, 1, 0), [137, 137, 137, 0]);
 }
 
+/// Images of two sizes become the program's maps texel by texel: smooth metal on the left, rough plastic right.
 #[test]
 fn images_are_baked_texel_by_texel() {
-    // Left a smooth metal, right rough plastic.
     let rough = picture(2, 1, |x, _| if x == 0 { [7, 51, 255, 255] } else { [7, 102, 0, 255] });
     let base = picture(2, 2, |_, _| [255, 255, 255, 255]);
     let textured = json!({"pbrMetallicRoughness": {
@@ -272,6 +267,7 @@ fn images_are_baked_texel_by_texel() {
     assert_eq!((scene.materials[0].roughness, scene.materials[0].reflectivity), (1.0, 1.0));
 }
 
+/// A mask has holes below its cutoff, blending becomes a mask with a warning, and opaque materials have none.
 #[test]
 fn masks_cut_at_their_cutoff_and_sides_are_kept() {
     let leaf = |mode: &str, cutoff: f32| {
@@ -294,6 +290,7 @@ fn masks_cut_at_their_cutoff_and_sides_are_kept() {
     assert!(material(json!({})).single_sided);
 }
 
+/// A texture transform turns counter-clockwise, scales and moves; maps with different ones get a warning.
 #[test]
 fn texture_transforms_turn_as_their_words_say() {
     let turned = |transform: Value| {
@@ -316,6 +313,7 @@ fn texture_transforms_turn_as_their_words_say() {
     assert!(sentences(&scene)[0].contains("share one set of texture coordinates"));
 }
 
+/// Cameras become views, and the energies of all lights are scaled so that the brightest one, in lux, becomes 1.
 #[test]
 fn cameras_become_views_and_lights_share_one_exposure() {
     let document = square(json!({}), |d| {
@@ -339,8 +337,7 @@ fn cameras_become_views_and_lights_share_one_exposure() {
     assert_eq!(names, ["front", "front 2", "camera"]);
     let front = &scene.views[0];
     assert_eq!((front.eye, front.look_at), (Vec3::new(1.0, 0.5, -4.0), Vec3::new(1.0, 0.5, 0.0)));
-    let lens = front.lens.unwrap();
-    assert_eq!(lens, Lens::perspective(0.8, 0.2, 50.0));
+    assert_eq!(front.lens.unwrap(), Lens::perspective(0.8, 0.2, 50.0));
     // ymag is half the height.
     assert_eq!(scene.views[2].lens, Some(Lens::orthographic(5.0, 0.0, 9.0)));
     // 8 lux from the sun, 64 / 4² = 4 from the point light, 0.2126 / 2² from the spot light.
@@ -352,6 +349,7 @@ fn cameras_become_views_and_lights_share_one_exposure() {
     assert_eq!(about, ["coloured", "spot"], "{:?}", scene.warnings);
 }
 
+/// Each unsupported thing gets one sentence, however often it occurs, so that warnings stay few.
 #[test]
 fn what_is_not_supported_is_said_once() {
     let document = square(json!({"extensions": {"KHR_materials_clearcoat": {}}}), |d| {
@@ -379,41 +377,42 @@ fn what_is_not_supported_is_said_once() {
     assert_eq!(scene.triangle_count(), 4);
 }
 
+/// Each mistake in a document, a buffer or a binary header is refused with a sentence of its own.
 #[test]
 fn bad_files_get_a_sentence() {
-    let plain = |change: fn(&mut Value)| error(&square(json!({}), change));
-    let required = plain(|d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
+    let bad = |change: fn(&mut Value)| error(&square(json!({}), change));
+    let required = bad(|d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
     let wanted = "requires the extension KHR_draco_mesh_compression, which is not supported; `npx @gltf-transform/cli copy IN.glb \
                   OUT.glb` writes the meshes without it";
     assert_eq!(required, wanted);
-    assert_eq!(plain(|d| d["asset"]["version"] = "1.0".into()), "is glTF 1.0; version 2 is supported");
-    assert_eq!(plain(|d| d["bufferViews"][0]["byteLength"] = 1000.into()), "buffer view 0 leaves its buffer");
-    assert_eq!(plain(|d| d["accessors"][0]["count"] = 5.into()), "accessor 0 leaves its buffer view");
-    assert_eq!(plain(|d| d["accessors"][0]["count"] = u64::MAX.into()), "accessor 0 leaves its buffer view");
-    let few = plain(|d| d["accessors"][1]["count"] = 3.into());
+    assert_eq!(bad(|d| d["asset"]["version"] = "1.0".into()), "is glTF 1.0; version 2 is supported");
+    assert_eq!(bad(|d| d["bufferViews"][0]["byteLength"] = 1000.into()), "buffer view 0 leaves its buffer");
+    assert_eq!(bad(|d| d["accessors"][0]["count"] = 5.into()), "accessor 0 leaves its buffer view");
+    assert_eq!(bad(|d| d["accessors"][0]["count"] = u64::MAX.into()), "accessor 0 leaves its buffer view");
+    let few = bad(|d| d["accessors"][1]["count"] = 3.into());
     assert_eq!(few, "accessor 1 of NORMAL has 3 elements for 4 vertices");
-    assert_eq!(plain(|d| d["accessors"][2]["type"] = "VEC3".into()), "accessor 2 of TEXCOORD_0 must have 2 components");
+    assert_eq!(bad(|d| d["accessors"][2]["type"] = "VEC3".into()), "accessor 2 of TEXCOORD_0 must have 2 components");
     assert_eq!(
-        plain(|d| d["accessors"][3]["componentType"] = 5126.into()),
+        bad(|d| d["accessors"][3]["componentType"] = 5126.into()),
         "accessor 3 of indices must have unsigned integers"
     );
     assert_eq!(
-        plain(|d| d["buffers"][0]["byteLength"] = 4000.into()),
+        bad(|d| d["buffers"][0]["byteLength"] = 4000.into()),
         "buffer 0 has 140 bytes where the document states 4000"
     );
-    assert_eq!(plain(|d| d["buffers"][0]["uri"] = "data:;base64,?".into()), "buffer 0 is not valid base64");
-    assert_eq!(plain(|d| d["nodes"][0]["scale"] = json!([0, 0, 0])), "has no triangle with an area in its scene");
-    let far = plain(|d| d["nodes"][0]["translation"] = json!([1e9, 0, 0]));
+    assert_eq!(bad(|d| d["buffers"][0]["uri"] = "data:;base64,?".into()), "buffer 0 is not valid base64");
+    assert_eq!(bad(|d| d["nodes"][0]["scale"] = json!([0, 0, 0])), "has no triangle with an area in its scene");
+    let far = bad(|d| d["nodes"][0]["translation"] = json!([1e9, 0, 0]));
     assert_eq!(far, "mesh square: a vertex lies more than 1e8 m from the origin");
-    assert_eq!(plain(|d| d["nodes"][0]["children"] = json!([0])), "node 0 has more than one parent, or is its own");
-    let sparse = plain(|d| {
+    assert_eq!(bad(|d| d["nodes"][0]["children"] = json!([0])), "node 0 has more than one parent, or is its own");
+    let sparse = bad(|d| {
         let indices = json!({"bufferView": 3, "componentType": 5123});
         d["accessors"][0]["sparse"] = json!({"count": 9, "indices": indices, "values": {"bufferView": 0}});
     });
     assert_eq!(sparse, "accessor 0: its sparse elements leave their buffer view");
-    let no_positions = plain(|d| d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9.into());
+    let no_positions = bad(|d| d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9.into());
     assert_eq!(no_positions, "is not glTF 2.0: positions are in an accessor that is not there");
-    assert!(plain(|d| d["nodes"][0]["mesh"] = 9.into()).starts_with("is not glTF 2.0: "));
+    assert!(bad(|d| d["nodes"][0]["mesh"] = 9.into()).starts_with("is not glTF 2.0: "));
     let no_file = load(&square(json!({}), |d| d["buffers"][0]["uri"] = "b.bin".into())).unwrap_err().to_string();
     assert!(no_file.contains("b.bin"), "{no_file}");
     let folder = Folder::new(&[("a.gltf", "{")]);
@@ -424,6 +423,7 @@ fn bad_files_get_a_sentence() {
     assert!(gltf::load(&folder.path("a.gltf"), &scaled(0.0)).is_err());
 }
 
+/// A missing image leaves the material's factor, and an image above the limit is filtered to a smaller size.
 #[test]
 fn missing_images_leave_the_factor_and_large_ones_become_smaller() {
     let pbr = json!({"baseColorTexture": {"index": 0}, "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0});
@@ -441,7 +441,7 @@ fn missing_images_leave_the_factor_and_large_ones_become_smaller() {
     assert_eq!([texture.rgba[0], texture.rgba[4]], [106, 255 - 17]);
 }
 
-/// A document and its buffer as a binary file.
+/// Returns a document and its buffer as a binary file.
 pub fn binary(mut document: Value, bytes: &[u8]) -> Vec<u8> {
     document["buffers"] = json!([{"byteLength": bytes.len()}]);
     let mut text = document.to_string().into_bytes();
@@ -452,6 +452,7 @@ pub fn binary(mut document: Value, bytes: &[u8]) -> Vec<u8> {
     [b"glTF".as_slice(), &2_u32.to_le_bytes(), &length.to_le_bytes(), &chunks].concat()
 }
 
+/// A binary file gives the scene of the text, and a scene file may place it beside an OBJ file and change its material.
 #[test]
 fn a_binary_file_is_the_same_scene_also_in_a_scene_file() {
     let plastic = json!({"pbrMetallicRoughness": {"metallicFactor": 0}, "name": "plastic"});
@@ -466,13 +467,14 @@ fn a_binary_file_is_the_same_scene_also_in_a_scene_file() {
     let both = ssct_scenes::scene_file::load(&folder.path("c.scene.toml"), &scaled(2.0)).unwrap();
     assert_sound(&both);
     assert_eq!(both.triangle_count(), 3);
-    let of_gltf = both.meshes.iter().find(|m| both.materials[m.material].name == "plastic").expect("the square");
-    assert_eq!((of_gltf.bounds.max, both.materials[of_gltf.material].roughness), (Vec3::new(4.0, 2.0, 0.0), 0.5));
+    let gltf_mesh = both.meshes.iter().find(|m| both.materials[m.material].name == "plastic").expect("the square");
+    assert_eq!((gltf_mesh.bounds.max, both.materials[gltf_mesh.material].roughness), (Vec3::new(4.0, 2.0, 0.0), 0.5));
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
 
+    /// A document and a binary file with random mutations are loaded soundly or refused, and never cause a panic.
     #[test]
     fn damaged_files_never_panic(text in super::mutations::mutations(), bytes in super::mutations::mutations()) {
         let image = picture(2, 2, |x, y| [x as u8 * 90, y as u8 * 90, 255, 255]);

@@ -1,22 +1,24 @@
-//! Texts as other programs write them: encodings, names, lines of maps, and values that are no numbers. Each kind of
-//! unread content in an OBJ or MTL file gets one warning.
+//! Tests texts as other programs write them: encodings, names, lines of maps, and values that are no numbers. Each kind
+//! of unread content in an OBJ or MTL file gets one warning.
 
 use super::*;
 
-/// The square in the material `m` of a library with this text.
+/// Makes a folder with the square in the material `m` of a library with this text.
 fn with_mtl(mtl: &[u8]) -> Folder {
     let folder = square("mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
     folder.write("a.mtl", mtl);
     folder
 }
 
-/// The albedo of the first material, and the warnings.
+/// Returns the albedo of the first material, and the warnings.
 fn albedo(folder: &Folder) -> (Vec3, Vec<String>) {
     let scene = folder.scene();
     assert_sound(&scene);
     (scene.materials[0].albedo, folder.warnings(&scene))
 }
 
+/// Byte order marks before an OBJ, an MTL or a scene file are skipped. Read as text, a mark would belong to the first
+/// word and hide the first statement.
 #[test]
 fn byte_order_marks_are_skipped() {
     let red = "newmtl m\nKd 1 0 0\n";
@@ -33,7 +35,8 @@ fn byte_order_marks_are_skipped() {
     assert_eq!(ssct_scenes::scene_file::load(&path, &LoadOptions::default()).unwrap().triangle_count(), 1);
 }
 
-/// UTF-16 and UTF-32 texts, with marks and without, are refused with the name of their encoding.
+/// UTF-16 and UTF-32 texts, with marks and without, are refused with the name of their encoding. Their bytes are mostly
+/// valid characters, so that a parser's own error would mislead.
 #[test]
 fn wide_texts_are_named() {
     let folder = with_mtl(b"newmtl m\n");
@@ -60,6 +63,8 @@ fn wide_texts_are_named() {
     assert_eq!(folder.without_folder(&error), "a.scene.toml: is UTF-16 text; save it as UTF-8");
 }
 
+/// Two names in Latin-1 that differ in one byte above 127 stay two materials. Replacing bytes that are no UTF-8 would
+/// make them equal.
 #[test]
 fn names_in_latin_1_stay_apart() {
     let folder = Folder::new(&[]);
@@ -100,6 +105,8 @@ fn lines_of_maps_have_options_before_and_behind_blanks_and_comments() {
     assert_eq!(behind.scene().textures[0].rgba[0], 128, "-bm counts behind the name, too");
 }
 
+/// Comments may follow the names of materials and libraries, and keywords may have capitals. A `#` inside a known name
+/// is no comment.
 #[test]
 fn names_of_materials_and_libraries_may_have_comments() {
     for (obj, mtl) in [
@@ -118,6 +125,7 @@ fn names_of_materials_and_libraries_may_have_comments() {
     assert_eq!(albedo(&folder), (Vec3::X, Vec::new()));
 }
 
+/// The keywords of an OBJ file may be capital letters.
 #[test]
 fn keywords_may_be_capitals() {
     let scene = Folder::new(&[("a.obj", "V -1 -1 0\nV 1 -1 0\nV 1 1 \\\n0\nVN 0 0 1\nF 1//1 2//1 3//1\n")]).scene();
@@ -125,7 +133,7 @@ fn keywords_may_be_capitals() {
 }
 
 /// NaN and infinity in normals, texture coordinates and materials, and indices of missing normals, get a warning and a
-/// default.
+/// default. Exporters write them for degenerate faces.
 #[test]
 fn values_that_are_no_numbers_are_left_out_with_a_warning() {
     let flat = |text: &str| {
@@ -136,27 +144,27 @@ fn values_that_are_no_numbers_are_left_out_with_a_warning() {
         folder.warnings(&scene)
     };
     for word in ["nan", "NaN", "-nan", "inf", "1.#QNAN", "-1.#IND", "1.#INF", "nan(ind)", "1e99"] {
-        let said = flat(&format!("vn {word} 0 1\nf 1//1 2//1 3//1\n"));
-        assert_eq!(said, ["a.obj:9: normals that are not finite were made from the faces"], "{word}");
+        let warnings = flat(&format!("vn {word} 0 1\nf 1//1 2//1 3//1\n"));
+        assert_eq!(warnings, ["a.obj:9: normals that are not finite were made from the faces"], "{word}");
     }
-    let said = flat("vt 0 inf\nf 1/5 2/1 3/1\n");
-    assert_eq!(said, ["a.obj:9: texture coordinates that are not finite count as 0"]);
-    let said = flat("f 1//1 2//2 3//3\nvn 0 0 1\n");
-    assert_eq!(said, ["a.obj:9: a face refers to normals that are not there; they were made from the faces"]);
-    let said = flat("f 1/9 2/-7 3/1\n");
-    assert_eq!(said, ["a.obj:9: a face refers to texture coordinates that are not there; they count as 0"]);
+    let warnings = flat("vt 0 inf\nf 1/5 2/1 3/1\n");
+    assert_eq!(warnings, ["a.obj:9: texture coordinates that are not finite count as 0"]);
+    let warnings = flat("f 1//1 2//2 3//3\nvn 0 0 1\n");
+    assert_eq!(warnings, ["a.obj:9: a face refers to normals that are not there; they were made from the faces"]);
+    let warnings = flat("f 1/9 2/-7 3/1\n");
+    assert_eq!(warnings, ["a.obj:9: a face refers to texture coordinates that are not there; they count as 0"]);
     for (statement, rest) in [("Ns -1.#IND", ""), ("Kd nan 0 0", ""), ("Pr inf", ""), ("Ks 1 1 1e99", "")] {
-        let (albedo, said) = albedo(&with_mtl(format!("newmtl m\n{statement}\n{rest}").as_bytes()));
-        assert_eq!(said, ["a.mtl:2: a statement with a number that is not finite was ignored"], "{statement}");
+        let (albedo, warnings) = albedo(&with_mtl(format!("newmtl m\n{statement}\n{rest}").as_bytes()));
+        assert_eq!(warnings, ["a.mtl:2: a statement with a number that is not finite was ignored"], "{statement}");
         assert_eq!(albedo, Vec3::ONE);
     }
 }
 
-/// Each kind of statement that is not supported gets one warning, even if it occurs twice; statements that say nothing
-/// get none.
+/// Each kind of statement that is not supported gets one warning, even if it occurs twice. Statements that change
+/// nothing get none.
 #[test]
 fn each_kind_of_loss_is_one_warning() {
-    let said = |mtl: &str| albedo(&with_mtl(format!("newmtl m\n{mtl}\n").as_bytes())).1;
+    let warnings = |mtl: &str| albedo(&with_mtl(format!("newmtl m\n{mtl}\n").as_bytes())).1;
     for (lost, about) in [
         ("d 0", "transparency"),
         ("d -halo 0.5", "transparency"),
@@ -170,19 +178,19 @@ fn each_kind_of_loss_is_one_warning() {
         ("Kd spectral x.rfl", "colours as spectral curves"),
     ] {
         // Twice is still one warning.
-        let said = said(&format!("{lost}\n{lost}"));
-        assert!(said.len() == 1 && said[0].starts_with(&format!("a.mtl:2: {about}")), "{lost}: {said:?}");
+        let warnings = warnings(&format!("{lost}\n{lost}"));
+        assert!(warnings.len() == 1 && warnings[0].starts_with(&format!("a.mtl:2: {about}")), "{lost}: {warnings:?}");
     }
     let kept = "d 1\nTr 0\nTf 1 1 1\nKe 0 0 0\nPs 0\nPc 0\nPcr 0.03\naniso 0\nanisor 0.5\nKa 1 1 1\nNi 1.5\nillum 2\n\
         sharpness 60\n";
-    assert_eq!(said(kept), [""; 0], "what says nothing");
-    let two = said("d 0\ndisp x.png");
+    assert_eq!(warnings(kept), [""; 0], "what says nothing");
+    let two = warnings("d 0\ndisp x.png");
     assert_eq!(two.len(), 2, "{two:?}");
     let unused = square("mtllib a.mtl\nusemtl m\nf 1 2 3\n");
     unused.write("a.mtl", b"newmtl m\nnewmtl other\nd 0\n");
     assert_eq!(albedo(&unused).1, [""; 0], "materials that are not used are not spoken of");
 
-    let said = |obj: &str| {
+    let warnings = |obj: &str| {
         let folder = square(&format!("{obj}f 1 2 3\n"));
         folder.warnings(&folder.scene())
     };
@@ -193,8 +201,8 @@ fn each_kind_of_loss_is_one_warning() {
         ("usemap x\nmaplib y\n", "usemap and maplib"),
         ("nonsense 1 2\nwhatever\n", "a statement is unknown"),
     ] {
-        let said = said(lost);
-        assert!(said.len() == 1 && said[0].starts_with(&format!("a.obj:9: {about}")), "{lost}: {said:?}");
+        let warnings = warnings(lost);
+        assert!(warnings.len() == 1 && warnings[0].starts_with(&format!("a.obj:9: {about}")), "{lost}: {warnings:?}");
     }
-    assert_eq!(said("# c\nbevel on\nlod 3\nshadow_obj x\ns 1\ng a\no b\nv 5 5 5 1.0\n"), [""; 0], "hints");
+    assert_eq!(warnings("# c\nbevel on\nlod 3\nshadow_obj x\ns 1\ng a\no b\nv 5 5 5 1.0\n"), [""; 0], "hints");
 }

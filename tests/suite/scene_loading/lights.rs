@@ -1,12 +1,12 @@
-//! The lights and views that are chosen for a glTF file without lights or cameras, and the exposure of the lights that
-//! a file has.
+//! Tests the lights and views that are chosen for a glTF file without lights or cameras, and the exposure of the lights
+//! that a file has.
 
 use super::gltf::{close, scene, square};
 use super::*;
 use serde_json::{Value, json};
 use ssct_scenes::Light;
 
-/// The notes about a document, without the name of the file.
+/// Returns the notes about a document, without the name of the file.
 fn notes(document: &Value) -> Vec<String> {
     scene(document).notes.iter().map(|n| n.split_once("a.gltf: ").expect("the file's name").1.to_owned()).collect()
 }
@@ -18,7 +18,7 @@ fn camera(document: &mut Value) {
     document["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(1));
 }
 
-/// The square with a light that stands at a place and shines along the file's −z.
+/// Returns the square with a light that stands at a place and shines along the file's −z.
 fn lit(light: Value, translation: [f32; 3]) -> Value {
     square(json!({}), |d| {
         d["extensionsUsed"] = json!(["KHR_lights_punctual"]);
@@ -32,6 +32,8 @@ fn lit(light: Value, translation: [f32; 3]) -> Value {
     })
 }
 
+/// If a file has neither lights nor cameras, or no lights, a note says what the program chose instead. A user could
+/// take the choice for the file's own.
 #[test]
 fn a_file_without_lights_or_cameras_says_what_was_chosen() {
     let neither = notes(&square(json!({}), |_| ()));
@@ -52,11 +54,11 @@ fn suns_and_lamps_of_any_strength_give_one_exposure() {
     let sun = lit(json!({"type": "directional", "intensity": 2049.0}), [0.0, 0.0, 0.0]);
     let lamp = lit(json!({"type": "point", "intensity": 54_351.0}), [1.0, 0.5, 2.0]);
     for (document, lux) in [(&sun, "2049"), (&lamp, "13588")] {
-        let said = notes(document);
+        let lines = notes(document);
         let expected = format!(
             "its lights are exposed so that the brightest, which gives {lux} lx at the scene's centre, gives 1"
         );
-        assert_eq!(said, [expected, "it has no cameras; the view shows all of the scene".to_owned()]);
+        assert_eq!(lines, [expected, "it has no cameras; the view shows all of the scene".to_owned()]);
     }
     let energy = |document: &Value| match scene(document).lights[..] {
         [Light::Directional { energy, .. } | Light::Point { energy, .. }] => energy,

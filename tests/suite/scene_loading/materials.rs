@@ -1,28 +1,31 @@
-//! MTL files and the images that they name.
+//! Tests MTL files and the images that they name.
 
 use super::*;
 use ssct_geometry::texture;
 use ssct_scenes::{Encoding, Material, Surface};
 
-/// A textured square in the material `m` of `a.mtl`.
+/// Makes a folder with a textured square in the material `m` of `a.mtl`, whose statements are `mtl`.
 fn with_mtl(mtl: &str) -> Folder {
     let folder = square("mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
     folder.write("a.mtl", format!("newmtl m\n{mtl}\n").as_bytes());
     folder
 }
 
+/// Returns the first material of the folder's scene.
 fn material(folder: &Folder) -> Material {
     folder.scene().materials.remove(0)
 }
 
-/// A flat normal map's texel with some tilt to the right.
+/// The texel of a flat normal map that is tilted to the right.
 const TILTED: [u8; 4] = [180, 128, 245, 255];
 
+/// `Kd` is the albedo, clamped to 1, and the luminance of `Ks` is the reflectivity. A missing number repeats the first,
+/// and a material without either is a white mirror.
 #[test]
 fn colours_give_albedo_and_reflectivity() {
-    let m = material(&with_mtl("Kd 0.5 0.25 2\nKs 0.5 0.5 0.5\n"));
-    assert_eq!((m.name.as_str(), m.albedo), ("m", Vec3::new(0.5, 0.25, 1.0)));
-    assert!((m.reflectivity - 0.5).abs() < 1e-6);
+    let coloured = material(&with_mtl("Kd 0.5 0.25 2\nKs 0.5 0.5 0.5\n"));
+    assert_eq!((coloured.name.as_str(), coloured.albedo), ("m", Vec3::new(0.5, 0.25, 1.0)));
+    assert!((coloured.reflectivity - 0.5).abs() < 1e-6);
     let grey = material(&with_mtl("\tKd 0.5\r\n\tks 0 1 0\r"));
     assert_eq!(grey.albedo, Vec3::splat(0.5));
     assert!((grey.reflectivity - 0.7152).abs() < 1e-6);
@@ -31,7 +34,7 @@ fn colours_give_albedo_and_reflectivity() {
     assert_eq!(silent.surface, Surface::Lit);
 }
 
-/// `Pr` is a perceptual roughness and goes before the exponent `Ns`; values out of range are clamped.
+/// `Pr` is a perceptual roughness and overrides the exponent `Ns`; values out of range are clamped.
 #[test]
 fn roughness_is_pr_or_the_exponent() {
     // The value for r = 0.3 stands in docs/definitions.md, "glTF".
@@ -68,6 +71,7 @@ fn images_are_found_through_backslashes_wrong_case_and_strange_folders() {
     assert_eq!(upwards.load("models/a.obj", &LEFT).unwrap().textures.len(), 1);
 }
 
+/// PNG, JPEG, TGA and BMP are decoded, also a PNG whose name ends in `.jpg`: the content says the format.
 #[test]
 fn each_format_is_decoded_even_under_a_wrong_name() {
     for name in ["x.png", "x.jpg", "x.tga", "x.bmp"] {
@@ -84,6 +88,8 @@ fn each_format_is_decoded_even_under_a_wrong_name() {
     assert_eq!(folder.scene().textures[0].rgba, [1, 2, 3, 255]);
 }
 
+/// A missing image gets one warning, even if it is named several times, and the material falls back to a colour. Images
+/// of unused materials are not looked for.
 #[test]
 fn a_missing_image_is_one_warning_and_a_fallback() {
     let folder = square("mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3\nusemtl n\nf 1/1 3/3 4/4\n");
@@ -100,11 +106,15 @@ fn a_missing_image_is_one_warning_and_a_fallback() {
             "a.mtl:8: image shine.png is missing; white takes its place",
         ]
     );
-    let m = &scene.materials[0];
-    assert_eq!((m.albedo, m.albedo_map, m.alpha_mask, m.normal_map), (Vec3::splat(0.5), None, None, None));
+    let material = &scene.materials[0];
+    assert_eq!(
+        (material.albedo, material.albedo_map, material.alpha_mask, material.normal_map),
+        (Vec3::splat(0.5), None, None, None)
+    );
     assert_eq!((scene.materials.len(), scene.materials[1].reflectivity_map), (2, None));
 }
 
+/// An image that cannot be decoded gets a warning and is left out, and the scene loads.
 #[test]
 fn an_image_that_cannot_be_decoded_is_a_warning() {
     let folder = with_mtl("map_Kd broken.png");
@@ -114,6 +124,7 @@ fn an_image_that_cannot_be_decoded_is_a_warning() {
     assert!(folder.warnings(&scene)[0].starts_with("a.mtl:2: image broken.png cannot be used (broken.png: cannot be"));
 }
 
+/// A TGA of 18 bytes that claims 65535 × 65535 texels gets a warning, before 12 GB are allocated for it.
 #[test]
 fn an_image_of_absurd_size_is_refused_before_it_is_allocated() {
     let folder = with_mtl("map_Kd huge.tga");
@@ -158,6 +169,8 @@ fn bm_scales_the_tilt() {
     assert_eq!(none, 128);
 }
 
+/// An image that serves as colour and as bumps becomes two textures, since only one of them is sRGB. Two materials
+/// share the texture of one role.
 #[test]
 fn one_image_in_two_roles_is_two_textures_and_in_two_materials_one() {
     let folder = square("mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3\nusemtl n\nf 1/1 3/3 4/4\n");
@@ -177,15 +190,18 @@ fn masks_and_specular_maps_are_linear_grey() {
     folder.image("alpha.png", 2, 1, |x, _| [255, 255, 255, if x == 0 { 0 } else { 255 }]);
     folder.image("spec.png", 1, 1, |_, _| [188, 188, 188, 255]);
     let scene = folder.scene();
-    let m = &scene.materials[0];
-    let (mask, spec) = (&scene.textures[m.alpha_mask.unwrap()], &scene.textures[m.reflectivity_map.unwrap()]);
+    let material = &scene.materials[0];
+    let (mask, spec) =
+        (&scene.textures[material.alpha_mask.unwrap()], &scene.textures[material.reflectivity_map.unwrap()]);
     assert_eq!((mask.rgba[0], mask.rgba[4], mask.encoding), (0, 255, Encoding::Linear));
-    assert!(spec.rgba[0].abs_diff(128) <= 1 && (m.reflectivity - 0.5).abs() < 1e-6);
+    assert!(spec.rgba[0].abs_diff(128) <= 1 && (material.reflectivity - 0.5).abs() < 1e-6);
     let grey = with_mtl("map_d -imfchan l grey.png");
     grey.image("grey.png", 1, 1, |_, _| [40, 40, 40, 255]);
     assert_eq!(grey.scene().textures[0].rgba[0], 40);
 }
 
+/// A black `Kd` beside an image of the colour counts as white, since some exporters write 0 there; without an image it
+/// is black.
 #[test]
 fn black_kd_under_a_map_counts_as_white() {
     let folder = with_mtl("Kd 0 0 0\nmap_Kd x.png");
@@ -194,6 +210,7 @@ fn black_kd_under_a_map_counts_as_white() {
     assert_eq!(material(&with_mtl("Kd 0 0 0")).albedo, Vec3::ZERO);
 }
 
+/// The options of an MTL map that move or scale texture coordinates get a warning, and the image is used without them.
 #[test]
 fn moved_texture_coordinates_are_not_supported_and_say_so() {
     let folder = with_mtl("map_Kd -s 2 2 1 x.png");
@@ -202,6 +219,8 @@ fn moved_texture_coordinates_are_not_supported_and_say_so() {
     assert_eq!(folder.warnings(&folder.scene()), [expected]);
 }
 
+/// A missing MTL file, a file that names no library, and an undefined material each get a warning, and the material is
+/// white.
 #[test]
 fn missing_libraries_and_undefined_materials_are_warnings() {
     let folder = square("mtllib gone.mtl\nusemtl m\nf 1 2 3\n");
@@ -222,6 +241,8 @@ fn missing_libraries_and_undefined_materials_are_warnings() {
     assert_eq!(square("f 1 2 3\n").scene().warnings, [] as [&str; 0]);
 }
 
+/// The line `mtllib` may name one file whose name has blanks, or several files. Material names may have blanks, and a
+/// file is found in another case.
 #[test]
 fn libraries_may_have_blanks_in_their_name_or_be_several() {
     let folder = square("mtllib a b.mtl\nmtllib c.mtl D.MTL\nusemtl x\nf 1 2 3\nusemtl y y\nf 1 3 4\n");
@@ -233,6 +254,8 @@ fn libraries_may_have_blanks_in_their_name_or_be_several() {
     assert_eq!((albedos, scene.warnings.len()), (vec![0.1, 0.2], 0));
 }
 
+/// Names in Latin-1 are read: the material is found by its bytes, the mesh's name is shown as Latin-1, and only the
+/// missing image gets a warning.
 #[test]
 fn names_need_not_be_utf_8() {
     let folder = square("");

@@ -1,4 +1,4 @@
-//! Motions: animations of glTF files, and motions that scene files name.
+//! Tests motions: animations of glTF files, and motions that scene files name.
 
 use super::gltf::{Square, scene, sentences};
 use super::*;
@@ -7,15 +7,15 @@ use serde_json::{Value, json};
 use ssct_scenes::{Motion, scene_file};
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Two squares, one of which hangs from an arm. Each channel has a node, a path, an interpolation, and the numbers of
-/// the key frames at 0 s and 1 s.
+/// Returns a document with two squares, one of which hangs from an arm, and an animation. Each channel has a node, a
+/// path, an interpolation, and the numbers of the key frames at 0 s and 1 s.
 fn animated(channels: &[(usize, &str, &str, &[f32])]) -> Value {
     let mut square = Square::new();
     square.floats("SCALAR", &[0.0, 1.0]);
     let (mut samplers, mut list) = (Vec::new(), Vec::new());
-    for (node, path, between, values) in channels {
+    for (node, path, interpolation, values) in channels {
         square.floats(if *path == "rotation" { "VEC4" } else { "VEC3" }, values);
-        samplers.push(json!({"input": 4, "output": square.accessors.len() - 1, "interpolation": between}));
+        samplers.push(json!({"input": 4, "output": square.accessors.len() - 1, "interpolation": interpolation}));
         list.push(json!({"sampler": list.len(), "target": {"node": node, "path": path}}));
     }
     let mut document = square.document(json!({}));
@@ -29,7 +29,7 @@ fn animated(channels: &[(usize, &str, &str, &[f32])]) -> Value {
     document
 }
 
-/// The place of the moving square's lower left corner at a time; in the file it is at (1, 5, 0).
+/// Returns the place of the moving square's lower left corner at a time; in the file it is at (1, 5, 0).
 fn corner(scene: &Scene, time_s: f32) -> Vec3 {
     let moved: Vec<_> = scene.motions[0].placements_at(time_s).collect();
     assert_eq!(moved.len(), 1, "one of the two squares moves");
@@ -53,8 +53,9 @@ fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
     ]));
     assert!(sentences(&moved).is_empty(), "{:?}", sentences(&moved));
     assert_eq!(moved.meshes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["square", "square 2"]);
-    let turned =
-        |degrees: f32, way: f32| Vec3::new(0.0, 5.0, 0.0) + Quat::from_rotation_z(degrees.to_radians()) * Vec3::X * way;
+    let turned = |degrees: f32, distance: f32| {
+        Vec3::new(0.0, 5.0, 0.0) + Quat::from_rotation_z(degrees.to_radians()) * Vec3::X * distance
+    };
     // The file is right-handed, and its x and y stay.
     for (time_s, expected) in
         [(-1.0, turned(0.0, 1.0)), (0.5, turned(45.0, 2.0)), (1.0, turned(90.0, 6.0)), (7.0, turned(90.0, 6.0))]
@@ -78,33 +79,36 @@ fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
     assert!(position.distance(2.0 * turned(90.0, 6.0)) < 1e-4, "{position}");
 }
 
+/// An uneven scale, too few values, and an unknown interpolation each leave the scene without the motion, with a
+/// sentence.
 #[test]
 fn animations_that_cannot_be_played_leave_the_scene_with_a_sentence() {
-    let said = |document: &Value| sentences(&scene(document)).join("; ");
+    let warnings = |document: &Value| sentences(&scene(document)).join("; ");
     let uneven = animated(&[(0, "scale", "LINEAR", &[1.0, 1.0, 1.0, 1.0, 2.0, 1.0])]);
-    assert_eq!(said(&uneven), "square stands still: a size that changes along one axis alone is not supported");
+    assert_eq!(warnings(&uneven), "square stands still: a size that changes along one axis alone is not supported");
     let few = animated(&[(0, "translation", "CUBICSPLINE", &[0.0; 6])]);
     assert_eq!(
-        said(&few),
+        warnings(&few),
         "animation wave was left out: its channel 0 does not have as many values as its key frames need"
     );
     let other = animated(&[(0, "translation", "BEZIER", &[0.0; 6])]);
-    assert!(said(&other).contains("channel 0 has an interpolation that is not one of glTF"));
+    assert!(warnings(&other).contains("channel 0 has an interpolation that is not one of glTF"));
     for document in [uneven, few, other] {
         assert!(scene(&document).motions.is_empty());
     }
 }
 
+/// The lines of a scene file that name its mesh.
 const MESH: &str = "[[mesh]]\nfile = \"a.obj\"\n";
 
-/// Loads a scene file with the square as a mesh named `flag`.
+/// Loads a scene file with the square as a mesh named `flag`, followed by the lines `text`.
 fn of_file(text: &str) -> ssct_ground::Result<Scene> {
     let folder = square("o flag\nf 1 2 3\nf 1 3 4\n");
     folder.write("test.scene.toml", format!("{MESH}{text}").as_bytes());
     scene_file::load(&folder.path("test.scene.toml"), &LoadOptions::default())
 }
 
-/// A motion of a scene file moves and turns its mesh between key frames; wrong motions are refused with a line or a
+/// A motion of a scene file moves and turns its mesh between key frames. Wrong motions are refused with a line or a
 /// name.
 #[test]
 fn scene_files_name_motions() {
@@ -119,8 +123,8 @@ fn scene_files_name_motions() {
     assert!(position(1.5).distance(half) < 1e-5, "{}", position(1.5));
     assert!(position(3.0).distance(3.0 * Vec3::Y) < 1e-5, "{}", position(3.0));
     let refused = |text: &str, words: &str| {
-        let said = of_file(text).unwrap_err().to_string();
-        assert!(said.contains(words), "{words}: {said}");
+        let message = of_file(text).unwrap_err().to_string();
+        assert!(message.contains(words), "{words}: {message}");
     };
     refused("[motion.fly]\nmesh = \"fag\"\n", "4: motion fly moves \"fag\", and no mesh has this name");
     refused("[motion.fly]\nmesh = \"flag\"\n", "motion fly does not have as many values as its key frames need");

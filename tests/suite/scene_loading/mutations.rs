@@ -1,16 +1,19 @@
-//! Random damage to small files leads to an error or a sound scene, and never to a panic.
+//! Tests that random damage to small files leads to an error or a sound scene, and never to a panic.
 
 use super::*;
 use proptest::prelude::*;
 use ssct_scenes::scene_file;
 
+/// The OBJ file that is damaged, with faces of every form.
 const OBJ: &str = "mtllib a.mtl\ng left\nusemtl m\ns 1\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nv -1 0.5 2\n\
     vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nvn 0.6 0 0.8\nf 1/1/1 2/2/2 3/3/1 4/1/2\nf 1 2 5\nf -1 -2 -3 -4 -5\n\
     usemtl n\nf 1//1 3//2 5//1\n";
 
+/// The MTL file that is damaged, with options of maps.
 const MTL: &str = "newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 10\nmap_Kd x.png\nbump -bm 0.5 x.png\nmap_d x.png\n\
     newmtl n\nPr 0.5\nmap_Ks -s 1 1 x.png\nd 1\n";
 
+/// The scene file that is damaged, with every kind of table.
 const SCENE: &str = "name = \"n\"\nscale = 0.5\n[[mesh]]\nfile = \"a.obj\"\nsurface = \"sky\"\n[material.m]\n\
     roughness = 0.5\n[camera]\nnear = 0.1\n[[light]]\nkind = \"point\"\nposition = [1.0, 2.0, 3.0]\nenergy = 1.0\n\
     [view.a]\neye = [0.0, 0.0, 1.0]\nlook_at = [0.0, 0.0, 0.0]\nmaterials = { n = { reflectivity = 1.0 } }\n\
@@ -19,10 +22,10 @@ const SCENE: &str = "name = \"n\"\nscale = 0.5\n[[mesh]]\nfile = \"a.obj\"\nsurf
     radiance = [1, 1, 1]\ncentre = [0, 0, 0]\nradius = 1.0\n[[capture]]\nplace = [0, 1.5, 0]\nresolution = 64\n\
     near = 0.1\n[[capture]]\nplace = [0, 1, 0]\nresolution = 64\n";
 
-/// A place as a share of the text, a number that chooses the change, and a byte for the change.
+/// A mutation: a place as a share of the text, a number that chooses the change, and a byte for the change.
 pub type Mutation = (prop::sample::Index, u8, u8);
 
-/// Applies mutations to a text.
+/// Applies mutations to a text, and returns its bytes.
 pub fn mutate(text: &str, mutations: &[Mutation]) -> Vec<u8> {
     mutate_bytes(text.as_bytes(), mutations)
 }
@@ -48,7 +51,7 @@ pub fn mutate_bytes(bytes: &[u8], mutations: &[Mutation]) -> Vec<u8> {
     bytes
 }
 
-/// A strategy for at most five mutations.
+/// Returns a strategy that makes at most five mutations.
 pub fn mutations() -> impl Strategy<Value = Vec<Mutation>> {
     prop::collection::vec(any::<Mutation>(), 0..6)
 }
@@ -56,6 +59,7 @@ pub fn mutations() -> impl Strategy<Value = Vec<Mutation>> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
 
+    /// An OBJ, an MTL and a scene file with random mutations are loaded soundly or refused, and never cause a panic.
     #[test]
     fn damaged_files_never_panic(obj in mutations(), mtl in mutations(), scene in mutations()) {
         let folder = Folder::new(&[]);
@@ -71,6 +75,8 @@ proptest! {
         }
     }
 
+    /// A damaged PNG, JPEG, TGA or BMP gives a sound scene, with a warning if it cannot be decoded, and never causes a
+    /// panic.
     #[test]
     fn damaged_images_never_panic(damage in mutations(), format in 0_usize..4) {
         let name = ["x.png", "x.jpg", "x.tga", "x.bmp"][format];
@@ -89,6 +95,7 @@ proptest! {
     }
 }
 
+/// The undamaged files load without a warning. If they did not, the mutations would try error paths alone.
 #[test]
 fn the_files_are_sound_before_they_are_damaged() {
     let folder = Folder::new(&[("a.obj", OBJ), ("a.mtl", MTL), ("a.scene.toml", SCENE)]);

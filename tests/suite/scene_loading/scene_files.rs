@@ -1,10 +1,10 @@
-//! Scene files, `NAME.scene.toml`: every key, defaults, and errors with their line.
+//! Tests scene files, `NAME.scene.toml`: every key, defaults, and errors with their line.
 
 use super::*;
 use ssct_ground::Result;
 use ssct_scenes::{Aabb, AreaLight, AreaShape, Capture, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file};
 
-/// A folder with the scene file, an OBJ file of two materials and a picture.
+/// Makes a folder with the scene file, an OBJ file of two materials and a picture.
 fn folder(text: &str) -> Folder {
     let folder = square("mtllib a.mtl\nusemtl floor\nf 1 2 3\nusemtl wall\nf 1 3 4\n");
     folder.write("a.mtl", b"newmtl floor\nKs 0.5 0.5 0.5\nNs 100\nnewmtl wall\nKs 0.25 0.25 0.25\n");
@@ -134,7 +134,8 @@ place = [3, 1.5, 2]
 resolution = 256
 "#;
 
-/// The full file gives exactly the meshes, materials, lens, lights and views that its keys say.
+/// The full file gives exactly the meshes, materials, lens, lights and views that its keys say. A key that is parsed
+/// and then dropped would show nowhere else.
 #[test]
 fn every_key_arrives() {
     let scene = load(&folder(FULL), 1.0).unwrap();
@@ -168,6 +169,8 @@ fn every_key_arrives() {
     assert_eq!(scene.views[1].lens, Some(Lens { near_m: 0.25, ..lens }));
 }
 
+/// The full file gives exactly the probes, impostors and area lights that its keys say, and an impostor's image faces
+/// the viewer.
 #[test]
 fn probes_impostors_and_area_lights_arrive() {
     let scene = load(&folder(FULL), 1.0).unwrap();
@@ -210,6 +213,7 @@ fn probes_impostors_and_area_lights_arrive() {
     );
 }
 
+/// The full file gives exactly its captures. Written as TOML and read again, they are the same.
 #[test]
 fn captures_arrive_and_can_be_written_again() {
     let scene = load(&folder(FULL), 1.0).unwrap();
@@ -220,8 +224,8 @@ fn captures_arrive_and_can_be_written_again() {
     let again = load(&folder(&format!("coordinates = 'left'\n[[mesh]]\nfile = 'a.obj'\n{written}")), 1.0).unwrap();
     assert_eq!(again.captures, scene.captures);
     let bare = load(&folder("[[mesh]]\nfile = 'a.obj'\n[[capture]]\nplace = [0, 1, 0]\n"), 2.0).unwrap();
-    let scaled = Capture { near_m: 2.0 * Capture::NEAR_M, ..Capture::placed_at(2.0 * Vec3::Y) };
-    assert_eq!(bare.captures, [scaled]);
+    let scaled_capture = Capture { near_m: 2.0 * Capture::NEAR_M, ..Capture::placed_at(2.0 * Vec3::Y) };
+    assert_eq!(bare.captures, [scaled_capture]);
 }
 
 /// A view's own materials replace those of the scene in that view alone; `default` counts for materials that are not
@@ -238,6 +242,7 @@ fn views_change_materials_only_for_themselves() {
     assert_eq!(factors("mole"), [(0.0, 0.5), (0.75, 0.0)]);
 }
 
+/// A scale that the caller adds to that of the file enlarges every length: places, energies, boxes, lenses and planes.
 #[test]
 fn an_extra_scale_enlarges_everything_that_has_a_place() {
     let scene = load(&folder(FULL), 3.0).unwrap();
@@ -256,6 +261,8 @@ fn an_extra_scale_enlarges_everything_that_has_a_place() {
     assert_eq!(scene.views[1].lens.map(|lens| lens.near_m), Some(0.75));
 }
 
+/// The scene and each view may have an orthographic lens, whose height is scaled as lengths are. Two projections at
+/// once, and a height of 0, are refused with the line.
 #[test]
 fn views_may_be_orthographic() {
     let text = "[[mesh]]\nfile = 'a.obj'\n[camera]\northographic_height_m = 4\nnear = 0.5\n[view.plan]\neye = [0, 9, 0]\n\
@@ -293,6 +300,7 @@ fn little_suffices() {
     assert!((reflectivities[0] - 0.5).abs() < 1e-6 && (reflectivities[1] - 0.25).abs() < 1e-6);
 }
 
+/// A table for a material that no mesh has, in the scene or in a view, gets a warning: its name is probably misspelt.
 #[test]
 fn unknown_materials_are_warnings() {
     let text = "[[mesh]]\nfile = 'a.obj'\n[material.ceiling]\nroughness = 0.5\n[view.v]\neye = [0, 0, 0]\n\
@@ -307,7 +315,8 @@ fn unknown_materials_are_warnings() {
     );
 }
 
-/// Each faulty piece behind two lines of a good file is refused with its line and this sentence.
+/// Each faulty piece after two lines of a good file is refused with its line and its sentence. Most of these faults are
+/// found after parsing, when the line is easily lost.
 #[test]
 fn errors_name_the_line() {
     let impostor = |file: &str, half_v: &str| {
@@ -391,6 +400,8 @@ fn errors_name_the_line() {
     }
 }
 
+/// Errors of syntax, unknown keys and missing keys are refused in one line that has the line of the file, and lists all
+/// of them at once.
 #[test]
 fn syntax_errors_and_unknown_keys_name_the_line() {
     let cases = [
@@ -425,6 +436,8 @@ fn syntax_errors_and_unknown_keys_name_the_line() {
     }
 }
 
+/// A file without meshes, one that is no UTF-8, one of 2 MiB and a missing one are refused with a sentence each; a
+/// scale below 0 is a mistake of usage.
 #[test]
 fn files_that_cannot_be_scene_files_are_refused() {
     let folder = folder("name = 'empty'\n");
@@ -439,6 +452,8 @@ fn files_that_cannot_be_scene_files_are_refused() {
     assert!(matches!(load(&folder, -1.0).unwrap_err(), ssct_ground::Error::Usage(_)));
 }
 
+/// A path arrives with its key frames, scaled and mirrored like views. Times that do not increase are refused with the
+/// line.
 #[test]
 fn a_scene_file_may_have_paths_and_their_faults_have_a_line() {
     let text = "[[mesh]]\nfile = \"a.obj\"\n[[path.walk.key]]\neye = [0, 1, 0]\nlook_at = [0, 1, 4]\ntime = 0\n\

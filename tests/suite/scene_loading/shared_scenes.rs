@@ -1,4 +1,4 @@
-//! The large scenes in `../shared/scenes`, if they are there.
+//! Tests the large scenes in `../shared/scenes`, if they are present.
 
 use super::*;
 use crate::common::repository;
@@ -7,7 +7,7 @@ use ssct_scenes::{Light, LoadOptions, Surface, gltf, scene_file};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// The folder of the large scenes; without it, a line says that the test does nothing.
+/// Returns the folder of the large scenes. If it is absent, a line tells that the test is skipped.
 fn shared() -> Option<PathBuf> {
     let folder = repository().join("../shared/scenes");
     if !folder.is_dir() {
@@ -17,16 +17,19 @@ fn shared() -> Option<PathBuf> {
     Some(folder)
 }
 
+/// Checks that two points are less than a millimetre apart.
 fn assert_near(a: Vec3, b: Vec3) {
     assert!((a - b).length() < 1e-3, "{a} {b}");
 }
 
-/// The names of images that the warnings call missing.
+/// Returns the names of images that the warnings call missing.
 fn missing(scene: &Scene) -> Vec<&str> {
     let found = scene.warnings.iter().filter_map(|w| w.split_once(": image ")?.1.split_once(" is missing; "));
     found.map(|(name, _)| name).collect()
 }
 
+/// Crytek Sponza has the triangles, bounds, materials, maps and views that its files say, with two known warnings.
+/// Measurements of several pages are of this scene.
 #[test]
 fn sponza_loads_as_its_scene_file_says() {
     let start = Instant::now();
@@ -58,6 +61,8 @@ fn sponza_loads_as_its_scene_file_says() {
     assert_near(scene.views[2].eye, Vec3::new(-11.5, 1.6, -4.2));
 }
 
+/// The rooms of the thesis's author have the triangles, bounds, windows, views and lights that their files say; ten
+/// images of theirs are missing.
 #[test]
 fn the_rooms_load_as_their_scene_file_says() {
     let Some(folder) = shared() else { return };

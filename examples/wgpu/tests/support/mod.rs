@@ -1,4 +1,4 @@
-//! Runs the command `ssct` on the images that an example drew. The files are of a kind that any renderer could write.
+//! Runs the command `ssct` on the images that an example drew, in files of a kind that any renderer could write.
 
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,
@@ -23,7 +23,7 @@ pub fn run(command: &mut Command) -> Output {
     output
 }
 
-/// Reads the first N channels of an image of width x height pixels that the example wrote.
+/// Reads the first N channels of the image `name` that the example wrote into `folder`, with width x height pixels.
 pub fn channels<const N: usize>(folder: &Path, name: &str, (width, height): (usize, usize)) -> [Vec<f32>; N] {
     let bytes = std::fs::read(folder.join(format!("{name}.f32"))).unwrap();
     let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
@@ -31,14 +31,15 @@ pub fn channels<const N: usize>(folder: &Path, name: &str, (width, height): (usi
     std::array::from_fn(|channel| numbers.iter().copied().skip(channel).step_by(stride.max(1)).collect())
 }
 
-/// Writes the example's images as a G-buffer file. The example's view space is right-handed and the file's is
-/// left-handed, so that z is negated.
+/// Writes the example's images as a G-buffer file. The example's view space is right-handed and that of the file is
+/// left-handed, so z is negated.
 pub fn write_gbuffer(folder: &Path, size: (usize, usize), file: &Path) {
     let bytes = std::fs::read(folder.join("camera.f32")).unwrap();
     let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
     let (mut clip, mut view) = ([0.0; 16], [0.0; 16]);
     clip.copy_from_slice(&numbers[..16]);
     view.copy_from_slice(&numbers[16..]);
+    // The third column of view to clip, and the third row of world to view, belong to z in view space.
     [8, 9, 10, 11].iter().for_each(|i| clip[*i] = -clip[*i]);
     [2, 6, 10, 14].iter().for_each(|i| view[*i] = -view[*i]);
     let [red, green, blue] = channels(folder, "color", size);
@@ -46,9 +47,9 @@ pub fn write_gbuffer(folder: &Path, size: (usize, usize), file: &Path) {
     let [depth] = channels(folder, "depth", size);
     let [reflectivity, roughness] = channels(folder, "material", size);
     let z = z.iter().map(|z| -z).collect();
-    let made = [("R", red), ("G", green), ("B", blue), ("depth", depth), ("N.X", x), ("N.Y", y), ("N.Z", z)];
-    let rest = [("reflectivity", reflectivity), ("roughness", roughness)];
-    let list = made.into_iter().chain(rest).map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
+    let seven = [("R", red), ("G", green), ("B", blue), ("depth", depth), ("N.X", x), ("N.Y", y), ("N.Z", z)];
+    let factors = [("reflectivity", reflectivity), ("roughness", roughness)];
+    let list = seven.into_iter().chain(factors).map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
     let mut attributes = LayerAttributes { world_to_camera: Some(view), ..LayerAttributes::default() };
     attributes.other.insert("viewToClip".into(), AttributeValue::Matrix4x4(clip));
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(list.collect()));
@@ -61,9 +62,9 @@ pub fn assert_equal(file: &Path, embedded: &[Vec<f32>]) {
     let layer = read_first_flat_layer_from_file(file).unwrap().layer_data;
     for (name, embedded) in ["R", "G", "B"].into_iter().zip(embedded) {
         let channel = layer.channel_data.list.iter().find(|c| c.name == *name).unwrap();
-        let made: Vec<f32> = channel.sample_data.values_as_f32().collect();
-        assert_eq!(made.len(), embedded.len());
-        let differ = made.iter().zip(embedded).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
-        assert_eq!(differ, 0, "of {} pixels of {name}", made.len());
+        let expected: Vec<f32> = channel.sample_data.values_as_f32().collect();
+        assert_eq!(expected.len(), embedded.len());
+        let differ = expected.iter().zip(embedded).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+        assert_eq!(differ, 0, "of {} pixels of {name}", expected.len());
     }
 }

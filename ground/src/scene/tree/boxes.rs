@@ -1,5 +1,5 @@
-//! Boxes of triangles and hierarchies over them, as the crate obvhs builds them: for trees that shaders walk, and for tests that
-//! compare such a walk with one of their own.
+//! Boxes of triangles, and hierarchies over them that the crate obvhs builds: for trees that shaders walk, and for
+//! tests that compare this walk with one of their own.
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -8,8 +8,8 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams};
 
-/// How far boxes extend beyond their triangles, as a share of the greatest coordinate from the scene's middle. The slab test in f32
-/// errs by a few units of 6e-8 for origins that are about as far from the middle.
+/// How far boxes extend beyond their triangles, as a share of the greatest coordinate from the scene's middle. For rays
+/// that begin about as far from the middle, the slab test in f32 errs by a few units of 6e-8.
 const PADDING: f32 = 4e-6;
 
 /// The most triangles of a leaf, for which compressed nodes have room.
@@ -44,14 +44,14 @@ impl PaddedTriangles {
         Self::around(middle, (high - middle).max_element(), count, corners)
     }
 
-    /// Makes the boxes of triangles of a larger scene, with the scene's middle, and its greatest coordinate from there.
+    /// Makes the boxes of triangles of a larger scene; `extent` is the scene's greatest coordinate from its `middle`.
     pub fn around(middle: DVec3, extent: f64, count: usize, corners: impl Fn(usize) -> [DVec3; 3]) -> Self {
         let padding = Vec3A::splat(PADDING * extent as f32);
         let has_area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a) != DVec3::ZERO;
         let with_area: Vec<u32> = (0..count as u32).filter(|i| has_area(corners(*i as usize))).collect();
         let padded = |&i: &u32| {
             let [a, b, c] = corners(i as usize).map(|v| (v - middle).as_vec3a());
-            // By arrays, since obvhs may have another version of glam than this crate.
+            // Vectors are passed as arrays, since obvhs may use another version of glam than this crate.
             let [low, high] = [a.min(b).min(c) - padding, a.max(b).max(c) + padding].map(|corner| corner.to_array());
             PaddedBox(Aabb::new(low.into(), high.into()))
         };
@@ -78,15 +78,15 @@ pub fn build_ploc(padded: &[PaddedBox]) -> Bvh2 {
     binary
 }
 
-/// How many nodes lie on the longest way from the root of a hierarchy to a leaf.
+/// Returns how many nodes lie on the longest way from the root of a hierarchy to a leaf, counted level by level.
 pub fn levels(boxes: &CwBvh) -> u32 {
     let (mut level, mut levels) = (vec![0], 0);
     while !level.is_empty() {
         levels += 1;
         let children = |&node: &u32| {
             let node = &boxes.nodes[node as usize];
-            let inner = |child: &usize| !node.is_child_empty(*child) && !node.is_leaf(*child);
-            (0..8).filter(inner).map(|child| node.child_node_index(child)).collect::<Vec<_>>()
+            let is_inner = |child: &usize| !node.is_child_empty(*child) && !node.is_leaf(*child);
+            (0..8).filter(is_inner).map(|child| node.child_node_index(child)).collect::<Vec<_>>()
         };
         level = level.iter().flat_map(children).collect();
     }

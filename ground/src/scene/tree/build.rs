@@ -23,7 +23,7 @@ impl Tree {
     /// [`Error::Usage`] for a scene with more triangles than have numbers.
     pub fn build(scene: &Scene) -> Result<Self> {
         check_count(scene)?;
-        let corners: Vec<[DVec3; 3]> = triangles(scene).map(|(mesh, t)| corners_of(mesh, t)).collect();
+        let corners: Vec<[DVec3; 3]> = triangles(scene).map(|(mesh, triangle)| corners_of(mesh, triangle)).collect();
         Ok(Self::over(&corners))
     }
 
@@ -32,7 +32,7 @@ impl Tree {
         Self::of_boxes(PaddedTriangles::new(corners.len(), |i| corners[i]))
     }
 
-    /// Builds the tree over boxes, by halves if it would otherwise have more levels than [`most_levels`].
+    /// Builds the tree over boxes: by halving lists if it would otherwise have more levels than [`most_levels`].
     fn of_boxes(PaddedTriangles { middle: origin, with_area, boxes }: PaddedTriangles) -> Self {
         if with_area.is_empty() {
             return Self { origin, ..Self::default() };
@@ -64,7 +64,7 @@ impl Trees {
         let Scene { name, meshes, materials, .. } = scene;
         let scene =
             Scene { name: name.clone(), meshes: meshes.clone(), materials: materials.clone(), ..Scene::default() };
-        let all = || triangles(&scene).flat_map(|(mesh, t)| corners_of(mesh, t));
+        let all = || triangles(&scene).flat_map(|(mesh, triangle)| corners_of(mesh, triangle));
         let [low, high] = [all().reduce(DVec3::min), all().reduce(DVec3::max)].map(Option::unwrap_or_default);
         let middle = 0.5 * (low + high);
         Self { middle, extent: (high - middle).max_element(), scene }
@@ -72,8 +72,8 @@ impl Trees {
 
     /// Builds the tree over the triangles of a list. The tree's slots are indices into the list.
     fn over(&self, list: &[[DVec3; 3]]) -> Tree {
-        let far = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
-        Tree::of_boxes(PaddedTriangles::around(self.middle, far, list.len(), |i| list[i]))
+        let extent = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
+        Tree::of_boxes(PaddedTriangles::around(self.middle, extent, list.len(), |i| list[i]))
     }
 }
 
@@ -103,7 +103,7 @@ impl BuildTrees for Trees {
             }
             first = end;
         }
-        let list: Vec<_> = triangles(&part).map(|(mesh, t)| corners_of(mesh, t)).collect();
+        let list: Vec<_> = triangles(&part).map(|(mesh, triangle)| corners_of(mesh, triangle)).collect();
         let mut tree = self.over(&list);
         let mut records = TriangleRecords::new(&part, &tree);
         records.renumber(&numbers);
@@ -141,6 +141,7 @@ fn build_balanced(padded: &[PaddedBox]) -> CwBvh {
         let aabb = list.iter().fold(Aabb::INVALID, |all, &i| all.union(&padded[i as usize].0));
         let counted = Aabb::new(Vec3A::ZERO, Vec3A::new(list.len() as f32, 1.0, 0.0));
         let first = nodes[0].len();
+        // Sets the node in both copies: a leaf of `count` boxes, or, for 0, the parent of two nodes from `first` on.
         let mut set = |count: u32, first: usize| {
             for (nodes, aabb) in nodes.iter_mut().zip([aabb, counted]) {
                 nodes[node] = Bvh2Node::new(aabb, count, first as u32);
@@ -164,10 +165,10 @@ fn build_balanced(padded: &[PaddedBox]) -> CwBvh {
         work.push((first + 1, range.start + half..range.end));
     }
     let [binary, counted] = nodes.map(|nodes| Bvh2 { nodes, primitive_indices: indices.clone(), ..Bvh2::default() });
-    let mut decided = Bvh2Converter::new(&counted, false, false);
-    decided.calculate_cost(LEAF);
+    let mut by_counts = Bvh2Converter::new(&counted, false, false);
+    by_counts.calculate_cost(LEAF);
     let mut converter = Bvh2Converter::new(&binary, true, false);
-    converter.decisions = decided.decisions; // which boxes share a node, decided by the counts
+    converter.decisions = by_counts.decisions; // which boxes share a node
     converter.convert_to_cwbvh();
     let Bvh2Converter { nodes, primitive_indices, .. } = converter;
     CwBvh { nodes, primitive_indices, total_aabb: *binary.nodes[0].aabb(), ..CwBvh::default() }

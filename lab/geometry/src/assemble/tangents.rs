@@ -8,29 +8,28 @@ use glam::Vec3;
 /// all 0 get arbitrary tangents.
 pub(super) fn generate(triangles: &mut [Triangle]) {
     if triangles.iter().flatten().any(|v| v.uv != [0.0; 2]) {
-        // If the call fails, for which it gives no reason, the tangents stay as they were, and `settle` makes them
-        // usable.
+        // A failure, whose reason the call does not give, leaves the tangents unchanged, and `settle` makes them valid.
         generate_tangents(&mut Triangles(triangles)).unwrap_or_default();
     }
     settle(triangles);
 }
 
-/// Makes tangents unit vectors orthogonal to the normals. A vertex without a tangent, as with degenerate texture coordinates,
-/// gets any unit vector orthogonal to its normal.
+/// Makes tangents unit vectors orthogonal to the normals, with a sign of 1 or −1. A vertex without a usable tangent,
+/// for example because its texture coordinates are degenerate, gets any unit vector orthogonal to its normal.
 pub(super) fn settle(triangles: &mut [Triangle]) {
     for vertex in triangles.iter_mut().flatten() {
         let normal = Vec3::from(vertex.normal);
         let [x, y, z, sign] = vertex.tangent;
-        let along = Vec3::new(x, y, z).reject_from_normalized(normal);
+        let orthogonal = Vec3::new(x, y, z).reject_from_normalized(normal);
         // A tangent almost parallel to the normal is mostly rounding error, so it is discarded.
-        let unit = along.try_normalize().filter(|unit| along.length() > 1e-2 && unit.is_finite());
+        let unit = orthogonal.try_normalize().filter(|unit| orthogonal.length() > 1e-2 && unit.is_finite());
         let tangent = unit.unwrap_or_else(|| normal.any_orthonormal_vector());
         // Adding zero turns −0 into 0, so that welding finds equal bits.
         vertex.tangent = (tangent + Vec3::ZERO).extend(if sign < 0.0 { -1.0 } else { 1.0 }).to_array();
     }
 }
 
-/// Triangles in the interface that MikkTSpace reads vertices from and writes tangents to.
+/// Triangles behind the interface through which MikkTSpace reads vertices and writes tangents.
 struct Triangles<'a>(&'a mut [Triangle]);
 
 impl Geometry for Triangles<'_> {

@@ -1,5 +1,5 @@
-//! The formulas of the patterns: each makes a function that gives relief in metres and linear albedo at a point of the image. One
-//! height function determines both the picture and the normal map.
+//! The formulas of the patterns: each makes a function that gives the relief in metres and the linear albedo at a texel
+//! of the image. One height function determines both the picture and the normal map.
 
 use super::{SIZE, Texel};
 use glam::{IVec2, Vec2, Vec3};
@@ -21,16 +21,18 @@ pub struct Sample {
 /// A pattern: a function of a texel.
 pub type Design = Box<dyn Fn(Texel) -> Sample + Sync>;
 
-/// A number for each texel.
+/// A function that gives a number for each texel.
 pub type Grain = Box<dyn Fn(Texel) -> f32 + Sync>;
 
-/// Noise over the whole image, with `frequency` lattice cells along each side.
+/// Makes noise from 0 to 1 over the whole image. `frequency` is the number of lattice cells along the width and the
+/// height, and each further octave has twice the frequency and half the weight.
 fn grain(frequency: [i32; 2], octaves: u32, seed: u32) -> Grain {
     let image = fractal_image((frequency.into(), octaves, seed), SIDE, 0..SIDE, 0..SIDE);
     Box::new(move |texel| image[texel.index])
 }
 
-/// Noise whose seed depends on the point, so that each tile or plank has noise of its own.
+/// Makes noise like [`grain`], with a seed that depends on the texture coordinates, so that each tile or plank has
+/// noise of its own. Noise is computed at once for a run of texels with the same seed in one row.
 fn grains(frequency: [i32; 2], octaves: u32, seed: impl Fn(Vec2) -> u32) -> Grain {
     let seeds: Vec<u32> = (0..SIZE * SIZE).map(|k| seed(Texel::new(k, [SIZE, SIZE]).uv)).collect();
     let mut image = Vec::with_capacity(seeds.len());
@@ -43,7 +45,8 @@ fn grains(frequency: [i32; 2], octaves: u32, seed: impl Fn(Vec2) -> u32) -> Grai
     Box::new(move |texel| image[texel.index])
 }
 
-/// Irregular stones in mortar; the image is `size_m` wide.
+/// Irregular stones in mortar; the image is `size_m` metres wide. `face` is 0 in the mortar and 1 on a stone, and
+/// `dome` rises from the border of a stone to its middle.
 pub fn stones(size_m: f32) -> Design {
     let wobble_x = grain([20, 20], 3, 11);
     let wobble_y = grain([20, 20], 3, 17);
@@ -83,24 +86,26 @@ pub struct TileLook {
     pub grout: Vec3,
 }
 
-/// Square tiles with flat faces and rounded edges, so that a mirror shows clearly in them.
+/// Square tiles with flat faces, which reflect like clear mirrors, and rounded edges; the image is `size_m` metres
+/// wide. `face` is 0 in the grout and 1 on a tile.
 pub fn tiles(size_m: f32, look: &'static TileLook) -> Design {
-    // The point in units of a tile, from the corner of the first tile of its row.
-    let laid = |uv: Vec2| {
+    // The point in units of a tile, measured from the corner of the first tile of its row.
+    let in_tiles = |uv: Vec2| {
         let row = (uv.y * look.count as f32).floor();
         let shift = if look.staggered && row.rem_euclid(2.0) == 1.0 { 0.5 } else { 0.0 };
         uv * look.count as f32 + Vec2::new(shift, 0.0)
     };
-    let id = |laid: Vec2| laid.floor().as_ivec2().rem_euclid(IVec2::splat(look.count));
+    let id = |in_tiles: Vec2| in_tiles.floor().as_ivec2().rem_euclid(IVec2::splat(look.count));
     let by_tile = |frequency, octaves, seed: u32, step: i32| {
-        let tile = |uv| id(laid(uv));
+        let tile = |uv| id(in_tiles(uv));
         grains(frequency, octaves, |uv| seed + (tile(uv).x * step + tile(uv).y) as u32)
     };
     let [veining, cloudiness] = [by_tile([5, 5], 5, 43, 7), by_tile([9, 9], 4, 45, 5)];
     let specks = grain([96, 96], 2, 47);
     Box::new(move |texel| {
-        let laid = laid(texel.uv);
-        let (id, inside) = (id(laid), laid - laid.floor());
+        let in_tiles = in_tiles(texel.uv);
+        let (id, inside) = (id(in_tiles), in_tiles - in_tiles.floor());
+        // The distance to the edge of the tile, in metres.
         let edge = (0.5 - (inside - 0.5).abs()).min_element() * size_m / look.count as f32;
         let face = smoothstep(0.003, 0.012, edge);
         let veins = (veining(texel) - 0.5).abs();
@@ -114,7 +119,8 @@ pub fn tiles(size_m: f32, look: &'static TileLook) -> Design {
     })
 }
 
-/// Bricks in running bond.
+/// Bricks in running bond, six across and eighteen up; the image is `size_m` metres wide. `face` is 0 in the mortar and
+/// 1 on a brick.
 pub fn bricks(size_m: f32) -> Design {
     let wobble_x = grain([30, 30], 2, 59);
     let wobble_y = grain([30, 30], 2, 61);
@@ -124,10 +130,11 @@ pub fn bricks(size_m: f32) -> Design {
         let uv = texel.uv;
         let count = IVec2::new(6, 18);
         let wobble = Vec2::new(wobble_x(texel), wobble_y(texel)) - 0.5;
-        let laid = uv * count.as_vec2() + wobble * Vec2::new(0.03, 0.08);
-        let row = laid.y.floor();
-        let shifted = laid + Vec2::new(if row.rem_euclid(2.0) == 1.0 { 0.5 } else { 0.0 }, 0.0);
+        let in_bricks = uv * count.as_vec2() + wobble * Vec2::new(0.03, 0.08);
+        let row = in_bricks.y.floor();
+        let shifted = in_bricks + Vec2::new(if row.rem_euclid(2.0) == 1.0 { 0.5 } else { 0.0 }, 0.0);
         let id = shifted.floor().as_ivec2().rem_euclid(count);
+        // The distances to the nearest upright and the nearest level edge, in metres.
         let to_edge = (0.5 - (shifted - shifted.floor() - 0.5).abs()) * size_m / count.as_vec2();
         let face = smoothstep(0.004, 0.011, to_edge.min_element());
         let rough = roughness(texel);
@@ -141,28 +148,30 @@ pub fn bricks(size_m: f32) -> Design {
     })
 }
 
-/// Planks along the image's width, with one joint in each; `tone` is the linear albedo of pale wood.
+/// Ten planks along the image's width, with one joint in each; the image is `size_m` metres wide, and `tone` is the
+/// linear albedo of pale grain. `face` is 0 in the seams and joints and 1 on a plank.
 pub fn wood(size_m: f32, tone: Vec3) -> Design {
     let planks = 10;
-    let laid = move |uv: Vec2| uv.y * planks as f32;
-    let id = move |laid: f32| (laid.floor() as i32).rem_euclid(planks);
-    let by_plank = |frequency, octaves, seed: u32| grains(frequency, octaves, |uv| seed + 97 * id(laid(uv)) as u32);
+    let in_planks = move |uv: Vec2| uv.y * planks as f32;
+    let id = move |in_planks: f32| (in_planks.floor() as i32).rem_euclid(planks);
+    let by_plank =
+        |frequency, octaves, seed: u32| grains(frequency, octaves, |uv| seed + 97 * id(in_planks(uv)) as u32);
     let [bending, streakiness] = [by_plank([3, 10], 3, 89), by_plank([6, 150], 2, 96)];
     Box::new(move |texel| {
         let uv = texel.uv;
-        let laid = laid(uv);
-        let id = IVec2::new(0, id(laid));
+        let in_planks = in_planks(uv);
+        let id = IVec2::new(0, id(in_planks));
         let joint = uv.x - unit(id, 101);
         let to_joint = (joint - joint.round()).abs() * size_m;
-        let across = laid - laid.floor();
+        let across = in_planks - in_planks.floor();
         let to_seam = (0.5 - (across - 0.5).abs()) * size_m / planks as f32;
         let face = smoothstep(0.001, 0.006, to_seam.min(to_joint));
         let bend = bending(texel);
         let rings = 0.5 + 0.5 * (TAU * (across * 2.5 + 3.5 * bend)).sin();
         let streaks = streakiness(texel);
         let dark = 0.45 * rings * rings + 0.55 * streaks;
-        let plank = 0.75 + 0.5 * unit(id, 107);
-        let albedo = tone.lerp(tone * Vec3::new(0.42, 0.34, 0.28), dark) * plank;
+        let brightness = 0.75 + 0.5 * unit(id, 107);
+        let albedo = tone.lerp(tone * Vec3::new(0.42, 0.34, 0.28), dark) * brightness;
         Sample { height_m: 0.0014 * face - 0.0003 * streaks, albedo: albedo * (0.25 + 0.75 * face) }
     })
 }
@@ -173,6 +182,7 @@ pub fn limestone() -> Design {
     let roughness = grain([72, 72], 2, 113);
     Box::new(move |texel| {
         let clouds = cloudiness(texel);
+        // Pits lie where the noise is low; the falling limits make them 1 there.
         let pits = smoothstep(0.27, 0.15, roughness(texel));
         let warm = Vec3::new(0.46, 0.40, 0.31);
         let albedo = warm * (0.65 + 0.6 * clouds) * (1.0 - 0.25 * pits);
@@ -202,7 +212,7 @@ pub fn stucco() -> Design {
     })
 }
 
-/// Woven cloth of one colour with a lozenge ornament in a paler shade.
+/// Woven cloth of the linear albedo `dye`, with a golden ornament: the rim and the heart of four by four lozenges.
 pub fn cloth(dye: Vec3) -> Design {
     let fading = grain([6, 6], 3, 137);
     Box::new(move |texel| {
@@ -222,7 +232,8 @@ pub fn cloth(dye: Vec3) -> Design {
     })
 }
 
-/// Overlapping leaves.
+/// Overlapping leaves; the image is `size_m` metres wide. Each leaf is a Voronoi cell, darkest and lowest at its
+/// border.
 pub fn foliage(size_m: f32) -> Design {
     let wobble_x = grain([20, 20], 2, 139);
     let wobble_y = grain([20, 20], 2, 149);
@@ -239,13 +250,13 @@ pub fn foliage(size_m: f32) -> Design {
     })
 }
 
-/// The wetness of a road: 1 in a puddle, between 0.2 and 0.35 where it is only damp.
+/// Makes the wetness of a road: from 0.85 to 1 in a puddle, and from 0.2 to 0.35 where the road is only damp.
 pub fn wetness() -> Grain {
     let (damp, puddle) = (grain([12, 12], 3, 163), puddle());
     Box::new(move |texel| 0.2 + 0.15 * damp(texel) + 0.65 * puddle(texel))
 }
 
-/// 1 in a puddle, 0 outside, with soft shores.
+/// Makes the function that is 1 in a puddle and 0 outside, with soft shores.
 fn puddle() -> Grain {
     let (hollows, shores) = (grain([3, 2], 4, 167), grain([10, 10], 2, 169));
     Box::new(move |texel| smoothstep(0.53, 0.58, 0.8 * hollows(texel) + 0.2 * shores(texel)))
@@ -259,16 +270,18 @@ pub fn asphalt() -> Design {
     let puddle = puddle();
     Box::new(move |texel| {
         let chips = stones(texel);
-        let under = puddle(texel);
+        let water = puddle(texel);
         let tone = 0.8 + 0.35 * wear(texel);
         let dry = Vec3::new(0.062, 0.062, 0.066) * tone * (0.55 + 0.9 * chips);
-        let height_m = (1.0 - under) * (0.0035 * chips + 0.004 * unevenness(texel));
-        Sample { height_m, albedo: dry.lerp(Vec3::new(0.022, 0.024, 0.028), 0.85 * under) }
+        let height_m = (1.0 - water) * (0.0035 * chips + 0.004 * unevenness(texel));
+        Sample { height_m, albedo: dry.lerp(Vec3::new(0.022, 0.024, 0.028), 0.85 * water) }
     })
 }
 
-/// Polished marble, four by four squares of white and black with veins.
+/// Polished marble: four by four squares of white and black with veins; the image is `size_m` metres wide. `face` is 0
+/// in the joints and 1 on a square.
 pub fn marble(size_m: f32) -> Design {
+    // The column and row of a square.
     let id = |uv: Vec2| (uv * 4.0).floor().as_ivec2().rem_euclid(IVec2::splat(4));
     let bending = grains([8, 8], 4, |uv| 191 + (3 * id(uv).x + 5 * id(uv).y) as u32);
     let cloudiness = grain([12, 12], 4, 193);
@@ -290,7 +303,8 @@ pub fn marble(size_m: f32) -> Design {
     })
 }
 
-/// Terrazzo: chips of stone in four colours in grey cement, with brass strips between the fields.
+/// Terrazzo: chips of stone in four colours in grey cement, with brass strips between two by two fields; the image is
+/// `size_m` metres wide.
 pub fn terrazzo(size_m: f32) -> Design {
     const CHIPS: [Vec3; 4] = [
         Vec3::new(0.30, 0.27, 0.22),

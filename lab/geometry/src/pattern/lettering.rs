@@ -1,11 +1,11 @@
-//! Capital letters and digits for signs, as strokes: each letter is a set of polylines on a grid of four by six, y
-//! downwards. Strokes stay round and even at every size, like bent glass tubes.
+//! Capital letters and digits for signs, as strokes: each letter is a set of polylines on a grid of four by six units,
+//! with y downwards. Strokes are equally wide everywhere and have round ends, like bent glass tubes.
 
 use glam::Vec2;
 
 /// Width and height of a letter in its own units.
 const LETTER: Vec2 = Vec2::new(4.0, 6.0);
-/// Space between two letters, along the text or (stacked) down it.
+/// Space between two letters, in the same units: x in a line of text, and y between stacked letters.
 const GAP: Vec2 = Vec2::new(1.9, 2.1);
 
 /// A polyline: x and y of its points on the grid of a letter.
@@ -32,31 +32,31 @@ impl Text {
         }
     }
 
-    /// Distance from a point to the nearest stroke, in units of the grid; the text's top left is the origin.
-    /// Only letters within one gap of the point are considered.
+    /// Returns the distance from a point to the nearest stroke, in units of the grid; the text's top left is the
+    /// origin. Letters farther than one gap from the point are ignored; if all are, the distance is infinite.
     pub fn distance(&self, point: Vec2) -> f32 {
         let step = if self.stacked { Vec2::new(0.0, LETTER.y + GAP.y) } else { Vec2::new(LETTER.x + GAP.x, 0.0) };
         let letters = self.letters.chars().enumerate();
         letters
-            .map(|(k, letter)| (point - step * k as f32, letter))
-            .filter(|(p, _)| p.cmpgt(-GAP).all() && p.cmplt(LETTER + GAP).all())
-            .flat_map(|(p, letter)| strokes(letter).iter().map(move |stroke| to_stroke(p, stroke)))
+            .map(|(index, letter)| (point - step * index as f32, letter))
+            .filter(|(place, _)| place.cmpgt(-GAP).all() && place.cmplt(LETTER + GAP).all())
+            .flat_map(|(place, letter)| strokes(letter).iter().map(move |stroke| to_stroke(place, stroke)))
             .fold(f32::INFINITY, f32::min)
     }
 }
 
-/// Distance from a point to a stroke.
+/// Returns the distance from a point to a stroke, in units of the grid.
 fn to_stroke(point: Vec2, stroke: Stroke) -> f32 {
     stroke.windows(2).map(|ends| to_segment(point, ends[0].into(), ends[1].into())).fold(f32::INFINITY, f32::min)
 }
 
-/// Distance from a point to a line segment.
+/// Returns the distance from a point to the line segment from `a` to `b`.
 pub fn to_segment(point: Vec2, a: Vec2, b: Vec2) -> f32 {
     let along = ((point - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
     point.distance(a.lerp(b, along))
 }
 
-/// The strokes of a letter; none for a character without a drawing.
+/// Returns the strokes of a letter; none for a character without a drawing.
 #[rustfmt::skip]
 fn strokes(letter: char) -> &'static [Stroke] {
     match letter {

@@ -1,5 +1,5 @@
 //! Images that cover a surface once, from edge to edge: signs, paintings, panes and stained glass. No image is
-//! symmetric, so that a mirrored or misplaced reflection is visible.
+//! symmetric, so that a mirrored reflection is noticed.
 
 use super::lettering::{Text, to_segment};
 use glam::{IVec2, Vec2, Vec3, Vec4};
@@ -50,7 +50,7 @@ pub enum SignOutline {
     Plate,
     /// A plate whose right side runs out into the tip of an arrow.
     Arrow,
-    /// A pointed flag whose lower end is cut at a slant.
+    /// A plate whose lower end is cut at a slant.
     Slant,
 }
 
@@ -90,7 +90,8 @@ impl Picture {
         matches!(self, Self::Sign(_) | Self::Lancet { .. } | Self::Rose)
     }
 
-    /// Linear colour and coverage at a point of the image; (0, 0) is the top left, (1, 1) the bottom right.
+    /// Returns the linear colour and the coverage (0 to 1) at a point of the image; (0, 0) is the top left, (1, 1) the
+    /// bottom right.
     pub fn sample(self, uv: Vec2) -> Vec4 {
         match self {
             Self::Sign(sign) => sign.sample(uv),
@@ -102,7 +103,7 @@ impl Picture {
         }
     }
 
-    /// A label for the names of images.
+    /// The name of the picture, which becomes part of its images' names.
     pub fn label(self) -> String {
         match self {
             Self::Sign(sign) => format!("sign {}", sign.text.letters),
@@ -116,29 +117,32 @@ impl Picture {
 }
 
 impl Sign {
-    /// Linear colour and coverage at a point of the image.
+    /// Returns the linear colour and the coverage at a point of the image. Lengths are in units of the sign's shorter
+    /// side.
     fn sample(&self, uv: Vec2) -> Vec4 {
         let size = Vec2::new(self.size[0] as f32, self.size[1] as f32) / self.size[0].min(self.size[1]) as f32;
-        let p = uv * size;
-        let rim = self.rim_distance(p, size);
-        // Letters fill the plate except for a margin; the tip of an arrow stays free.
-        let free = match self.cut {
+        let point = uv * size;
+        let rim = self.rim_distance(point, size);
+        // Letters fill the sign except for a margin, the tip of an arrow and the slanted end.
+        let room = match self.cut {
             SignOutline::Plate => size,
             SignOutline::Arrow => size - Vec2::new(0.45, 0.0),
             SignOutline::Slant => size - Vec2::new(0.0, 0.45),
         };
         let text = self.text.size();
         let margin = if self.bulbs { 0.4 } else { 0.28 };
-        let scale = ((free - margin) / text).min_element();
-        let corner = 0.5 * (free - text * scale);
-        let tube = self.text.distance((p - corner) / scale);
-        let glow = 0.35 * smoothstep(1.6, 0.3, tube);
-        let letter = smoothstep(0.62, 0.42, tube);
+        let scale = ((room - margin) / text).min_element();
+        let corner = 0.5 * (room - text * scale);
+        // The distance to the nearest stroke, in units of the letters' grid.
+        let to_stroke = self.text.distance((point - corner) / scale);
+        let glow = 0.35 * smoothstep(1.6, 0.3, to_stroke);
+        let letter = smoothstep(0.62, 0.42, to_stroke);
         let mut colour = self.ground.lerp(self.ink, glow.max(letter));
+        // A line runs along the rim, and lamps 0.125 apart if there are any.
         let line = smoothstep(0.012, 0.0, (rim - 0.035).abs() - 0.012);
         colour = colour.lerp(self.ink, line);
         if self.bulbs {
-            let lamp = (p / 0.125).fract_gl() - 0.5;
+            let lamp = (point / 0.125).fract_gl() - 0.5;
             let on_border = smoothstep(0.02, 0.0, (rim - 0.0625).abs() - 0.06);
             let lamps = smoothstep(0.36, 0.28, lamp.length()) * on_border;
             colour = colour.lerp(Vec3::new(1.0, 0.86, 0.55), lamps);
@@ -146,26 +150,28 @@ impl Sign {
         colour.extend(smoothstep(-0.004, 0.004, rim))
     }
 
-    /// Distance inwards from the sign's edge, in units of its shorter side.
-    fn rim_distance(&self, p: Vec2, size: Vec2) -> f32 {
+    /// Returns the distance inwards from the sign's edge, negative outside. The distance, the point and the sign's size
+    /// are in units of its shorter side.
+    fn rim_distance(&self, point: Vec2, size: Vec2) -> f32 {
         let half = 0.5 * size;
+        // A plate has corners with a radius of 0.08; `beyond` is measured from the middles of these corners.
         let plate = |half: Vec2, offset: Vec2| {
-            let q = offset.abs() - half + 0.08;
-            0.08 - q.max(Vec2::ZERO).length() - q.max_element().min(0.0)
+            let beyond = offset.abs() - half + 0.08;
+            0.08 - beyond.max(Vec2::ZERO).length() - beyond.max_element().min(0.0)
         };
-        let body = plate(half, p - half);
+        let body = plate(half, point - half);
         match self.cut {
             SignOutline::Plate => body,
-            // Half planes bound the tip: they pass through the middle of the right edge, at 45°. The factors 1 / √2
-            // and, below, 1 / √(1 + 0.45²) make distances of their equations.
-            SignOutline::Arrow => body.min((size.x - p.x - (p.y - half.y).abs()) * 0.707),
-            SignOutline::Slant => body.min((size.y - 0.45 * (size.x - p.x) - p.y) * 0.912),
+            // Two half planes bound the tip. Their edges meet in the middle of the right edge, each at 45°. The factors
+            // 1 / √2 and, for the slant, 1 / √(1 + 0.45²) turn the equations of the lines into distances.
+            SignOutline::Arrow => body.min((size.x - point.x - (point.y - half.y).abs()) * 0.707),
+            SignOutline::Slant => body.min((size.y - 0.45 * (size.x - point.x) - point.y) * 0.912),
         }
     }
 }
 
 impl Painting {
-    /// Linear colour at a point of the image.
+    /// Returns the linear colour at a point of the image, with brush strokes.
     fn sample(self, uv: Vec2) -> Vec3 {
         let strokes = 0.88 + 0.24 * fractal(uv * Vec2::new(14.0, 30.0), IVec2::new(64, 64), 3, 401);
         let painted = match self {
@@ -178,17 +184,19 @@ impl Painting {
     }
 }
 
-/// Paints `colour` over `below` where `inside` (a distance that is positive inside) is above 0.
+/// Returns `colour` inside a shape and `below` outside. `inside` is the distance to its outline, positive inside; the
+/// colours blend within 0.004 of the outline.
 fn paint_over(below: Vec3, colour: Vec3, inside: f32) -> Vec3 {
     below.lerp(colour, smoothstep(-0.004, 0.004, inside))
 }
 
-/// A distance that is positive inside an ellipse.
+/// Returns roughly the distance from a point to the outline of an ellipse, positive inside.
 fn ellipse(point: Vec2, centre: Vec2, radii: Vec2) -> f32 {
     (1.0 - ((point - centre) / radii).length()) * radii.min_element()
 }
 
-/// A distance that is positive inside a convex polygon whose corners run clockwise on the screen (y downwards).
+/// Returns the distance from a point to the nearest edge line of a convex polygon, positive inside. The corners, (x, y)
+/// with y downwards, run clockwise on the screen.
 fn polygon(point: Vec2, corners: &[(f32, f32)]) -> f32 {
     (0..corners.len())
         .map(|k| {
@@ -198,36 +206,44 @@ fn polygon(point: Vec2, corners: &[(f32, f32)]) -> f32 {
         .fold(f32::INFINITY, f32::min)
 }
 
-/// The painting of hills under a low sun: its linear colour at a point, before brush strokes.
+/// Returns the linear colour of the painting of hills under a low sun, before brush strokes. From back to front it
+/// shows sky, sun, three ranges of hills, a path and a poplar.
 fn landscape(uv: Vec2) -> Vec3 {
     let wave = |x: f32, seed: u32| fractal(Vec2::new(x, 0.5), IVec2::new(64, 1), 4, seed);
     let sky = Vec3::new(0.95, 0.62, 0.22).lerp(Vec3::new(0.16, 0.36, 0.72), smoothstep(0.55, 0.0, uv.y));
-    let mut c = paint_over(sky, Vec3::new(1.0, 0.93, 0.6), ellipse(uv, Vec2::new(0.24, 0.34), Vec2::new(0.065, 0.095)));
-    c = paint_over(c, Vec3::new(0.30, 0.32, 0.52), uv.y - 0.62 + 0.36 * wave(uv.x * 3.0, 409));
-    c = paint_over(c, Vec3::new(0.14, 0.30, 0.16), uv.y - 0.74 + 0.26 * wave(uv.x * 4.0 + 9.0, 419));
-    c = paint_over(c, Vec3::new(0.42, 0.48, 0.10), uv.y - 0.84 + 0.16 * wave(uv.x * 5.0 + 20.0, 421));
+    let mut colour =
+        paint_over(sky, Vec3::new(1.0, 0.93, 0.6), ellipse(uv, Vec2::new(0.24, 0.34), Vec2::new(0.065, 0.095)));
+    colour = paint_over(colour, Vec3::new(0.30, 0.32, 0.52), uv.y - 0.62 + 0.36 * wave(uv.x * 3.0, 409));
+    colour = paint_over(colour, Vec3::new(0.14, 0.30, 0.16), uv.y - 0.74 + 0.26 * wave(uv.x * 4.0 + 9.0, 419));
+    colour = paint_over(colour, Vec3::new(0.42, 0.48, 0.10), uv.y - 0.84 + 0.16 * wave(uv.x * 5.0 + 20.0, 421));
     let path = 0.36 + 0.3 * (uv.y - 0.8) + 0.05 * (uv.y * 30.0).sin();
-    c = paint_over(c, Vec3::new(0.80, 0.66, 0.42), (0.5 * (uv.y - 0.76) - (uv.x - path).abs()).min(uv.y - 0.78));
-    paint_over(c, Vec3::new(0.05, 0.15, 0.06), ellipse(uv, Vec2::new(0.80, 0.52), Vec2::new(0.05, 0.34)))
+    colour =
+        paint_over(colour, Vec3::new(0.80, 0.66, 0.42), (0.5 * (uv.y - 0.76) - (uv.x - path).abs()).min(uv.y - 0.78));
+    paint_over(colour, Vec3::new(0.05, 0.15, 0.06), ellipse(uv, Vec2::new(0.80, 0.52), Vec2::new(0.05, 0.34)))
 }
 
-/// The painting of a sailing ship: its linear colour at a point, before brush strokes.
+/// Returns the linear colour of the painting of a sailing ship, before brush strokes. From back to front it shows sky
+/// with clouds, sea, mast, two sails, a pennant, the hull and nearer waves.
 fn ship(uv: Vec2) -> Vec3 {
     let swell = 0.012 * (uv.x * 38.0).sin() + 0.02 * (uv.x * 11.0 + 1.0).sin();
     let cloud = smoothstep(0.5, 0.75, fractal(uv * Vec2::new(4.0, 9.0), IVec2::splat(64), 4, 431));
-    let mut c = Vec3::new(0.42, 0.62, 0.80).lerp(Vec3::splat(0.92), 0.8 * cloud);
-    c = paint_over(c, Vec3::new(0.04, 0.22, 0.34) * (0.8 + 1.2 * uv.y), uv.y - 0.72 - swell);
-    c = paint_over(c, Vec3::new(0.22, 0.10, 0.05), 0.008 - to_segment(uv, Vec2::new(0.5, 0.14), Vec2::new(0.5, 0.7)));
+    let mut colour = Vec3::new(0.42, 0.62, 0.80).lerp(Vec3::splat(0.92), 0.8 * cloud);
+    colour = paint_over(colour, Vec3::new(0.04, 0.22, 0.34) * (0.8 + 1.2 * uv.y), uv.y - 0.72 - swell);
+    colour = paint_over(
+        colour,
+        Vec3::new(0.22, 0.10, 0.05),
+        0.008 - to_segment(uv, Vec2::new(0.5, 0.14), Vec2::new(0.5, 0.7)),
+    );
     let sail = Vec3::new(0.95, 0.90, 0.78);
-    c = paint_over(c, sail, polygon(uv, &[(0.49, 0.16), (0.485, 0.60), (0.24, 0.60)]));
-    c = paint_over(c, sail * 0.85, polygon(uv, &[(0.515, 0.20), (0.76, 0.60), (0.515, 0.60)]));
-    c = paint_over(c, Vec3::new(0.75, 0.06, 0.05), polygon(uv, &[(0.5, 0.09), (0.62, 0.12), (0.5, 0.15)]));
+    colour = paint_over(colour, sail, polygon(uv, &[(0.49, 0.16), (0.485, 0.60), (0.24, 0.60)]));
+    colour = paint_over(colour, sail * 0.85, polygon(uv, &[(0.515, 0.20), (0.76, 0.60), (0.515, 0.60)]));
+    colour = paint_over(colour, Vec3::new(0.75, 0.06, 0.05), polygon(uv, &[(0.5, 0.09), (0.62, 0.12), (0.5, 0.15)]));
     let hull = polygon(uv, &[(0.24, 0.64), (0.84, 0.62), (0.72, 0.77), (0.32, 0.77)]);
-    c = paint_over(c, Vec3::new(0.30, 0.11, 0.05), hull);
-    paint_over(c, Vec3::new(0.04, 0.20, 0.32) * 1.5, uv.y - 0.75 - swell)
+    colour = paint_over(colour, Vec3::new(0.30, 0.11, 0.05), hull);
+    paint_over(colour, Vec3::new(0.04, 0.20, 0.32) * 1.5, uv.y - 0.75 - swell)
 }
 
-/// The painting of coloured fields between black bars: its linear colour at a point, before brush strokes.
+/// Returns the linear colour of the painting of coloured fields between black bars, before brush strokes.
 fn fields(uv: Vec2) -> Vec3 {
     let colour = match (uv.x, uv.y) {
         (x, y) if x < 0.34 && y < 0.58 => Vec3::new(0.78, 0.05, 0.04),
@@ -236,38 +252,42 @@ fn fields(uv: Vec2) -> Vec3 {
         (x, y) if x > 0.84 && y < 0.3 => Vec3::new(0.05, 0.12, 0.55),
         _ => Vec3::new(0.90, 0.88, 0.82),
     };
-    let bars = [(uv.x - 0.34).abs(), (uv.y - 0.7).abs(), (uv.x - 0.72).abs()];
+    // The distances to the three bars from edge to edge, and to the three bars that end at another one.
+    let long = [(uv.x - 0.34).abs(), (uv.y - 0.7).abs(), (uv.x - 0.72).abs()];
     let short = [
         if uv.x < 0.34 { (uv.y - 0.58).abs() } else { 1.0 },
         if uv.y < 0.7 { (uv.x - 0.84).abs() } else { 1.0 },
         if uv.x > 0.72 { (uv.y - 0.3).abs() } else { 1.0 },
     ];
-    let nearest = bars.into_iter().chain(short).fold(1.0, f32::min);
+    let nearest = long.into_iter().chain(short).fold(1.0, f32::min);
     paint_over(colour, Vec3::splat(0.02), 0.014 - nearest)
 }
 
-/// The painting of a face: its linear colour at a point, before brush strokes.
+/// Returns the linear colour of the painting of a face, before brush strokes. From back to front it shows the ground,
+/// hair, clothes, collar, neck, face, hair over the forehead, eyes with brows, nose and mouth.
 fn portrait(uv: Vec2) -> Vec3 {
     let ground = Vec3::new(0.10, 0.16, 0.10) + 0.22 * smoothstep(0.9, 0.0, uv.distance(Vec2::new(0.2, 0.25)));
     let hair = Vec3::new(0.12, 0.05, 0.02);
     let skin = Vec3::new(0.86, 0.60, 0.42) * (1.25 - 0.7 * uv.x);
-    let mut c = paint_over(ground, hair, ellipse(uv, Vec2::new(0.57, 0.36), Vec2::new(0.25, 0.27)));
-    c = paint_over(c, Vec3::new(0.36, 0.05, 0.06), ellipse(uv, Vec2::new(0.56, 1.04), Vec2::new(0.42, 0.34)));
-    c = paint_over(c, Vec3::new(0.92, 0.88, 0.80), ellipse(uv, Vec2::new(0.50, 0.76), Vec2::new(0.15, 0.07)));
-    c = paint_over(c, skin * 0.8, ellipse(uv, Vec2::new(0.53, 0.66), Vec2::new(0.09, 0.14)));
-    c = paint_over(c, skin, ellipse(uv, Vec2::new(0.48, 0.42), Vec2::new(0.17, 0.22)));
-    c = paint_over(c, hair, ellipse(uv, Vec2::new(0.60, 0.27), Vec2::new(0.19, 0.12)));
+    let mut colour = paint_over(ground, hair, ellipse(uv, Vec2::new(0.57, 0.36), Vec2::new(0.25, 0.27)));
+    colour = paint_over(colour, Vec3::new(0.36, 0.05, 0.06), ellipse(uv, Vec2::new(0.56, 1.04), Vec2::new(0.42, 0.34)));
+    colour = paint_over(colour, Vec3::new(0.92, 0.88, 0.80), ellipse(uv, Vec2::new(0.50, 0.76), Vec2::new(0.15, 0.07)));
+    colour = paint_over(colour, skin * 0.8, ellipse(uv, Vec2::new(0.53, 0.66), Vec2::new(0.09, 0.14)));
+    colour = paint_over(colour, skin, ellipse(uv, Vec2::new(0.48, 0.42), Vec2::new(0.17, 0.22)));
+    colour = paint_over(colour, hair, ellipse(uv, Vec2::new(0.60, 0.27), Vec2::new(0.19, 0.12)));
     let dark = Vec3::new(0.05, 0.03, 0.03);
     for x in [0.39, 0.53] {
-        c = paint_over(c, Vec3::splat(0.9), ellipse(uv, Vec2::new(x, 0.41), Vec2::new(0.04, 0.018)));
-        c = paint_over(c, dark, ellipse(uv, Vec2::new(x - 0.014, 0.41), Vec2::new(0.016, 0.018)));
-        c = paint_over(c, hair, 0.008 - to_segment(uv, Vec2::new(x - 0.05, 0.375), Vec2::new(x + 0.04, 0.365)));
+        colour = paint_over(colour, Vec3::splat(0.9), ellipse(uv, Vec2::new(x, 0.41), Vec2::new(0.04, 0.018)));
+        colour = paint_over(colour, dark, ellipse(uv, Vec2::new(x - 0.014, 0.41), Vec2::new(0.016, 0.018)));
+        colour =
+            paint_over(colour, hair, 0.008 - to_segment(uv, Vec2::new(x - 0.05, 0.375), Vec2::new(x + 0.04, 0.365)));
     }
-    c = paint_over(c, skin * 0.65, 0.008 - to_segment(uv, Vec2::new(0.45, 0.41), Vec2::new(0.415, 0.50)));
-    paint_over(c, Vec3::new(0.62, 0.14, 0.12), ellipse(uv, Vec2::new(0.45, 0.56), Vec2::new(0.055, 0.016)))
+    colour = paint_over(colour, skin * 0.65, 0.008 - to_segment(uv, Vec2::new(0.45, 0.41), Vec2::new(0.415, 0.50)));
+    paint_over(colour, Vec3::new(0.62, 0.14, 0.12), ellipse(uv, Vec2::new(0.45, 0.56), Vec2::new(0.055, 0.016)))
 }
 
-/// Four panes in a frame: a lit room with a lamp, or dark glass; both with a curtain on the left.
+/// Returns the linear colour of four panes in a frame. Behind them is a lit room with a lamp or dark glass, each with a
+/// curtain on the left.
 fn pane(uv: Vec2, lit: bool) -> Vec3 {
     let frame = Vec3::splat(0.62);
     let edge = (0.5 - (uv - 0.5).abs()).min_element();
@@ -284,29 +304,40 @@ fn pane(uv: Vec2, lit: bool) -> Vec3 {
     paint_over(paint_over(glass, frame, 0.028 - bars), frame, 0.055 - edge).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// Shelves with goods on the left, a counter with a lamp on the right.
+/// Returns the linear colour of a shop window: shelves with goods on the left, and a counter under a lamp on the right.
+/// From back to front it shows the room, floor, goods on boards, counter, its top, and the lamp on its cord.
 fn shop(uv: Vec2) -> Vec3 {
     let lamp = Vec2::new(0.74, 0.30);
     let room = Vec3::new(0.62, 0.40, 0.20) * (0.25 + 0.75 * smoothstep(0.75, 0.0, uv.distance(lamp)));
-    let mut c = paint_over(room, Vec3::new(0.10, 0.06, 0.035), uv.y - 0.86);
-    let rows = Vec2::new(uv.x * 14.0, (uv.y - 0.16) * 6.0);
-    let (id, inside) = (rows.floor().as_ivec2(), rows - rows.floor());
+    let mut colour = paint_over(room, Vec3::new(0.10, 0.06, 0.035), uv.y - 0.86);
+    // The shelves are a grid of goods: `id` is the column and row of one, and `inside` the place in its cell, 0 to 1.
+    let in_cells = Vec2::new(uv.x * 14.0, (uv.y - 0.16) * 6.0);
+    let (id, inside) = (in_cells.floor().as_ivec2(), in_cells - in_cells.floor());
     let on_shelves = uv.x > 0.06 && uv.x < 0.50 && uv.y > 0.16 && uv.y < 0.83;
     if on_shelves {
         let goods = Vec3::new(unit(id, 479), unit(id, 487), unit(id, 491)) * Vec3::new(0.8, 0.55, 0.4) + 0.05;
-        let box_ = (0.42 - (inside.x - 0.5).abs()).min(inside.y - (0.25 + 0.5 * unit(id, 499)));
-        c = paint_over(Vec3::new(0.13, 0.075, 0.04), goods * (0.5 + 0.7 * uv.x), 0.1 * box_);
-        c = paint_over(c, Vec3::new(0.34, 0.20, 0.10), 0.015 * (inside.y - 0.92) * 10.0);
+        let inside_goods = (0.42 - (inside.x - 0.5).abs()).min(inside.y - (0.25 + 0.5 * unit(id, 499)));
+        colour = paint_over(Vec3::new(0.13, 0.075, 0.04), goods * (0.5 + 0.7 * uv.x), 0.1 * inside_goods);
+        colour = paint_over(colour, Vec3::new(0.34, 0.20, 0.10), 0.015 * (inside.y - 0.92) * 10.0);
     }
-    c = paint_over(c, Vec3::new(0.30, 0.14, 0.06), (uv.y - 0.62).min(uv.x - 0.60).min(0.96 - uv.x).min(0.88 - uv.y));
-    c = paint_over(c, Vec3::new(0.75, 0.60, 0.40), (0.012 - (uv.y - 0.62).abs()).min(uv.x - 0.58).min(0.98 - uv.x));
-    c = paint_over(c, Vec3::new(0.02, 0.02, 0.02), (0.004 - (uv.x - lamp.x).abs()).min(lamp.y - uv.y));
-    paint_over(c, Vec3::new(1.0, 0.92, 0.70), ellipse(uv, lamp, Vec2::new(0.10, 0.045)).min(lamp.y + 0.02 - uv.y))
+    colour = paint_over(
+        colour,
+        Vec3::new(0.30, 0.14, 0.06),
+        (uv.y - 0.62).min(uv.x - 0.60).min(0.96 - uv.x).min(0.88 - uv.y),
+    );
+    colour = paint_over(
+        colour,
+        Vec3::new(0.75, 0.60, 0.40),
+        (0.012 - (uv.y - 0.62).abs()).min(uv.x - 0.58).min(0.98 - uv.x),
+    );
+    colour = paint_over(colour, Vec3::new(0.02, 0.02, 0.02), (0.004 - (uv.x - lamp.x).abs()).min(lamp.y - uv.y));
+    paint_over(colour, Vec3::new(1.0, 0.92, 0.70), ellipse(uv, lamp, Vec2::new(0.10, 0.045)).min(lamp.y + 0.02 - uv.y))
         .clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// Pieces of coloured glass in lead, the cells of a grid: the linear colour at a point. `tone` gives the colour of a
-/// cell: from 0 to 1 it runs from blue through red and gold to green.
+/// Returns the linear colour of pieces of coloured glass in lead. The pieces are Voronoi cells, and `point` is in units
+/// of the grid's cells. `tone` gives the colour of a piece: from 0 to 1 it runs from blue through red and gold to
+/// green.
 fn glass(point: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Vec3 {
     const COLOURS: [Vec3; 5] = [
         Vec3::new(0.06, 0.14, 0.85),
@@ -317,56 +348,61 @@ fn glass(point: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Ve
     ];
     let cell = cell(point, Vec2::ONE, grid, 0.8, seed);
     let colour = COLOURS[((tone(cell.id) * 5.0) as usize).min(4)];
-    let bright = 0.7 + 0.3 * unit(cell.id, seed + 1);
+    let brightness = 0.7 + 0.3 * unit(cell.id, seed + 1);
     let streaks = 0.85 + 0.15 * fractal(point * 3.0, grid * 3, 2, seed + 2);
-    Vec3::splat(0.012).lerp(colour * bright * streaks, smoothstep(0.045, 0.085, cell.border))
+    Vec3::splat(0.012).lerp(colour * brightness * streaks, smoothstep(0.045, 0.085, cell.border))
 }
 
-/// A figure in a cloak on a ground of small panes, in a pointed arch with a stone border.
+/// Returns the linear colour and the coverage of a lancet window: a figure in a cloak on a ground of small panes, in a
+/// pointed arch with a stone border. `p` is the point with x from −0.75 to 0.75, and y from 0 at the top to 4.
 fn lancet(uv: Vec2, design: u32) -> Vec4 {
     let p = Vec2::new((uv.x - 0.5) * 1.5, uv.y * 4.0);
-    // The arch: inside two circles around the opposite springs (y = 1.3), straight below.
+    // The arch lies inside two circles around the points where its sides begin to bend (y = 1.3); below, the sides are
+    // straight. `rim` is the distance inwards from its outline.
     let sides = 0.75 - p.x.abs();
     let rim = if p.y < 1.3 { 1.5 - Vec2::new(p.x.abs() + 0.75, p.y - 1.3).length() } else { sides }.min(4.0 - p.y);
     let figure = polygon(p, &[(-0.05, 1.3), (0.36, 1.9), (0.46, 3.5), (-0.48, 3.5), (-0.38, 1.9)]);
     let lead = Vec3::splat(0.012);
-    let mut c = if figure > 0.0 {
-        let shade = |id: IVec2| 0.41 + 0.2 * (design % 3) as f32 + 0.18 * unit(id, 449);
-        paint_over(lead, glass(Vec2::new(p.x + 2.0, p.y) * 3.1, IVec2::splat(64), shade, 457 + design), figure - 0.01)
+    let mut colour = if figure > 0.0 {
+        let cloak = |id: IVec2| 0.41 + 0.2 * (design % 3) as f32 + 0.18 * unit(id, 449);
+        paint_over(lead, glass(Vec2::new(p.x + 2.0, p.y) * 3.1, IVec2::splat(64), cloak, 457 + design), figure - 0.01)
     } else {
         let ground = glass(Vec2::new(p.x + 2.0, p.y) * 4.2, IVec2::splat(64), |id| 0.39 * unit(id, 443 + design), 439);
         let halo = ellipse(p, Vec2::new(-0.05, 1.25), Vec2::new(0.30, 0.30));
         paint_over(paint_over(ground, Vec3::new(1.0, 0.78, 0.2), halo), lead, figure + 0.03)
     };
-    c = paint_over(c, Vec3::new(0.95, 0.68, 0.50), ellipse(p, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
+    colour = paint_over(colour, Vec3::new(0.95, 0.68, 0.50), ellipse(p, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
     // The figure holds a staff in one hand, so that its left and right differ.
     let (head, foot) = (Vec2::new(0.52, 1.1), Vec2::new(0.42, 3.5));
-    c = paint_over(c, Vec3::new(1.0, 0.85, 0.35), 0.035 - to_segment(p, head, foot));
-    c = paint_over(c, lead, 0.012 - (p.y - 3.55).abs());
+    colour = paint_over(colour, Vec3::new(1.0, 0.85, 0.35), 0.035 - to_segment(p, head, foot));
+    colour = paint_over(colour, lead, 0.012 - (p.y - 3.55).abs());
     let stone = Vec3::new(0.42, 0.38, 0.31);
-    paint_over(c, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
+    paint_over(colour, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
 }
 
-/// A rose window of stained glass: twelve petals around a hub, in colours that run once around the circle.
+/// Returns the linear colour and the coverage of a rose window of stained glass: twelve petals around a hub, in colours
+/// that run once around the circle. `r` is the distance from the middle, 1 at the edge, and `turn` the angle, from 0 to
+/// 1.
 fn rose(uv: Vec2) -> Vec4 {
     let p = (uv - 0.5) * 2.0;
     let (r, turn) = (p.length(), atan2(p.x, -p.y) / TAU + 0.5);
     let pieces = Vec2::new(turn * 48.0, r * 11.0);
-    let around = |id: IVec2| ((id.x as f32 / 48.0) * 0.999 + 0.12 * unit(id, 461)).fract();
-    let c = glass(pieces, IVec2::new(48, 64), around, 463);
+    let tone = |id: IVec2| ((id.x as f32 / 48.0) * 0.999 + 0.12 * unit(id, 461)).fract();
+    let colour = glass(pieces, IVec2::new(48, 64), tone, 463);
     let stone = Vec3::new(0.46, 0.41, 0.33);
-    // Tracery: twelve petals with round ends, a ring of lobes, and a hub.
+    // Stone surrounds three kinds of openings: twelve petals with round ends, a ring of round lobes, and a hub. `open`
+    // is the distance inwards from the outline of the nearest opening.
     let spoke = (turn * 12.0).fract() - 0.5;
     let across = (spoke / 12.0 * TAU).sin() * r;
-    let end = Vec2::new(across, r - 0.62);
+    let from_round_end = Vec2::new(across, r - 0.62);
     let petal_half = 0.62 * (PI / 12.0).sin();
-    let petal = if r > 0.62 { petal_half - end.length() } else { petal_half * (r / 0.62) - across.abs() };
-    let lobe = Vec2::new(((turn * 12.0 + 0.5).fract() - 0.5) / 12.0 * TAU, r - 0.86);
+    let petal = if r > 0.62 { petal_half - from_round_end.length() } else { petal_half * (r / 0.62) - across.abs() };
+    let from_lobe = Vec2::new(((turn * 12.0 + 0.5).fract() - 0.5) / 12.0 * TAU, r - 0.86);
     let open = (petal - 0.018)
         .min(r - 0.26)
-        .max(0.075 - lobe.length())
+        .max(0.075 - from_lobe.length())
         .max(0.19 - r * (1.0 + 0.12 * (6.0 * turn * TAU + FRAC_PI_2).sin()));
-    paint_over(stone, c, open).extend(smoothstep(-0.005, 0.005, 0.985 - r))
+    paint_over(stone, colour, open).extend(smoothstep(-0.005, 0.005, 0.985 - r))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
-//! The ends of paths that lead from a person's eye over a mirror. A path's probability is the reflectivity of its mirror. Ends
-//! that the screen itself would show are left out, because captures are needed only for the other ends.
+//! The ends of paths that lead from a person's eye over a mirror. A path is kept with the probability of its mirror's
+//! reflectivity. Ends that the screen itself would show are left out, since captures are needed only for the other
+//! ends.
 
 use super::sees;
 use super::space::{StandingPlace, front};
@@ -16,11 +17,12 @@ pub const PIXEL_RADIANS: f64 = 0.0028;
 const ENDS: usize = 4096;
 /// Greatest number of paths that are tried.
 const TRIES: u64 = 16 * ENDS as u64;
-/// Greatest sine of the angle by which eyes look up or down, as in an image of 74° from a level camera.
+/// Greatest sine of the angle between a ray of the eye and the horizontal, as in an image of 74° from a level camera.
 const PITCH_SINE: f64 = 0.65;
-/// The cosine of about 46°; an end at a smaller angle from the middle of such an image counts as on the screen.
+/// The cosine of about 46°. An end at a smaller angle from the direction in which the eye sees the mirror counts as on
+/// the screen.
 const ON_SCREEN_COSINE: f64 = 0.7;
-/// Duller surfaces count as reflecting this share in the search, since views and users change materials.
+/// Least reflectivity that the search assumes of a surface, since views and users change materials.
 const DULL: f64 = 0.3;
 /// The seed of all random numbers of the paths.
 const SEED: u64 = 0x6361_7074;
@@ -39,10 +41,11 @@ pub struct MirrorEnd {
 /// Tries [`TRIES`] paths over a mirror, and returns the first [`ENDS`] ends that the screen does not show. A path
 /// begins where people stand, at a place that is drawn in proportion to its weight.
 pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
+    // The sum of the weights up to and including each place.
     let mut sums: Vec<f64> = Vec::with_capacity(stands.len());
-    stands.iter().for_each(|s| sums.push(sums.last().unwrap_or(&0.0) + s.weight));
+    stands.iter().for_each(|stand| sums.push(sums.last().unwrap_or(&0.0) + stand.weight));
     let Some(total) = sums.last().copied() else { return Vec::new() };
-    let stand = |share: f64| &stands[sums.partition_point(|s| *s <= share * total).min(stands.len() - 1)];
+    let stand = |share: f64| &stands[sums.partition_point(|sum| *sum <= share * total).min(stands.len() - 1)];
     let mut ends: Vec<MirrorEnd> = (0..TRIES)
         .into_par_iter()
         .filter_map(|index| {
@@ -54,13 +57,14 @@ pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
     ends
 }
 
-/// The end of one path from an eye; `None` if the eye sees no mirror, if the mirror ray escapes, or if the screen shows the
-/// end.
+/// Returns the end of one random path from an eye. The result is `None` if the ray of the eye hits nothing, if a random
+/// number exceeds the surface's reflectivity, if the mirror ray escapes, or if the screen shows the end.
 fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd> {
+    // A random direction between the greatest pitches, in any compass direction.
     let y = PITCH_SINE * (2.0 * random.uniform(1) - 1.0);
     let (sine, cosine) = (std::f64::consts::TAU * random.uniform(2)).sin_cos();
-    let across = (1.0 - y * y).sqrt();
-    let direction = DVec3::new(across * cosine, y, across * sine);
+    let horizontal = (1.0 - y * y).sqrt();
+    let direction = DVec3::new(horizontal * cosine, y, horizontal * sine);
     let ray = WorldRay { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY };
     let first = triangles.closest(&ray)?;
     if random.uniform(3) >= f64::from(triangles.surface(&first).0.reflectivity).max(DULL) {
@@ -70,7 +74,7 @@ fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd>
     let ray = WorldRay { origin: ray.point_at(first.t), direction: mirrored, t_min: 1e-4, t_max: f64::INFINITY };
     let last = triangles.closest(&ray)?;
     let position = ray.point_at(last.t);
-    let beside = (position - eye).normalize_or_zero().dot(direction) < ON_SCREEN_COSINE;
-    let hidden = beside || !sees(triangles, eye, position);
+    let is_off_screen = (position - eye).normalize_or_zero().dot(direction) < ON_SCREEN_COSINE;
+    let hidden = is_off_screen || !sees(triangles, eye, position);
     hidden.then(|| MirrorEnd { position, normal: front(triangles.corners(&last)), path_m: first.t + last.t })
 }

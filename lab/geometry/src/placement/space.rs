@@ -1,9 +1,9 @@
-//! The space that people move in: the floors that they can stand on, and the possible places of captures above these floors.
+//! The space that people move in: the floors that they can stand on, and the possible places of captures above them.
 //!
 //! A floor is a level surface with head room. A floor counts if all of these conditions hold:
 //!
 //! - The floor is at least half as enclosed as the most enclosed floors. Roofs are less enclosed.
-//! - The surroundings show their fronts. Inside a solid body the surroundings show their backs.
+//! - The surfaces around it show their fronts. Inside a solid body they show their backs.
 //! - Light reaches the floor. No light reaches a void between two walls.
 
 use super::sees;
@@ -19,37 +19,38 @@ use ssct_ground::scene::{Light, Scene, Surface};
 const EYE_M: f64 = 1.5;
 /// Least height above a floor that people can stand on, in metres.
 const HEAD_ROOM_M: f64 = 1.9;
-/// Sizes of people, where 1 is human. If nobody of one size can stand and see the image of a mirror, the next size is tried,
-/// because a scene may have its own units.
+/// Sizes of people that are tried in turn, where 1 is human: the first size is taken at which someone can stand and see
+/// something in a mirror. Smaller people fit a scene with other units than metres.
 pub const SIZES: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
 /// Least vertical part of a floor's unit normal.
 const LEVEL: f64 = 0.7;
-/// Number of vertical lines that are searched for floors.
+/// Number of vertical lines along which floors are searched for.
 const COLUMNS: u64 = 16384;
-/// Greatest number of floors of one vertical line.
+/// Greatest number of surfaces that are looked at along one vertical line.
 const STOREYS: usize = 64;
 /// Greatest number of places to stand on.
 const STANDS: usize = 2048;
 /// Number of directions in which a person looks around.
 const DIRECTIONS: usize = 128;
-/// Greatest share of a person's surroundings that may show its back, unless all places exceed this share. Single walls
-/// are seen from both sides, and from inside a solid body everything shows its back.
+/// Greatest share of the surfaces around a person that may show their backs, unless all places exceed this share. A
+/// share is allowed because single walls are seen from both sides; inside a solid body everything shows its back.
 const BACKS_MAX: f64 = 0.5;
 /// Least free distance around the eyes of a person of size 1, in metres.
 const FREE_M: f64 = 0.1;
-/// Least enclosure of a place, relative to the enclosure that the best tenth of all places reaches. Enclosure is the share of
-/// upward directions that meet a surface. Roofs have a relative enclosure of 0 to 0.4, streets of 0.85, rooms and arcades of 1.
+/// Least enclosure of a place, relative to the enclosure that the best tenth of all places reaches. Enclosure is the
+/// share of upward directions that meet a surface. Roofs have a relative enclosure of 0 to 0.4, streets of 0.85, rooms
+/// and arcades of 1.
 const ENCLOSED: f64 = 0.5;
-/// Numbers of other places that are tested for visibility from each place: nearest neighbours, and random places.
+/// How many other places are tested for visibility from each place: nearest neighbours, and random places.
 const NEIGHBOURS: [usize; 2] = [16, 32];
-/// Greatest step between neighbouring places of one floor, in metres.
+/// Greatest difference in height between neighbouring places of one floor, in metres, for people of size 1.
 const STEP_M: f64 = 0.6;
 /// Greatest number of places that get candidates above them.
 const CANDIDATE_STANDS: usize = 256;
-/// Vertical distance of candidates above each other, in metres; a place has at most four candidates.
+/// Vertical distance between the candidates above one place, in metres; a place has at most four candidates.
 const RISE_M: f64 = 1.5;
-/// Least distance of a capture from every surface, in metres: more than twice the distance at which the near plane cuts the
-/// corners of the faces.
+/// Least distance of a capture from every surface, in metres: more than twice the distance of the near plane's corners
+/// in the faces of the cube.
 const CLEARANCE_M: f64 = 0.25;
 /// The seed of the random pairs of places.
 const SEED: u64 = 0x7374_616e;
@@ -63,7 +64,7 @@ pub struct StandingPlace {
     size: f64,
     /// Free height above the floor in metres; infinite under the sky.
     height_m: f64,
-    /// Number of people who stand here, relative to other places: the number of places on the same floor.
+    /// Relative probability that a path begins here: the number of places on the same floor.
     pub weight: f64,
 }
 
@@ -76,11 +77,11 @@ pub struct Candidate {
     clearance_m: f64,
 }
 
-/// Surroundings of a person.
+/// What a person sees all around.
 struct Surroundings {
     /// Share of the upward directions that meet a surface.
     enclosed: f64,
-    /// Share of the surfaces met that show their backs.
+    /// Share of the surfaces seen that show their backs.
     backs: f64,
     /// Distance of the nearest surface, in metres.
     nearest_m: f64,
@@ -88,28 +89,30 @@ struct Surroundings {
     lit: bool,
 }
 
-/// The places where people of a size can stand; empty if the scene has no floor for them.
+/// Finds the places where people of a size can stand; empty if the scene has no floor for them.
 pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<StandingPlace> {
     let columns: Vec<Vec<StandingPlace>> =
-        (0..COLUMNS).into_par_iter().map(|i| column(triangles, scene, size, i)).collect();
+        (0..COLUMNS).into_par_iter().map(|index| column(triangles, scene, size, index)).collect();
     let mut found: Vec<StandingPlace> = columns.into_iter().flatten().collect();
     found.truncate(STANDS);
     inhabited(triangles, scene, found)
 }
 
-/// The candidates for captures above places to stand on: at the height of the eyes, and higher if there is room.
+/// Returns the candidates for captures above places to stand on: at the height of the eyes, and higher if there is
+/// room.
 pub fn candidates(stands: &[StandingPlace]) -> Vec<Candidate> {
     let above = |stand: &StandingPlace| {
         let (eye, clearance_m) = (stand.eye, CLEARANCE_M * stand.size);
-        let room = (stand.height_m / stand.size - EYE_M - RISE_M) / RISE_M;
-        let levels = 1 + (room.max(0.0) as usize).min(3);
+        // How often a candidate can be raised by `RISE_M` so that another `RISE_M` stays free above it.
+        let rises = (stand.height_m / stand.size - EYE_M - RISE_M) / RISE_M;
+        let levels = 1 + (rises.max(0.0) as usize).min(3);
         let rise = RISE_M * stand.size;
-        (0..levels).map(move |k| Candidate { position: eye + k as f64 * rise * DVec3::Y, clearance_m })
+        (0..levels).map(move |level| Candidate { position: eye + level as f64 * rise * DVec3::Y, clearance_m })
     };
     stands.iter().take(CANDIDATE_STANDS).flat_map(above).collect()
 }
 
-/// Whether a candidate is far enough from every triangle.
+/// Returns true if a candidate keeps its clearance from every triangle. Bounds are compared first, which is fast.
 pub fn is_clear(triangles: &Triangles, candidate: &Candidate) -> bool {
     let Candidate { position, clearance_m } = *candidate;
     let (low, high) = ((position - clearance_m).as_vec3(), (position + clearance_m).as_vec3());
@@ -119,30 +122,33 @@ pub fn is_clear(triangles: &Triangles, candidate: &Candidate) -> bool {
     })
 }
 
-/// The distance of a point from a triangle: the distance from the plane if the point lies above the triangle's inside,
-/// otherwise the distance from the nearest edge (Ericson, Real-Time Collision Detection, 5.1.5).
+/// Returns the distance of a point from a triangle: the distance from the plane if the point lies above the triangle's
+/// inside, otherwise the distance from the nearest edge (Ericson, Real-Time Collision Detection, 5.1.5).
 fn distance([a, b, c]: [Vec3; 3], point: DVec3) -> f64 {
     let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
     let edges = [(a, b), (b, c), (c, a)];
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    if normal != DVec3::ZERO && edges.iter().all(|&(p, q)| (q - p).cross(point - p).dot(normal) >= 0.0) {
+    if normal != DVec3::ZERO && edges.iter().all(|&(start, end)| (end - start).cross(point - start).dot(normal) >= 0.0)
+    {
         return (point - a).dot(normal).abs();
     }
-    let to_edge = |&(p, q): &(DVec3, DVec3)| {
-        let along = ((point - p).dot(q - p) / (q - p).length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        point.distance(p.lerp(q, along))
+    let to_edge = |&(start, end): &(DVec3, DVec3)| {
+        let edge = end - start;
+        let along = ((point - start).dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        point.distance(start.lerp(end, along))
     };
     edges.iter().map(to_edge).fold(f64::INFINITY, f64::min)
 }
 
-/// The unit normal of a triangle on the side of its front; zero if it has no area.
+/// Returns the unit normal of a triangle on the side of its front; zero if it has no area.
 pub fn front([a, b, c]: [Vec3; 3]) -> DVec3 {
     let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// The places to stand on in a vertical line, from above. The lines fill the scene's bounds evenly: they are the
-/// sequence R2 (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
+/// Finds the places to stand on along one vertical line, from top to bottom; `index` chooses the line. The lines fill
+/// the scene's bounds evenly, since their x and z are the sequence R2 (Roberts 2018, "The Unreasonable Effectiveness of
+/// Quasirandom Sequences").
 fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<StandingPlace> {
     /// The root of x³ = x + 1.
     const PLASTIC: f64 = 1.324_717_957_244_746;
@@ -153,26 +159,29 @@ fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<St
     let origin = DVec3::new(min.x + u * (max.x - min.x), max.y + 1.0, min.z + v * (max.z - min.z));
     let mut ray = WorldRay { origin, direction: DVec3::NEG_Y, t_min: 0.0, t_max: f64::INFINITY };
     let mut stands = Vec::new();
-    let mut above = f64::INFINITY;
+    let mut ceiling_y = f64::INFINITY;
     for _ in 0..STOREYS {
         let Some(hit) = triangles.closest(&ray) else { break };
         let floor = ray.point_at(hit.t);
-        let height_m = above - floor.y;
+        let height_m = ceiling_y - floor.y;
         if height_m >= HEAD_ROOM_M * size && front(triangles.corners(&hit)).y.abs() > LEVEL {
             stands.push(StandingPlace { eye: floor + EYE_M * size * DVec3::Y, size, height_m, weight: 1.0 });
         }
-        above = floor.y;
+        ceiling_y = floor.y;
         ray.t_min = hit.t + 1e-4;
     }
     stands
 }
 
-/// The places on floors that count by the rules at the top of this file, with their weights.
+/// Keeps the places on floors that count by the rules at the top of this file, and gives them their weights.
+///
+/// A room is a group of places that see each other, directly or through others. A floor is a group of close places of
+/// about the same height that see each other.
 fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) -> Vec<StandingPlace> {
     let mut places: Vec<(StandingPlace, Surroundings)> =
         found.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
     places.retain(|(stand, around)| around.nearest_m >= FREE_M * stand.size);
-    // A file with all triangles reversed shows backs everywhere; its places are not excluded for this reason.
+    // In a file with all triangles reversed, every place sees backs, and none is dropped for this reason.
     if places.iter().any(|(_, around)| around.backs <= BACKS_MAX) {
         places.retain(|(_, around)| around.backs <= BACKS_MAX);
     }
@@ -181,82 +190,97 @@ fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) ->
     let typical = enclosed.get(enclosed.len() * 9 / 10).copied().unwrap_or(0.0);
     places.retain(|(_, around)| around.enclosed >= ENCLOSED * typical);
 
-    let sights = sights(triangles, &places.iter().map(|(stand, _)| stand.eye).collect::<Vec<_>>());
-    let rooms = joined(places.len(), sights.iter().flatten().copied());
+    // Pairs of places that see each other: near neighbours, then random pairs.
+    let pairs = sights(triangles, &places.iter().map(|(stand, _)| stand.eye).collect::<Vec<_>>());
+    let rooms = joined(places.len(), pairs.iter().flatten().copied());
     let lit_rooms: Vec<usize> =
         places.iter().zip(&rooms).filter(|((_, around), _)| around.lit).map(|(_, room)| *room).collect();
-    let level = |i: usize, j: usize| {
+    let is_level = |i: usize, j: usize| {
         let size = places[i].0.size;
         (places[i].0.eye.y - places[j].0.eye.y).abs() < STEP_M * size
     };
-    let floors = joined(places.len(), sights[0].iter().copied().filter(|&(i, j)| level(i, j)));
+    let floors = joined(places.len(), pairs[0].iter().copied().filter(|&(i, j)| is_level(i, j)));
+    // The number of places of each floor; places are spread evenly over area.
     let mut area = vec![0.0; places.len()];
     floors.iter().for_each(|floor| area[*floor] += 1.0);
     let stands = places.iter().zip(floors).map(|((stand, _), floor)| StandingPlace { weight: area[floor], ..*stand });
     // If no room is lit, all rooms count.
-    stands.zip(rooms).filter(|(_, room)| lit_rooms.is_empty() || lit_rooms.contains(room)).map(|(s, _)| s).collect()
+    stands
+        .zip(rooms)
+        .filter(|(_, room)| lit_rooms.is_empty() || lit_rooms.contains(room))
+        .map(|(stand, _)| stand)
+        .collect()
 }
 
-/// Looks around from an eye in all [`DIRECTIONS`].
+/// Looks around from a person's eye in all [`DIRECTIONS`]. `lit` becomes true if a point light, the sky or a sky
+/// surface is seen from there.
 fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surroundings {
     let shines =
         |light: &Light| matches!(light, Light::Point { position, .. } if sees(triangles, eye, position.as_dvec3()));
     let mut around =
         Surroundings { enclosed: 0.0, backs: 0.0, nearest_m: f64::INFINITY, lit: scene.lights.iter().any(shines) };
-    let (mut met, mut upwards) = (0, 0);
+    // The numbers of directions that hit a surface, and of directions that point upwards.
+    let (mut hits, mut upwards) = (0, 0);
     for direction in (0..DIRECTIONS).map(sphere) {
         let hit = triangles.closest(&WorldRay { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY });
-        around.lit |= hit.is_none_or(|h| triangles.surface(&h).0.surface == Surface::Sky);
+        around.lit |= hit.is_none_or(|hit| triangles.surface(&hit).0.surface == Surface::Sky);
         upwards += i32::from(direction.y > 0.0);
         let Some(hit) = hit else { continue };
-        met += 1;
+        hits += 1;
         around.nearest_m = around.nearest_m.min(hit.t);
         around.enclosed += f64::from(direction.y > 0.0);
         around.backs += f64::from(front(triangles.corners(&hit)).dot(direction) > 0.0);
     }
     around.enclosed /= f64::from(upwards);
-    around.backs /= f64::from(met.max(1));
+    around.backs /= f64::from(hits.max(1));
     around
 }
 
-/// Direction `index` of the [`DIRECTIONS`] that cover the sphere evenly, on a Fibonacci spiral.
+/// Returns the unit vector number `index` of the [`DIRECTIONS`], which cover the sphere evenly on a Fibonacci spiral.
 fn sphere(index: usize) -> DVec3 {
     let y = 1.0 - (2.0 * index as f64 + 1.0) / DIRECTIONS as f64;
     let (sine, cosine) = (constants::GOLDEN_ANGLE * index as f64).sin_cos();
-    let across = (1.0 - y * y).sqrt();
-    DVec3::new(across * cosine, y, across * sine)
+    let horizontal = (1.0 - y * y).sqrt();
+    DVec3::new(horizontal * cosine, y, horizontal * sine)
 }
 
-/// Pairs of eyes that see each other, by their indices: first those among nearest neighbours, then those among random
-/// pairs.
+/// Returns the pairs of eyes that see each other, as indices into `eyes`. The first list has pairs of nearest
+/// neighbours, and the second has random pairs.
 fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
-    let [close, anywhere] = NEIGHBOURS;
-    let seen = |i: usize, others: Vec<usize>| {
+    let [near_count, random_count] = NEIGHBOURS;
+    let visible_pairs = |i: usize, others: Vec<usize>| {
         others.into_iter().filter(move |j| sees(triangles, eyes[i], eyes[*j])).map(move |j| (i, j))
     };
     let neighbours = |i: usize| {
         let mut others: Vec<usize> = (0..eyes.len()).filter(|j| *j != i).collect();
         let nearer = |a: &usize, b: &usize| {
-            let [a, b] = [*a, *b].map(|j| (eyes[j].distance_squared(eyes[i]), j));
-            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+            let [squared_a, squared_b] = [*a, *b].map(|j| eyes[j].distance_squared(eyes[i]));
+            squared_a.total_cmp(&squared_b).then(a.cmp(b))
         };
-        if others.len() > close {
-            others.select_nth_unstable_by(close, nearer);
-            others.truncate(close);
+        if others.len() > near_count {
+            others.select_nth_unstable_by(near_count, nearer);
+            others.truncate(near_count);
         }
         others
     };
-    let any = |i: usize| {
+    let random_others = |i: usize| {
         let random = Stream::new(SEED, i as u64);
-        (0..anywhere as u64).map(|k| ((random.uniform(k) * eyes.len() as f64) as usize).min(eyes.len() - 1)).collect()
+        (0..random_count as u64)
+            .map(|k| ((random.uniform(k) * eyes.len() as f64) as usize).min(eyes.len() - 1))
+            .collect()
     };
     let all = || (0..eyes.len()).into_par_iter();
-    [all().flat_map_iter(|i| seen(i, neighbours(i))).collect(), all().flat_map_iter(|i| seen(i, any(i))).collect()]
+    [
+        all().flat_map_iter(|i| visible_pairs(i, neighbours(i))).collect(),
+        all().flat_map_iter(|i| visible_pairs(i, random_others(i))).collect(),
+    ]
 }
 
-/// The group of each of `count` things that pairs connect, named by its least member (union-find).
+/// Joins `count` things to groups, given `pairs` of things in the same group (union-find). Returns the group of each
+/// thing, named by the least index of its members.
 fn joined(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
-    /// The name of the group of `i`; shortens the way to it for later calls.
+    /// Finds the least member of the group of `i` by following parents, and shortens the chain of parents for later
+    /// calls.
     fn root(parents: &mut [usize], mut i: usize) -> usize {
         while parents[i] != i {
             parents[i] = parents[parents[i]];

@@ -3,9 +3,10 @@
 use super::*;
 use ssct_ground::scene::{Aabb, Material, Mesh, Surface, Vertex, View};
 
-/// The six sides of a box. With `inwards` the sides have their fronts on the inside, as the walls of a room do;
+/// Makes the six sides of a box. With `inwards` the sides have their fronts on the inside, like the walls of a room;
 /// otherwise they face outwards.
 fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
+    // Bits 0, 1 and 2 of a corner's number choose between the least and the greatest x, y and z.
     let corner = |k: usize| Vec3::new([min.x, max.x][k & 1], [min.y, max.y][k >> 1 & 1], [min.z, max.z][k >> 2]);
     let quads = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
     let mut mesh = Mesh { name: "box".into(), ..Mesh::default() };
@@ -13,29 +14,30 @@ fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
         let [a, b, c, _] = quad.map(corner);
         let middle = 0.5 * (min + max);
         let normal = (b - a).cross(c - a).normalize();
-        let turned = (normal.dot(a - middle) > 0.0) == inwards;
-        let side = if turned { -normal } else { normal };
+        let must_turn = (normal.dot(a - middle) > 0.0) == inwards;
+        let facing = if must_turn { -normal } else { normal };
         let first = mesh.vertices.len() as u32;
         let vertex = |k| Vertex {
             position: corner(k).to_array(),
-            normal: side.to_array(),
+            normal: facing.to_array(),
             uv: [0.0; 2],
-            tangent: side.any_orthonormal_vector().extend(1.0).to_array(),
+            tangent: facing.any_orthonormal_vector().extend(1.0).to_array(),
         };
         mesh.vertices.extend(quad.map(vertex));
-        let order = if turned { [0, 2, 1, 0, 3, 2] } else { [0, 1, 2, 0, 2, 3] };
+        let order = if must_turn { [0, 2, 1, 0, 3, 2] } else { [0, 1, 2, 0, 2, 3] };
         mesh.indices.extend(order.map(|k| first + k));
     }
     mesh.bounds = Aabb::around(&mesh.vertices);
     mesh
 }
 
-/// A scene of meshes with one white material.
+/// Makes a scene of meshes with one default material.
 fn scene(meshes: Vec<Mesh>) -> Scene {
     Scene { meshes, materials: vec![Material::default()], ..Scene::default() }
 }
 
-/// A room of 8×3×6 m with a wall across it that leaves a door of 1 m, inside a solid shell of 0.5 m with a flat roof.
+/// Makes a room of 8×3×6 m with a wall across it that leaves a door of 1 m, inside a shell 0.5 m thick with a flat
+/// roof.
 fn two_rooms() -> Scene {
     scene(vec![
         cuboid(Vec3::ZERO, Vec3::new(8.0, 3.0, 6.0), true),
@@ -53,16 +55,18 @@ fn positions(placement: &Placement) -> Vec<Vec3> {
 fn two_rooms_get_captures_on_both_sides_of_the_wall() {
     let placement = place(&two_rooms(), WantedCaptures::Count(2));
     let places = positions(&placement);
-    let is_inside = |p: &Vec3| p.cmpgt(Vec3::splat(0.25)).all() && p.cmplt(Vec3::new(7.75, 2.75, 5.75)).all();
+    let is_inside =
+        |place: &Vec3| place.cmpgt(Vec3::splat(0.25)).all() && place.cmplt(Vec3::new(7.75, 2.75, 5.75)).all();
     assert!(places.len() == 2 && places.iter().all(is_inside), "{places:?}");
     assert!((places[0].x < 4.0) != (places[1].x < 4.0), "{places:?}");
     assert!(placement.seen[0] < placement.seen[1] && placement.seen[1] > 0.85, "{:?}", placement.seen);
-    assert!(placement.stands.iter().all(|s| is_inside(&s.with_y(1.5)) || s.y < 3.0), "nobody on the roof");
+    let is_off_roof = |eye: &Vec3| is_inside(&eye.with_y(1.5)) || eye.y < 3.0;
+    assert!(placement.stands.iter().all(is_off_roof), "nobody on the roof");
 }
 
 #[test]
 fn nobody_stands_on_a_roof_in_a_solid_body_or_in_a_dark_void() {
-    // Beside the rooms, which have a window, there is a larger closed chamber without light.
+    // Beside the rooms stands a larger closed chamber without light. The rooms get a window, a box that shows the sky.
     let mut scene = two_rooms();
     scene.meshes.push(cuboid(Vec3::new(20.0, 0.0, 0.0), Vec3::new(40.0, 3.0, 20.0), true));
     scene.meshes.push(cuboid(Vec3::new(2.0, 1.0, 5.9), Vec3::new(3.0, 2.0, 6.0), false));

@@ -1,4 +1,5 @@
-//! The conventions of other renderers: the axes of world and view space, the order of matrices, and the unit of length.
+//! The conventions that a map states of its renderer: the axes of world and view space, the order of matrices, the
+//! direction of clip-space y, and the unit of length.
 
 use super::keys::MapKeys;
 use glam::{DMat3, DMat4, DVec3};
@@ -14,9 +15,9 @@ pub(super) struct MapConventions {
     pub view: DMat3,
     /// Order of the numbers of a matrix.
     pub matrices: MatrixOrder,
-    /// Direction of the image's top in clip space.
+    /// Whether the top of the image has the greatest or the least y in clip space.
     pub clip_y: ClipY,
-    /// Metres in the renderer's unit of length.
+    /// Number of metres in the renderer's unit of length.
     pub metres: f64,
 }
 
@@ -36,18 +37,18 @@ impl MapConventions {
         Ok(Self { world, view, matrices, clip_y, metres })
     }
 
-    /// The matrix, for column vectors, from the 16 numbers that the renderer lists.
+    /// Makes the matrix, for column vectors, from the 16 numbers that the renderer lists in its order.
     pub fn matrix(&self, numbers: &[f64]) -> DMat4 {
         let listed = DMat4::from_cols_slice(numbers);
         if self.matrices == MatrixOrder::Rows { listed.transpose() } else { listed }
     }
 
-    /// Converts a place of the renderer's world to this program's, in metres.
+    /// Converts a place in the renderer's world and unit to this program's world, in metres.
     pub fn place(&self, place: [f64; 3]) -> DVec3 {
         self.direction(place) * self.metres
     }
 
-    /// Converts a direction of the renderer's world to this program's.
+    /// Converts a direction in the renderer's world to this program's world; its length stays.
     pub fn direction(&self, direction: [f64; 3]) -> DVec3 {
         self.world * DVec3::from(direction)
     }

@@ -1,4 +1,5 @@
-//! The camera of a map: its lens comes from an angle, a focal length or a matrix, its place from points or a matrix.
+//! The camera of a map. Its lens comes from an angle, a focal length, an orthographic extent or a matrix; its place
+//! comes from points or a matrix.
 
 use super::axes::MapConventions;
 use super::depth::{DepthCoding, MapDepth};
@@ -26,10 +27,11 @@ pub(super) struct MapCamera {
     place: MapPlace,
 }
 
-/// The ways in which a map gives the lens; `Matrix` is the matrix from view to clip space.
+/// The ways in which a map gives the lens. In each, `axis` is 0 for x and 1 for y; `Matrix` is the matrix from view to
+/// clip space.
 #[derive(Debug, Clone)]
 enum MapLens {
-    /// An angle of view along an axis of the image (0 is x, 1 is y); `to_radians` is the factor to radians.
+    /// An angle of view along an axis of the image; `to_radians` is the factor that converts it to radians.
     Angle {
         axis: usize,
         angle: MapNumbers,
@@ -49,7 +51,7 @@ enum MapLens {
     Matrix(MapNumbers),
 }
 
-/// The opening of a lens along an axis of the image: an angle in radians, or metres for an orthographic projection.
+/// How much a lens sees along one axis of the image: an angle in radians, or for an orthographic projection metres.
 #[derive(Debug, Clone, Copy)]
 enum MapOpening {
     Angle(f64),
@@ -77,12 +79,12 @@ struct MapPoints {
     up: Option<MapNumbers>,
 }
 
-/// The ways to give a lens, for errors.
+/// The keys that give a lens, for errors.
 const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, orthographic-height, orthographic-width, projection, or \
                       focal-length-mm with sensor-width-mm or sensor-height-mm";
 
 impl MapCamera {
-    /// Takes the keys of the section `[camera]`, and checks that the keys go together.
+    /// Takes the keys of the section `[camera]`, and checks that they can be given together.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let lens = lens(&mut keys)?;
         let place = place(&mut keys)?;
@@ -103,12 +105,13 @@ impl MapCamera {
         Ok(Self { line, lens, aspect, near, far, shift_px, place })
     }
 
-    /// Whether the map gives the camera's place.
+    /// Returns true if the map gives the camera's place.
     pub fn has_place(&self) -> bool {
         !matches!(self.place, MapPlace::Origin)
     }
 
-    /// Other readings of the camera, each in words: the lens along the other axis, or the matrix as its inverse.
+    /// Returns other readings of the camera, which a map may confuse with the right one, each with its words: the lens
+    /// along the other axis, and the matrix of the place as its inverse.
     pub fn other_ways(&self) -> Vec<(&'static str, Self)> {
         let lens = |lens: MapLens| Self { lens, ..self.clone() };
         let place = |place: MapPlace| Self { place, ..self.clone() };
@@ -145,11 +148,11 @@ impl MapCamera {
         other_lens.into_iter().chain(other_place).collect()
     }
 
-    /// Makes the camera, and returns it with the coding of depth in the files.
+    /// Makes the camera of a frame, and returns it with the coding of depth in the files.
     ///
     /// # Errors
-    /// [`Error::Malformed`](ssct_ground::Error::Malformed) with the line of numbers that give no camera; the errors of
-    /// [`MapNumbers::get`].
+    /// [`Error::Malformed`](ssct_ground::Error::Malformed), with the line in the map, for numbers that make no camera;
+    /// the errors of [`MapNumbers::get`].
     pub fn get(
         &self,
         conventions: &MapConventions,
@@ -157,8 +160,8 @@ impl MapCamera {
         files: &mut MapFiles,
     ) -> Result<(Camera, DepthCoding)> {
         let plane = |plane: &Option<MapNumbers>, files: &mut MapFiles| -> Result<Option<f32>> {
-            let distance = plane.as_ref().map(|p| p.one(files)).transpose()?;
-            Ok(distance.map(|v| (v * conventions.metres) as f32))
+            let distance = plane.as_ref().map(|numbers| numbers.one(files)).transpose()?;
+            Ok(distance.map(|distance| (distance * conventions.metres) as f32))
         };
         let [near, far] = [plane(&self.near, files)?, plane(&self.far, files)?];
         let (camera, coding) = match &self.lens {
@@ -195,19 +198,19 @@ impl MapCamera {
         Ok((camera, coding))
     }
 
-    /// The camera of a lens with an opening `seen` along an axis of the image (0 is x, 1 is y), in its own view space,
-    /// and the coding of depth between its planes.
+    /// Makes a camera with an opening `along_axis` of the image (0 is x, 1 is y) and with the near and the far plane
+    /// `planes`, in metres. The camera is in its own view space. Also returns the coding of depth between the planes.
     fn by_opening(
         &self,
         axis: usize,
-        seen: MapOpening,
+        along_axis: MapOpening,
         planes: [Option<f32>; 2],
         files: &mut MapFiles,
     ) -> Result<(Camera, DepthCoding)> {
         let [width, height] = files.size().map(f64::from);
-        let aspect = self.aspect.as_ref().map(|a| a.one(files)).transpose()?;
+        let aspect = self.aspect.as_ref().map(|numbers| numbers.one(files)).transpose()?;
         let aspect = aspect.unwrap_or(width * files.pixel_aspect() / height);
-        let opening = match seen {
+        let opening = match along_axis {
             MapOpening::Angle(angle) if axis == 1 => FieldOfView::Angle(angle as f32),
             MapOpening::Angle(angle) => FieldOfView::Angle((2.0 * ((0.5 * angle).tan() / aspect).atan()) as f32),
             MapOpening::Extent(extent) => {
@@ -222,20 +225,21 @@ impl MapCamera {
         let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: None };
         let Some(shift) = &self.shift_px else { return Ok((camera, coding)) };
         let shift = shift.get(files)?;
-        let up = match opening {
+        let scale_y = match opening {
             FieldOfView::Angle(fov) => 1.0 / f64::from(0.5 * fov).tan(),
             FieldOfView::Height(height) => 2.0 / f64::from(height),
         };
         let projection = Projection {
             kind: lens.kind(),
-            scale: [up / f64::from(aspect), up].map(|v| v as f32),
-            shift: [2.0 * shift[0] / width, -2.0 * shift[1] / height].map(|v| v as f32),
+            scale: [scale_y / f64::from(aspect), scale_y].map(|scale| scale as f32),
+            // Pixels with y down become normalised device coordinates with y up.
+            shift: [2.0 * shift[0] / width, -2.0 * shift[1] / height].map(|shift| shift as f32),
             depth: coding.as_f32(),
         };
         Ok((Camera { projection: Some(projection), ..camera }, coding))
     }
 
-    /// The matrix from world to view space, in this program's axes and in metres.
+    /// Makes the matrix from world to view space, in this program's axes and in metres.
     fn world_to_view(&self, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
         let (numbers, is_inverse) = match &self.place {
             MapPlace::Origin => return Ok(Mat4::IDENTITY),
@@ -258,8 +262,8 @@ impl MapCamera {
     }
 }
 
-/// The camera of a matrix from view to clip space, with other planes if `near` or `far`, in metres, is given. Also
-/// returns the coding of depth that the matrix states.
+/// Makes the camera of a matrix from view to clip space. Its planes are those of the matrix, unless `near` or `far`, in
+/// metres, replaces them. Also returns the coding of depth in the files, which is that of the matrix.
 fn by_matrix(
     matrix: &MapNumbers,
     [near, far]: [Option<f32>; 2],
@@ -288,7 +292,7 @@ fn by_matrix(
     if read.axis_signs.y < 0.0 {
         return refused("has the image upside down: clip-y or view of [conventions] must be another one");
     }
-    if depth.is_reversed().is_some_and(|is| is != read.is_reversed) {
+    if depth.is_reversed().is_some_and(|is_reversed| is_reversed != read.is_reversed) {
         let given = if read.is_reversed { "reversed" } else { "standard" };
         return refused(&format!("gives {given} depth, and kind of [depth] says otherwise"));
     }
@@ -296,10 +300,13 @@ fn by_matrix(
     let own_near = (f64::from(read.near) * metres) as f32;
     let own_far = (f64::from(read.far) * metres) as f32;
     let (kind, [a, b]) = (read.projection.kind, read.projection.depth.map(f64::from));
-    // The numbers are converted to metres, the unit of the planes.
+    // Numbers in the renderer's unit of length are converted to metres: `b` of a perspective is a length, and the scale
+    // and `b` of an orthographic projection are divided by lengths.
     let (scale, b) = match kind {
         ProjectionKind::Perspective => (read.projection.scale, b * metres),
-        ProjectionKind::Orthographic => (read.projection.scale.map(|v| (f64::from(v) / metres) as f32), b / metres),
+        ProjectionKind::Orthographic => {
+            (read.projection.scale.map(|scale| (f64::from(scale) / metres) as f32), b / metres)
+        }
     };
     let read_in_metres = Projection { scale, ..read.projection };
     let lens =
@@ -308,22 +315,22 @@ fn by_matrix(
         return refused("has its far plane at infinity: say far, beyond which everything counts as sky");
     }
     let coding = DepthCoding { kind, numbers: [a, b] };
-    let ours = if near.or(far).is_some() {
+    let camera_coding = if near.or(far).is_some() {
         DepthCoding::of_planes(kind, f64::from(lens.near_m), f64::from(lens.far_m))
     } else {
         coding
     };
-    let projection = Projection { depth: ours.as_f32(), ..read_in_metres };
+    let projection = Projection { depth: camera_coding.as_f32(), ..read_in_metres };
     let aspect = projection.scale[1] / projection.scale[0];
     let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: Some(projection) };
     Ok((camera, coding))
 }
 
-/// The matrix from world to view space of a camera that looks from a point to another point or in a direction.
+/// Makes the matrix from world to view space of a camera that looks from a point to another point or in a direction.
 fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
     let three = |numbers: &MapNumbers, files: &mut MapFiles| -> Result<[f64; 3]> {
-        let n = numbers.get(files)?;
-        Ok([n[0], n[1], n[2]])
+        let numbers = numbers.get(files)?;
+        Ok([numbers[0], numbers[1], numbers[2]])
     };
     let MapPoints { eye, towards, is_point, up } = points;
     let position = conventions.place(three(eye, files)?);
@@ -345,7 +352,7 @@ fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFi
 /// Checks that a matrix is a rotation, with or without a mirroring, and a translation.
 ///
 /// # Errors
-/// The reason for which the matrix is something else, as the end of a sentence.
+/// The reason why the matrix is something else, as the end of a sentence.
 fn rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
     if matrix.row(3) != DVec4::W {
         return Err("is no rotation and translation: is it in the other order (matrices of [conventions])?");
@@ -356,7 +363,7 @@ fn rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
     Ok(())
 }
 
-/// Takes the keys of the lens.
+/// Takes the keys of the lens, of which the section must have exactly one, or two for a focal length.
 fn lens(keys: &mut MapKeys) -> Result<MapLens> {
     const WAYS: [&str; 8] = [
         "fov-y-deg",
@@ -400,7 +407,7 @@ fn lens(keys: &mut MapKeys) -> Result<MapLens> {
     }
 }
 
-/// Takes the keys of the camera's place.
+/// Takes the keys of the camera's place: one matrix, or points and directions, or nothing.
 fn place(keys: &mut MapKeys) -> Result<MapPlace> {
     let world_to_view = keys.numbers("world-to-view", 16)?;
     let view_to_world = keys.numbers("view-to-world", 16)?;

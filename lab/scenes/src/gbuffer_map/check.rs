@@ -1,6 +1,6 @@
-//! Checks a frame for consistency: normals against the slopes of the depth and, if the map has positions of surfaces,
-//! these against depth and camera. The check also tries the possible conventions of the map, and finds the conventions
-//! with which the frame agrees best.
+//! Checks a frame for consistency. Normals are compared with the slopes of the depth and, if the map has positions of
+//! surfaces, positions are compared with depth and camera. The check also tries other readings of the map, and finds
+//! the reading with which the frame agrees best.
 
 use super::GBufferMap;
 use super::agreement::{LensMapping, Slopes, view_z};
@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 use ssct_ground::Result;
 use std::path::Path;
 
-/// Share of pixels that may disagree without a message, as at edges and with normal maps.
+/// Share of pixels that may disagree without a message, since some do at edges and with normal maps.
 const LITTLE: f64 = 0.05;
 
 /// Another reading of the map is believed only if it leaves at most this share of the disagreement.
@@ -44,35 +44,35 @@ impl MapPosition {
         Ok(Self { source, is_world })
     }
 
-    /// Whether the positions are in world space, so that they can only be compared if the camera's place is known.
+    /// Returns true if the positions are in world space. They can then be compared only if the camera's place is known.
     pub fn need_world(&self) -> bool {
         self.is_world
     }
 
-    /// The share of the surfaces whose position disagrees with depth and camera.
+    /// Returns the share of the pixels with a surface whose position disagrees with depth and camera.
     fn off<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
         let planes = self.source.read(files)?;
-        let opened = LensMapping::new(&frame.camera);
+        let lens = LensMapping::new(&frame.camera);
         let to_view = frame.camera.world_to_view.as_dmat4();
-        let (mut off, mut all) = (0_usize, 0_usize);
-        for (i, depth) in frame.depth.iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
-            let ndc = super::pixel_ndc(frame.size, i);
-            let own = opened.point((ndc, view_z(&frame.camera, f64::from(*depth))));
-            let stated = planes.three(i);
+        let (mut wrong, mut all) = (0_usize, 0_usize);
+        for (pixel, depth) in frame.depth.iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
+            let ndc = super::pixel_ndc(frame.size, pixel);
+            let expected = lens.point((ndc, view_z(&frame.camera, f64::from(*depth))));
+            let stated = planes.three(pixel);
             let stated = match self.is_world {
                 true => to_view.transform_point3(conventions.place(stated)),
                 false => conventions.view * DVec3::from(stated) * conventions.metres,
             };
             all += 1;
-            // A position that is NaN counts as off.
-            let near = own.distance(stated) <= MOST_OFF * own.length();
-            off += usize::from(!near);
+            // A position that is NaN is not near, so that it counts as wrong.
+            let is_near = expected.distance(stated) <= MOST_OFF * expected.length();
+            wrong += usize::from(!is_near);
         }
-        Ok(if all == 0 { 0.0 } else { off as f64 / all as f64 })
+        Ok(if all == 0 { 0.0 } else { wrong as f64 / all as f64 })
     }
 }
 
-/// A frame as one reading of a map decodes it.
+/// A frame, decoded by one reading of a map: reversed depth, and normals in view space.
 struct Frame {
     size: [u32; 2],
     camera: Camera,
@@ -94,8 +94,8 @@ struct Disagreement {
 }
 
 impl Disagreement {
-    /// The disagreement from a comparison of normals with slopes. The disagreement is total if too few pixels can be compared,
-    /// since such a reading explains nothing.
+    /// Makes the disagreement from a comparison of normals with slopes and from the share of wrong positions, `places`.
+    /// If too few pixels can be compared, all normals count as wrong, so that such a reading is never preferred.
     fn new(slopes: &Slopes, places: f64) -> Self {
         match slopes.disagreeing().zip(slopes.unrelated()) {
             Some((share, unrelated)) => Self { slopes: share, unrelated, degrees: slopes.mean_degrees(), places },
@@ -103,24 +103,24 @@ impl Disagreement {
         }
     }
 
-    /// Whether this reading agrees better than another: fewer wrong positions or, if these are equal, a smaller mean
-    /// angle.
+    /// Returns true if this reading agrees better than another: if fewer positions are wrong or, with equally many, if
+    /// the mean angle is smaller.
     fn is_before(self, other: Self) -> bool {
-        // Two readings that mirror the same axes differ by rounding alone; the first of them is kept.
+        // Readings that mirror the same axes differ by rounding alone. The factor keeps the first of them.
         self.places < other.places || self.places == other.places && self.degrees < 0.99 * other.degrees
     }
 
-    /// The sum of the shares of wrong normals and wrong positions.
+    /// Returns the sum of the shares of wrong normals and wrong positions.
     fn sum(self) -> f64 {
         self.slopes + self.places
     }
 
-    /// The larger of the shares of wrong normals and wrong positions.
+    /// Returns the larger of the shares of wrong normals and wrong positions.
     fn worst(self) -> f64 {
         self.slopes.max(self.places)
     }
 
-    /// The shares in words; the share of positions only if the map has them.
+    /// Returns the shares in words; that of positions is left out if the map has none.
     fn words(self, has_places: bool) -> String {
         let percent = |share: f64| format!("{:.0} %", 100.0 * share);
         let slopes = format!("normals disagree with the slopes of the depth in {} of the pixels", percent(self.slopes));
@@ -131,7 +131,7 @@ impl Disagreement {
     }
 }
 
-/// The message about a G-buffer without a map whose normals and depth disagree; `None` if they agree.
+/// Returns the message about a G-buffer without a map whose normals and depth disagree; `None` if they agree.
 pub fn disagreement(data: &GBufferData) -> Option<String> {
     let slopes = Slopes::of_data(data);
     let share = slopes.disagreeing()?;
@@ -143,18 +143,20 @@ pub fn disagreement(data: &GBufferData) -> Option<String> {
     describe_disagreement(own, lens, false)
 }
 
-/// The message about a disagreement, if another reading is much better or more than [`MOST`] is wrong. `best` is the
-/// best other reading, in words, with its own disagreement; `has_places` says that the map has positions.
+/// Returns the message about a disagreement, if another reading is much better or more than [`MOST`] is wrong. `best`
+/// is the best other reading, in words, with its own disagreement; `has_places` is true if the map has positions.
 fn describe_disagreement(own: Disagreement, best: Option<(String, Disagreement)>, has_places: bool) -> Option<String> {
     let is_better = |other: &Disagreement| other.sum() <= MUCH_BETTER * own.sum();
-    let what = own.words(has_places);
+    let description = own.words(has_places);
     match best.filter(|(_, other)| is_better(other)) {
         Some((words, other)) if own.worst() > LITTLE => {
-            Some(format!("{what}; with {words} it would be {:.0} %", 100.0 * other.worst()))
+            Some(format!("{description}; with {words} it would be {:.0} %", 100.0 * other.worst()))
         }
         _ if own.unrelated.max(own.places) > MOST => {
             let asked = "is the picture a panorama or a cropped one, or is the lens, the camera's place or the kind of depth wrong?";
-            Some(format!("{what}, and no other reading of lens, axes or depth that was tried is much better; {asked}"))
+            Some(format!(
+                "{description}, and no other reading of lens, axes or depth that was tried is much better; {asked}"
+            ))
         }
         _ => None,
     }
@@ -180,8 +182,8 @@ impl GBufferMap {
         }
         let mut best: Option<(String, Disagreement)> = None;
         for reading in readings(self) {
-            let (other, again) = reading.map.disagreement(main, open);
-            open = again;
+            let (other, files) = reading.map.disagreement(main, open);
+            open = files;
             // A reading that gives no camera or no depth is skipped.
             let Ok(other) = other else { continue };
             if best.as_ref().is_none_or(|(_, least)| other.is_before(*least)) {
@@ -191,8 +193,8 @@ impl GBufferMap {
         // A lens is fitted, and must be clearly better than mere changes of conventions. The fit is only tried without
         // positions, which would reveal a wrong lens by themselves.
         if self.position.is_none() {
-            let lens = slopes.best_lens(&data.camera);
-            let lens = lens.map(|(words, fitted)| (words, Disagreement::new(&fitted, own.places)));
+            let fit = slopes.best_lens(&data.camera);
+            let lens = fit.map(|(words, fitted)| (words, Disagreement::new(&fitted, own.places)));
             let is_clearly_better = |other: &Disagreement| {
                 best.as_ref().is_none_or(|(_, least)| other.degrees < MUCH_BETTER * least.degrees)
             };
@@ -203,8 +205,8 @@ impl GBufferMap {
         Ok(describe_disagreement(own, best, self.position.is_some()))
     }
 
-    /// The disagreement of a frame that this map decodes, and the files that are open by now, so that the next reading
-    /// of the map need not read them again.
+    /// Returns the disagreement of a frame that this map decodes. `open` are files that were read before. They are
+    /// returned, with those that this map read, so that the next reading of the map need not read them again.
     fn disagreement(&self, main: &Path, open: OpenFiles) -> (Result<Disagreement>, OpenFiles) {
         let mut files = MapFiles::with(&self.path, main, self.arrangement(), open);
         let measured = self.measure(&mut files);

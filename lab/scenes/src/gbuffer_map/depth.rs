@@ -1,4 +1,4 @@
-//! The depth of a map: converts the depth buffers of engines, and distances in metres, to reversed depth between the camera's
+//! The depth of a map: converts the depth buffers of engines, and distances, to reversed depth between the camera's
 //! planes.
 
 use super::files::MapFiles;
@@ -18,17 +18,17 @@ pub(super) struct DepthCoding {
 }
 
 impl DepthCoding {
-    /// The coding between a near plane and a far plane; the far plane of a perspective may be infinite.
+    /// Makes the coding between a near and a far plane, in metres; the far plane of a perspective may be infinite.
     pub fn of_planes(kind: ProjectionKind, near: f64, far: f64) -> Self {
         Self { kind, numbers: kind.reversed_depth(near, far) }
     }
 
-    /// The numbers in the form of a [`Projection`](crate::Projection).
+    /// Returns the numbers as the field `depth` of a [`Projection`](crate::Projection).
     pub fn as_f32(self) -> [f32; 2] {
-        self.numbers.map(|v| v as f32)
+        self.numbers.map(|number| number as f32)
     }
 
-    /// The view-space z of a reversed depth.
+    /// Returns the view-space z, in metres, of a reversed depth.
     fn view_z(self, reversed: f64) -> f64 {
         self.kind.z_at(self.numbers, reversed)
     }
@@ -58,7 +58,7 @@ const KINDS: [(&str, DepthKind); 6] = [
 ];
 
 impl DepthKind {
-    /// Whether the values are lengths, and not depths of clip space.
+    /// Returns true if the values are lengths, and not depths of clip space.
     fn is_linear(self) -> bool {
         matches!(self, Self::ViewZ | Self::Distance | Self::DistanceFromNear)
     }
@@ -69,22 +69,22 @@ impl DepthKind {
 pub(super) struct MapDepth {
     source: MapSource,
     kind: DepthKind,
-    /// Distances of the near and the far plane of the depth buffer, if they differ from the camera's, in the renderer's unit of
-    /// length.
+    /// Distances of the near and the far plane of the depth buffer, if they differ from the camera's, in the renderer's
+    /// unit of length.
     near: Option<f64>,
     far: Option<f64>,
-    /// The stored value from which on, towards the far plane, a pixel counts as sky.
+    /// The stored value at which, or beyond which towards the far plane, a pixel counts as sky.
     sky_beyond: Option<f64>,
     /// A stored value that stands for sky.
     sky_value: Option<f64>,
 }
 
-/// Surfaces nearer than the near plane by at most this share of its distance count as on the plane. The share is twice the
-/// rounding of a 16-bit float.
+/// Surfaces nearer than the near plane by at most this share of its distance count as on the plane. The share is twice
+/// the rounding of a 16-bit float.
 const ROUNDED: f64 = 1.0 / 1024.0;
 
 impl MapDepth {
-    /// Takes the keys of the section `[depth]`, and checks that the keys go together.
+    /// Takes the keys of the section `[depth]`, and checks that they can be given together.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let kind = keys.required_word("kind", &KINDS)?;
         let source = MapSource::take(&mut keys, SourceRules::EXACT)?;
@@ -107,23 +107,24 @@ impl MapDepth {
         Ok(Self { source, kind, near, far, sky_beyond, sky_value })
     }
 
-    /// The other kinds that are distances, or depth buffers, as this kind is, with their words.
+    /// Returns the other kinds with their words in maps: those that are lengths if this kind is one, else those of clip
+    /// space.
     pub fn other_kinds(&self) -> impl Iterator<Item = (&'static str, DepthKind)> + use<> {
         let own = self.kind;
         KINDS.into_iter().filter(move |(_, kind)| *kind != own && kind.is_linear() == own.is_linear())
     }
 
-    /// Reads the same channel as another kind of depth.
+    /// Returns this section with another kind of depth for the same channel.
     pub fn with_kind(&self, kind: DepthKind) -> Self {
         Self { kind, ..self.clone() }
     }
 
-    /// Whether the depth buffer runs from −1 at the near plane to 1 at the far plane.
+    /// Returns true if the depth buffer runs from −1 at the near plane to 1 at the far plane.
     pub fn is_minus_one_to_one(&self) -> bool {
         self.kind == DepthKind::Clip(ClipDepth::MinusOneToOne)
     }
 
-    /// Whether the depth buffer is reversed; `None` for distances.
+    /// Returns whether the depth buffer is reversed; `None` for lengths.
     pub fn is_reversed(&self) -> Option<bool> {
         match self.kind {
             DepthKind::Clip(ClipDepth::Reversed) => Some(true),
@@ -132,8 +133,8 @@ impl MapDepth {
         }
     }
 
-    /// The coding of depth in the files: between the planes of `[depth]` if that section has planes, else the camera's
-    /// coding. `metres` is the length of the renderer's unit.
+    /// Returns the coding of depth in the files: between the planes of `[depth]` if that section has planes, else the
+    /// camera's coding. `metres` is the length of the renderer's unit.
     pub fn coding(&self, camera: DepthCoding, metres: f64) -> DepthCoding {
         match self.near.zip(self.far) {
             Some((near, far)) => DepthCoding::of_planes(camera.kind, near * metres, far * metres),
@@ -141,7 +142,7 @@ impl MapDepth {
         }
     }
 
-    /// Reads the channel.
+    /// Reads the channel of the depth.
     ///
     /// # Errors
     /// The errors of [`MapSource::read`].
@@ -150,7 +151,7 @@ impl MapDepth {
     }
 
     /// Converts the channel `planes`, whose depth has `coding`, to the camera's reversed depth of every pixel; sky gets
-    /// 0. `metres` is the length of the renderer's unit.
+    /// 0. `metres` is the length of the renderer's unit, and `size` the width and height of the image.
     ///
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) for the first pixel whose depth is out of range or nearer
@@ -169,7 +170,7 @@ impl MapDepth {
             Some(projection) => coding.as_f32() == projection.depth,
             None => coding == DepthCoding::of_planes(camera.kind(), near, far),
         };
-        let of_z = |z: f64| match camera.projection {
+        let reversed_of_z = |z: f64| match camera.projection {
             _ if z >= far => 0.0,
             Some(projection) => projection.kind.depth_at(projection.depth.map(f64::from), z),
             None if camera.kind().is_orthographic() => (far - z) / (far - near),
@@ -177,25 +178,26 @@ impl MapDepth {
         };
         let ray = rays(camera, size);
         let is_too_near = |z: f64| z.is_nan() || z < near * (1.0 - ROUNDED);
-        let pixel = |i: usize| -> Result<f32> {
-            let raw = planes.raw(0, i);
-            let value = planes.value(0, i);
+        // The camera's reversed depth of a pixel, counted row by row.
+        let convert = |pixel: usize| -> Result<f32> {
+            let raw = planes.raw(0, pixel);
+            let value = planes.value(0, pixel);
             if self.is_sky(raw) {
                 return Ok(0.0);
             }
-            let wrong = |must: &str| Err(planes.error(i, value, must));
+            let wrong = |must: &str| Err(planes.error(pixel, value, must));
             let reversed = match self.kind {
                 DepthKind::Clip(ClipDepth::Reversed) => value,
                 DepthKind::Clip(ClipDepth::Standard) => 1.0 - value,
                 DepthKind::Clip(ClipDepth::MinusOneToOne) => 0.5 - 0.5 * value,
                 DepthKind::ViewZ | DepthKind::Distance | DepthKind::DistanceFromNear => {
-                    let along = if self.kind == DepthKind::ViewZ { 1.0 } else { ray(i).length() };
-                    let before = if self.kind == DepthKind::DistanceFromNear { near } else { 0.0 };
-                    let z = before + value * metres / along;
+                    let ray_length = if self.kind == DepthKind::ViewZ { 1.0 } else { ray(pixel).length() };
+                    let start_z = if self.kind == DepthKind::DistanceFromNear { near } else { 0.0 };
+                    let z = start_z + value * metres / ray_length;
                     if is_too_near(z) {
                         return wrong("not be nearer than the near plane, unless sky-value says that it is sky");
                     }
-                    return Ok(of_z(z).clamp(0.0, 1.0) as f32);
+                    return Ok(reversed_of_z(z).clamp(0.0, 1.0) as f32);
                 }
             };
             if !(0.0..=1.0).contains(&reversed) {
@@ -209,25 +211,27 @@ impl MapDepth {
             if is_too_near(z) {
                 return wrong("not be nearer than the near plane of [camera]");
             }
-            Ok(of_z(z).clamp(0.0, 1.0) as f32)
+            Ok(reversed_of_z(z).clamp(0.0, 1.0) as f32)
         };
-        (0..size[0] as usize * size[1] as usize).map(pixel).collect()
+        (0..size[0] as usize * size[1] as usize).map(convert).collect()
     }
 
-    /// Whether a value of the file stands for sky.
+    /// Returns true if a value of the file stands for sky.
     fn is_sky(&self, raw: f64) -> bool {
         let beyond = match (self.kind, self.sky_beyond) {
             (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
             (DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne), limit) => raw >= limit.unwrap_or(1.0),
             (_, Some(limit)) => raw.abs() >= limit.abs(),
-            // Infinite distances of either sign are sky; finite distances beyond the far plane become sky in `reversed`.
+            // Infinite distances of either sign are sky; finite distances beyond the far plane become sky in
+            // `reversed`.
             (_, None) => raw.is_infinite(),
         };
         beyond || self.sky_value.is_some_and(|sky| raw == sky)
     }
 }
 
-/// The view-space ray of sight through the centre of each pixel, with z = 1.
+/// Returns a function that gives the view-space ray of sight through the centre of a pixel, with z = 1. The function
+/// takes the number of the pixel, row by row.
 fn rays(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(usize) -> DVec3 {
     let (kind, clip) = (camera.kind(), camera.view_to_clip_reversed().as_dmat4());
     move |pixel| {

@@ -1,5 +1,5 @@
-//! The files that a map names, each read once: OpenEXR with all its parts, and PNG. The command names the main file; the other
-//! files lie in its folder.
+//! The files that a map names, OpenEXR with all parts or PNG, each of which is read once. The command names the main
+//! file; the other files lie in its folder.
 
 use crate::exr_parts::{self, ExrChannel, ExrPart};
 use crate::gbuffer_file::MAX_BYTES;
@@ -37,13 +37,13 @@ pub(super) struct ChannelSource {
     pub line: usize,
 }
 
-/// Files that were read, by their path.
+/// The parts of the files that were read, by the path of the file.
 pub(super) type OpenFiles = BTreeMap<PathBuf, Vec<ExrPart>>;
 
 /// Arrangement of the image in the files of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Arrangement<'a> {
-    /// Whether the first row of the files is the lowest.
+    /// Whether the first row of the files is the lowest row of the image.
     pub bottom_up: bool,
     /// The view to read from files with several views, such as one of two eyes.
     pub view: Option<&'a str>,
@@ -58,34 +58,35 @@ pub(super) struct MapFiles<'a> {
     open: OpenFiles,
     /// The size of the first channel that was read, and the path of its file.
     size: Option<([u32; 2], String)>,
-    /// The width of a pixel over its height, by the header of the same file.
+    /// The width of a pixel over its height, from the header of the same file.
     pixel_aspect: f64,
     /// Whether the map has asked for anything in the main file.
     main_is_used: bool,
 }
 
 impl<'a> MapFiles<'a> {
-    /// The files beside `main`, before any of them is read. `map` is the path of the map, for errors.
+    /// Makes the files of a frame, none of which is read yet: `main` and the files in its folder. `map` is the path of
+    /// the map, for errors.
     pub fn new(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>) -> Self {
         Self::with(map, main, arranged, OpenFiles::new())
     }
 
-    /// Makes the files as [`Self::new`] does, with some that were read before.
+    /// Makes the files like [`Self::new`], with some that were read before.
     pub fn with(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>, open: OpenFiles) -> Self {
         Self { map, main, arranged, open, size: None, pixel_aspect: 1.0, main_is_used: false }
     }
 
-    /// The files that were read.
+    /// Returns the files that were read.
     pub fn into_open(self) -> OpenFiles {
         self.open
     }
 
-    /// An error at a line of the map.
+    /// Makes an error at a line of the map.
     pub fn error(&self, line: usize, message: impl Into<String>) -> Error {
         Error::malformed(self.map, Some(line), message)
     }
 
-    /// The path of a file that the map names.
+    /// Returns the path of a file that the map names, or that of the main file for `None`.
     pub fn path(&self, file: Option<&str>) -> PathBuf {
         match file {
             Some(name) => self.main.parent().unwrap_or(Path::new("")).join(name),
@@ -93,47 +94,51 @@ impl<'a> MapFiles<'a> {
         }
     }
 
-    /// Width and height of the image; 0 until a channel was read.
+    /// Returns width and height of the image in pixels; both are 0 until a channel was read.
     pub fn size(&self) -> [u32; 2] {
         self.size.as_ref().map_or([0; 2], |(size, _)| *size)
     }
 
-    /// The width of a pixel over its height; 1 until a channel was read.
+    /// Returns the width of a pixel over its height; 1 until a channel was read.
     pub fn pixel_aspect(&self) -> f64 {
         self.pixel_aspect
     }
 
-    /// Number of pixels of the image; 0 until a channel was read.
+    /// Returns the number of pixels of the image; 0 until a channel was read.
     pub fn pixels(&self) -> usize {
         let [width, height] = self.size();
         width as usize * height as usize
     }
 
-    /// The values of a channel, rows from the top. `exact` refuses values that a compression rounded.
+    /// Returns the values of the channel `name` of a source, row by row from the top of the image. With `exact`, values
+    /// that a compression rounded are refused.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the map for a missing file, and for a missing part or channel, with the names of
-    /// the existing ones. [`Error::Malformed`] also for a channel that several parts have, for a rounded channel that must be
-    /// exact, and for another size than before. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
+    /// [`Error::Malformed`], with the line of the map, for a missing file, and for a missing part or channel, with the
+    /// names of the existing ones. This error is also returned for a channel that several parts have, for a rounded
+    /// channel that must be exact, and for another size than before. [`Error::Io`] and [`Error::Malformed`] for a file
+    /// that cannot be read.
     pub fn channel(&mut self, source: &ChannelSource, name: &str, exact: bool) -> Result<Vec<f32>> {
         self.open(source.file.as_deref(), source.line)?;
         let path = self.path(source.file.as_deref());
-        let shown = path.display().to_string();
+        let file = path.display().to_string();
         let wrong = |message: String| Error::malformed(self.map, Some(source.line), message);
         let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
-        let (part, channel) = find(parts, source.part.as_deref(), self.arranged.view, name, &shown).map_err(wrong)?;
+        let (part, channel) = find(parts, source.part.as_deref(), self.arranged.view, name, &file).map_err(wrong)?;
         if let Some(compression) = channel.rounded_by.filter(|_| exact) {
             return Err(wrong(format!(
-                "channel {name} of {shown} was rounded by {compression}; depth, normals and sky must be compressed \
+                "channel {name} of {file} was rounded by {compression}; depth, normals and sky must be compressed \
                  without loss (in Blender, Output, Codec: ZIP)"
             )));
         }
         let [width, height] = part.size;
         if channel.values.len() != width as usize * height as usize {
-            return Err(wrong(format!("channel {name} of {shown} has fewer values than pixels")));
+            return Err(wrong(format!("channel {name} of {file} has fewer values than pixels")));
         }
-        if let Some(([w, h], first)) = self.size.as_ref().filter(|(size, _)| *size != part.size) {
-            return Err(wrong(format!("{shown} has {width}x{height} pixels, and {first} has {w}x{h}")));
+        if let Some(([first_width, first_height], first)) = self.size.as_ref().filter(|(size, _)| *size != part.size) {
+            return Err(wrong(format!(
+                "{file} has {width}x{height} pixels, and {first} has {first_width}x{first_height}"
+            )));
         }
         let values = if self.arranged.bottom_up {
             channel.values.chunks_exact(width as usize).rev().flatten().copied().collect()
@@ -142,23 +147,23 @@ impl<'a> MapFiles<'a> {
         };
         if self.size.is_none() {
             self.pixel_aspect = pixel_aspect(part);
-            self.size = Some(([width, height], shown));
+            self.size = Some(([width, height], file));
         }
         Ok(values)
     }
 
-    /// An attribute; if no part is named, the first part that has the attribute gives it. `key` is the key of the map that
-    /// needs the attribute.
+    /// Returns an attribute of a file. If `wanted` names no part, it comes from the first part that has it. `key` is
+    /// the key of the map that needs the attribute, in the line `line`.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the map for a missing file, and for a missing attribute, with the names of the
-    /// existing ones. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
+    /// [`Error::Malformed`], with the line of the map, for a missing file, and for a missing attribute, with the names
+    /// of the existing ones. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
     pub fn attribute(&mut self, wanted: &AttributeName, line: usize, key: &str) -> Result<AttributeValue> {
         self.open(wanted.file.as_deref(), line)?;
         let path = self.path(wanted.file.as_deref());
         let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
-        let of_part = |part: &&ExrPart| wanted.part.is_none() || part.name == wanted.part;
-        let searched: Vec<&ExrPart> = parts.iter().filter(of_part).collect();
+        let is_searched = |part: &&ExrPart| wanted.part.is_none() || part.name == wanted.part;
+        let searched: Vec<&ExrPart> = parts.iter().filter(is_searched).collect();
         if let Some(value) = searched.iter().find_map(|part| part.attributes.get(&wanted.name)) {
             return Ok(value.clone());
         }
@@ -190,7 +195,8 @@ impl<'a> MapFiles<'a> {
         Err(Error::malformed(self.map, None, message))
     }
 
-    /// Reads a file if it was not read before.
+    /// Reads a file if it was not read before; `None` is the main file. `line` is the line of the map that names the
+    /// file.
     fn open(&mut self, file: Option<&str>, line: usize) -> Result<()> {
         let path = self.path(file);
         self.main_is_used |= path == self.main;
@@ -215,7 +221,8 @@ impl<'a> MapFiles<'a> {
     }
 }
 
-/// The width of a pixel over its height, from the header of a part; 1 if it is missing, not finite or not positive.
+/// Returns the width of a pixel over its height, from the header of a part; 1 if it is missing, not finite or not
+/// positive.
 fn pixel_aspect(part: &ExrPart) -> f64 {
     match part.attributes.get("pixelAspectRatio") {
         Some(AttributeValue::F32(aspect)) if aspect.is_finite() && *aspect > 0.0 => f64::from(*aspect),
@@ -223,17 +230,21 @@ fn pixel_aspect(part: &ExrPart) -> f64 {
     }
 }
 
-/// A PNG with 8 or 16 bits, as channels `R`, `G`, `B` and `A` from 0 to 1; a grey image has equal R, G and B.
+/// Decodes a PNG with 8 or 16 bits to channels `R`, `G`, `B` and `A` from 0 to 1; a grey image has equal R, G and B.
 fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
     let ([width, height], rgba) = texture::unit_values(bytes, path)?;
-    let values = |k: usize| rgba.iter().skip(k).step_by(4).copied().collect();
-    let channel = |(k, name): (usize, &str)| (name.to_owned(), ExrChannel { values: values(k), rounded_by: None });
+    let values = |component: usize| rgba.iter().skip(component).step_by(4).copied().collect();
+    let channel = |(component, name): (usize, &str)| {
+        (name.to_owned(), ExrChannel { values: values(component), rounded_by: None })
+    };
     let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect();
     Ok(ExrPart { name: None, view: None, size: [width, height], channels, attributes: BTreeMap::new() })
 }
 
-/// Finds a channel by its name in its part, or by the names of part and channel with a point between them. In a file with
-/// several views, only `view` is searched: parts that state this view, and channels with its name before their last component.
+/// Finds a channel, and returns it with its part. `part` names the part to search, or `None` for all. `name` is the
+/// name of the channel, or the names of part and channel with a point between them. In a file with several views, only
+/// `view` is searched: parts that state this view, and channels with its name before their last component. `file` is
+/// for messages.
 ///
 /// # Errors
 /// A message if no channel has the name, or several parts have it.
@@ -244,40 +255,43 @@ fn find<'a>(
     name: &str,
     file: &str,
 ) -> std::result::Result<(&'a ExrPart, &'a ExrChannel), String> {
-    let is_in_view = |p: &ExrPart| view.is_none() || p.view.as_deref().is_none_or(|own| Some(own) == view);
-    let is_part = |p: &ExrPart| {
-        let own = p.name.as_deref();
-        part.is_none() || own == part || (view.is_some() && own.map(|own| without_view(p, own)) == part)
+    let is_in_view =
+        |candidate: &ExrPart| view.is_none() || candidate.view.as_deref().is_none_or(|own| Some(own) == view);
+    let is_part = |candidate: &ExrPart| {
+        let own = candidate.name.as_deref();
+        part.is_none() || own == part || (view.is_some() && own.map(|own| without_view(candidate, own)) == part)
     };
-    let searched = || parts.iter().filter(|p| is_in_view(p) && is_part(p));
+    let searched = || parts.iter().filter(|candidate| is_in_view(candidate) && is_part(candidate));
     if searched().next().is_none() {
         return Err(match view {
             Some(view) if !parts.iter().any(is_in_view) => no_view(parts, view, file),
             _ => no_part(parts, part.unwrap_or_default(), file),
         });
     }
-    let is_it = |p: &ExrPart, channel: &str| {
-        let of_view = view.and_then(|view| without_view_inside(channel, view));
-        let is_full_name = |long: &str, short: &str| within_part(p, long) == Some(short);
+    // A channel may be named with or without its view, and with or without its part, in the file and in the map.
+    let has_name = |candidate: &ExrPart, channel: &str| {
+        let plain = view.and_then(|view| without_view_inside(channel, view));
+        let is_full_name = |long: &str, short: &str| within_part(candidate, long) == Some(short);
         let is_name = |channel: &str| {
             channel == name || is_full_name(name, channel) || (part.is_some() && is_full_name(channel, name))
         };
-        is_name(channel) || of_view.is_some_and(|plain| is_name(&plain))
+        is_name(channel) || plain.is_some_and(|plain| is_name(&plain))
     };
     let found: Vec<_> = searched()
-        .flat_map(|p| p.channels.iter().map(move |(channel, values)| (p, channel, values)))
-        .filter(|(p, channel, _)| is_it(p, channel))
+        .flat_map(|part| part.channels.iter().map(move |(channel, values)| (part, channel, values)))
+        .filter(|(part, channel, _)| has_name(part, channel))
         .collect();
     match found[..] {
         [(part, _, values)] => Ok((part, values)),
         [] => {
-            let names: Vec<String> = searched().flat_map(|p| p.channels.keys().map(|c| full_name(p, c))).collect();
+            let names: Vec<String> =
+                searched().flat_map(|part| part.channels.keys().map(|channel| full_name(part, channel))).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             Err(format!("there is no channel {name} in {file}, which has {}", list(&names)))
         }
         _ => {
-            let names: Vec<&str> = found.iter().map(|(p, ..)| p.name.as_deref().unwrap_or("")).collect();
-            let mut views: Vec<&str> = found.iter().filter_map(|(p, ..)| p.view.as_deref()).collect();
+            let names: Vec<&str> = found.iter().map(|(part, ..)| part.name.as_deref().unwrap_or("")).collect();
+            let mut views: Vec<&str> = found.iter().filter_map(|(part, ..)| part.view.as_deref()).collect();
             views.sort_unstable();
             views.dedup();
             let by_view = match views.len() {
@@ -292,35 +306,37 @@ fn find<'a>(
     }
 }
 
-/// The name of a part without the view after a hyphen, as Blender writes `ViewLayer.Depth-left`.
+/// Returns the name of a part without its view, which Blender writes after a hyphen, as in `ViewLayer.Depth-left`.
 fn without_view<'a>(part: &ExrPart, name: &'a str) -> &'a str {
     let stripped = part.view.as_deref().and_then(|view| name.strip_suffix(view)?.strip_suffix('-'));
     stripped.unwrap_or(name)
 }
 
-/// A channel's name without the view before its last component, such as `Depth.Z` for `Depth.left.Z`.
+/// Returns the name of a channel without the view before its last component, such as `Depth.Z` for `Depth.left.Z`. The
+/// result is `None` if the name does not have the view there.
 fn without_view_inside(channel: &str, view: &str) -> Option<String> {
     let (before, component) = channel.rsplit_once('.')?;
     Some(format!("{}.{component}", before.strip_suffix(view)?.strip_suffix('.')?))
 }
 
-/// The message about a view that a file lacks, with the names of its views.
+/// Makes the message about a view that a file lacks, with the names of its views.
 fn no_view(parts: &[ExrPart], view: &str, file: &str) -> String {
-    let mut names: Vec<&str> = parts.iter().filter_map(|p| p.view.as_deref()).collect();
+    let mut names: Vec<&str> = parts.iter().filter_map(|part| part.view.as_deref()).collect();
     names.sort_unstable();
     names.dedup();
     format!("there is no view {view:?} in {file}, which has {}", list(&names))
 }
 
-/// The part of a name after the part's name and a point; `None` for a name that does not begin with them.
+/// Returns the rest of a channel's name after the name of its part and a point; `None` if the name does not begin with
+/// them.
 fn within_part<'a>(part: &ExrPart, name: &'a str) -> Option<&'a str> {
     let own = part.name.as_deref()?;
     let plain = without_view(part, own);
-    let behind = |before: &str| name.strip_prefix(before)?.strip_prefix('.');
-    behind(own).or_else(|| behind(plain))
+    let rest_after = |part: &str| name.strip_prefix(part)?.strip_prefix('.');
+    rest_after(own).or_else(|| rest_after(plain))
 }
 
-/// The name of a channel, with the name of its part before it unless it is there already.
+/// Returns the name of a channel with the name of its part in front, unless the channel's name begins with it.
 fn full_name(part: &ExrPart, channel: &str) -> String {
     match &part.name {
         Some(name) if within_part(part, channel).is_none() => format!("{name}.{channel}"),
@@ -328,14 +344,15 @@ fn full_name(part: &ExrPart, channel: &str) -> String {
     }
 }
 
-/// The message about a part that a file lacks, with the names of its parts.
+/// Makes the message about a part that a file lacks, with the names of its parts.
 fn no_part(parts: &[ExrPart], part: &str, file: &str) -> String {
-    let names: Vec<&str> = parts.iter().filter_map(|p| p.name.as_deref()).collect();
+    let names: Vec<&str> = parts.iter().filter_map(|part| part.name.as_deref()).collect();
     let which = if names.is_empty() { "no parts with a name".to_owned() } else { list(&names) };
     format!("there is no part {part:?} in {file}, which has {which}")
 }
 
-/// Names with commas between them; of many names, only the first are listed.
+/// Joins names with commas; of more than [`MOST_NAMES`] names, only the first are listed, with the number of the
+/// others.
 fn list(names: &[&str]) -> String {
     let first = names[..names.len().min(MOST_NAMES)].join(", ");
     match names.len().checked_sub(MOST_NAMES) {

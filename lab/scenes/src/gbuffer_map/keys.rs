@@ -1,5 +1,5 @@
-//! The keys of a map's sections, taken one by one. An error about a key has the key's line. After all known keys of a section
-//! were taken, the remaining keys are unknown.
+//! Takes the keys of a map's sections one by one. An error about a key has the key's line. Once all known keys of a
+//! section were taken, the keys that are left are unknown.
 
 use super::files::AttributeName;
 use super::numbers::{MapNumbers, NumbersFrom};
@@ -14,7 +14,7 @@ pub(super) type MapSection = Spanned<BTreeMap<String, Spanned<Value>>>;
 /// The keys of a section that have not been taken yet.
 pub(super) struct MapKeys<'a> {
     text: &'a SourceText<'a>,
-    /// Name of the section, in the brackets of the map.
+    /// Name of the section with its brackets, as in "[depth]".
     pub name: String,
     /// The line in which the section begins.
     pub line: usize,
@@ -25,7 +25,7 @@ pub(super) struct MapKeys<'a> {
 }
 
 impl<'a> MapKeys<'a> {
-    /// The keys of a section of the map `text`. `name` is the section's name in brackets, for errors.
+    /// Collects the keys of a section of the map `text`. `name` is the section's name with its brackets, for errors.
     pub fn new(text: &'a SourceText<'a>, name: &str, section: MapSection) -> Self {
         let line = text.line(section.span());
         let entry = |(key, value): (String, Spanned<Value>)| {
@@ -36,28 +36,29 @@ impl<'a> MapKeys<'a> {
         Self { text, name: name.to_owned(), line, left, known: Vec::new() }
     }
 
-    /// The keys of an optional section; no keys if it is missing.
+    /// Collects the keys of an optional section; there are none if the section is missing.
     pub fn or_empty(text: &'a SourceText<'a>, name: &str, section: Option<MapSection>) -> Self {
         Self::new(text, name, section.unwrap_or_else(|| Spanned::new(0..0, BTreeMap::new())))
     }
 
-    /// An error at a line.
+    /// Makes an error about this section at a line of the map.
     pub fn error(&self, line: usize, message: impl AsRef<str>) -> Error {
         Error::malformed(self.text.path, Some(line), format!("{}: {}", self.name, message.as_ref()))
     }
 
-    /// Takes the value and the line of a key, if it is present, and notes that the section knows the key.
+    /// Takes the value and the line of a key, or `None` if it is absent. The key is noted as one that the section
+    /// knows.
     fn take(&mut self, key: &'static str) -> Option<(Value, usize)> {
         self.known.push(key);
         self.left.remove(key)
     }
 
-    /// Whether a key is present and has not been taken.
+    /// Returns true if a key is present and has not been taken.
     pub fn has(&self, key: &str) -> bool {
         self.left.contains_key(key)
     }
 
-    /// Takes a text; `None` if the key is absent.
+    /// Takes a key whose value must be a text; `None` if the key is absent.
     pub fn text(&mut self, key: &'static str) -> Result<Option<String>> {
         match self.take(key) {
             None => Ok(None),
@@ -66,8 +67,8 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// Takes a key whose value must be a word of `choices`, and returns what the word stands for; `None` if the key is
-    /// absent.
+    /// Takes a key whose value must be a word of `choices`, which pairs each word with what it stands for. Returns what
+    /// the word stands for, or `None` if the key is absent.
     pub fn word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<Option<T>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let found = value.as_str().and_then(|word| choices.iter().find(|(name, _)| *name == word));
@@ -80,7 +81,7 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// Takes one of the words of `choices`, for a required key.
+    /// Takes a required key like [`Self::word`]; it is an error if the key is absent.
     pub fn required_word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<T> {
         match self.word(key, choices)? {
             Some(choice) => Ok(choice),
@@ -88,10 +89,11 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// Takes a number; infinite numbers are allowed only if `may_be_infinite`.
+    /// Takes a key whose value must be a number, which may be infinite only if `may_be_infinite`; `None` if the key is
+    /// absent.
     pub fn number(&mut self, key: &'static str, may_be_infinite: bool) -> Result<Option<f64>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
-        let allowed = |n: &f64| n.is_finite() || (may_be_infinite && !n.is_nan());
+        let allowed = |number: &f64| number.is_finite() || (may_be_infinite && !number.is_nan());
         match number(&value).filter(allowed) {
             Some(number) => Ok(Some(number)),
             None => {
@@ -101,20 +103,22 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// Takes one finite number, or three.
+    /// Takes a key whose value must be one finite number or three; `None` if the key is absent.
     pub fn value(&mut self, key: &'static str) -> Result<Option<Vec<f64>>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
-        let numbers = flat(&value).filter(|n| [1, 3].contains(&n.len()) && n.iter().all(|v| v.is_finite()));
+        let is_right = |numbers: &Vec<f64>| [1, 3].contains(&numbers.len()) && numbers.iter().all(|v| v.is_finite());
+        let numbers = flat(&value).filter(is_right);
         let wrong = || self.error(line, format!("{key} must be a finite number or three, not {}", value_text(&value)));
         numbers.ok_or_else(wrong).map(Some)
     }
 
-    /// Takes names of channels, given as a text or as a list of texts, with the line.
+    /// Takes a key whose value must be names of channels, a text or a list of texts. Returns the names and the key's
+    /// line, or `None` if the key is absent.
     pub fn names(&mut self, key: &'static str) -> Result<Option<(Vec<String>, usize)>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let list = match &value {
             Value::String(name) => Some(vec![name.clone()]),
-            Value::Array(list) => list.iter().map(|v| v.as_str().map(str::to_owned)).collect(),
+            Value::Array(list) => list.iter().map(|value| value.as_str().map(str::to_owned)).collect(),
             _ => None,
         };
         let wrong = || {
@@ -123,33 +127,38 @@ impl<'a> MapKeys<'a> {
         list.ok_or_else(wrong).map(|list| Some((list, line)))
     }
 
-    /// Takes `count` finite numbers, from the map or from an attribute of a file: `{ attribute = "…", file = "…", part = "…"
-    /// }`.
+    /// Takes a key whose value must be `count` finite numbers, or a table that names an attribute of a file with them;
+    /// `None` if the key is absent. Such a table is `{ attribute = "…", file = "…", part = "…" }`.
     pub fn numbers(&mut self, key: &'static str, count: usize) -> Result<Option<MapNumbers>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let from = if let Value::Table(table) = value {
             NumbersFrom::Attribute(self.attribute(key, line, table)?)
         } else {
-            let numbers = flat(&value).filter(|n| n.len() == count && n.iter().all(|v| v.is_finite()));
+            let is_right = |numbers: &Vec<f64>| numbers.len() == count && numbers.iter().all(|v| v.is_finite());
+            let numbers = flat(&value).filter(is_right);
             NumbersFrom::Here(numbers.ok_or_else(|| {
-                let many = if count == 1 { "a finite number".to_owned() } else { format!("{count} finite numbers") };
-                self.error(line, format!("{key} must be {many} or {{ attribute = \"…\" }}, not {}", value_text(&value)))
+                let expected =
+                    if count == 1 { "a finite number".to_owned() } else { format!("{count} finite numbers") };
+                self.error(
+                    line,
+                    format!("{key} must be {expected} or {{ attribute = \"…\" }}, not {}", value_text(&value)),
+                )
             })?)
         };
         Ok(Some(MapNumbers { key: format!("{}: {key}", self.name), line, count, from }))
     }
 
-    /// Reads the table that names an attribute of a file, which is the value of `key`.
+    /// Reads a table that names an attribute of a file. The table is the value of `key`, in the line `line`.
     fn attribute(&self, key: &str, line: usize, table: toml::Table) -> Result<AttributeName> {
         let mut keys = self.inner(key, line, table);
-        let [name, file, part] = ["attribute", "file", "part"].map(|k| keys.text(k));
+        let [name, file, part] = ["attribute", "file", "part"].map(|key| keys.text(key));
         let [name, file, part] = [name?, file?, part?];
         keys.finish()?;
         let name = name.ok_or_else(|| self.error(line, format!("{key} must name an attribute")))?;
         Ok(AttributeName { name, file, part })
     }
 
-    /// Takes the keys of a table within this section.
+    /// Takes a key whose value must be a table, and returns the table's keys; `None` if the key is absent.
     pub fn table(&mut self, key: &'static str) -> Result<Option<Self>> {
         match self.take(key) {
             None => Ok(None),
@@ -158,13 +167,13 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// The keys of a table that is the value of `key`. All keys have the line of the table.
+    /// Collects the keys of a table that is the value of `key`. All keys get the line of the table.
     fn inner(&self, key: &str, line: usize, table: toml::Table) -> Self {
         let left = table.into_iter().map(|(key, value)| (key, (value, line))).collect();
         Self { text: self.text, name: format!("{} {key}", self.name), line, left, known: Vec::new() }
     }
 
-    /// Ends the section, in which all keys must be known.
+    /// Ends the section; it is an error if keys are left.
     ///
     /// # Errors
     /// [`Error::Malformed`] with the first key that was not taken, and the names of the keys that the section knows.
@@ -178,25 +187,26 @@ impl<'a> MapKeys<'a> {
     }
 }
 
-/// The words of `choices` in quotation marks.
+/// Lists the words of `choices` in quotation marks, with commas between them.
 fn words<T>(choices: &[(&str, T)]) -> String {
     choices.iter().map(|(name, _)| format!("{name:?}")).collect::<Vec<_>>().join(", ")
 }
 
-/// The number in a value, with or without a decimal point; `None` for any other value.
+/// Returns the number in a value, with or without a decimal point; `None` for any other value.
 fn number(value: &Value) -> Option<f64> {
-    value.as_float().or_else(|| value.as_integer().map(|n| n as f64))
+    value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64))
 }
 
-/// A number, or the numbers of a list, or the numbers of a list of lists, one list after another.
+/// Returns a number as a list of one, or the numbers of a list, also of nested lists, in order; `None` if anything in
+/// the value is no number.
 fn flat(value: &Value) -> Option<Vec<f64>> {
     match value {
         Value::Array(list) => list.iter().map(flat).collect::<Option<Vec<_>>>().map(|lists| lists.concat()),
-        other => number(other).map(|n| vec![n]),
+        other => number(other).map(|number| vec![number]),
     }
 }
 
-/// A value in the words of an error.
+/// Writes a value for an error.
 fn value_text(value: &Value) -> String {
     /// Greatest length of a value that is quoted; a longer value is described by its kind.
     const LONGEST: usize = 40;
@@ -204,7 +214,7 @@ fn value_text(value: &Value) -> String {
     if text.len() <= LONGEST { text } else { kind(value).to_owned() }
 }
 
-/// The kind of a value, in the words of an error.
+/// Names the kind of a value for an error.
 fn kind(value: &Value) -> &'static str {
     match value {
         Value::String(_) => "a text",

@@ -1,4 +1,5 @@
-//! The normals of a map: signed, encoded from 0 to 1, or octahedral, in the axes of the renderer's world or view space.
+//! The normals of a map: reads channels that are signed, encoded from 0 to 1, or octahedral, in the axes of the
+//! renderer's world or view space.
 
 use super::axes::MapConventions;
 use super::files::MapFiles;
@@ -50,20 +51,22 @@ impl MapNormals {
         Ok(Self { source, is_world, encoding })
     }
 
-    /// Reads the same channels as normals in the other space.
+    /// Returns this section with the other space (world or view) for the same channels.
     pub fn in_other_space(&self) -> Self {
         Self { is_world: !self.is_world, ..self.clone() }
     }
 
-    /// Whether the normals are in world space, so that they can only be read if the camera's place is known.
+    /// Returns true if the normals are in world space. They can then be read only if the camera's place is known.
     pub fn need_world(&self) -> bool {
         self.is_world
     }
 
-    /// View-space normals, zero where `depth` is 0 (sky). Normals that are `signed` keep their length.
+    /// Reads the normals, and converts them to view space; they are zero where the reversed `depth` is 0 (sky). Normals
+    /// with the encoding `signed` keep their length; all others get length 1, or stay zero.
     ///
     /// # Errors
-    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a normal that is not finite.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a normal that is not
+    /// finite.
     pub fn read<'a>(
         &'a self,
         files: &mut MapFiles<'a>,
@@ -72,58 +75,59 @@ impl MapNormals {
         depth: &[f32],
     ) -> Result<Vec<Vec3>> {
         let planes = self.source.read(files)?;
-        let turn = if self.is_world {
+        let to_view = if self.is_world {
             DMat3::from_mat4(camera.world_to_view.as_dmat4()) * conventions.world
         } else {
             conventions.view
         };
-        let pixel = |(i, depth): (usize, &f32)| {
+        let convert = |(pixel, depth): (usize, &f32)| {
             if *depth <= 0.0 {
                 return Ok(Vec3::ZERO);
             }
-            let normal = (turn * self.decode(&planes, i)).as_vec3();
+            let normal = (to_view * self.decode(&planes, pixel)).as_vec3();
             if normal.is_finite() {
                 return Ok(normal);
             }
-            let values = || (0..self.source.count()).map(|k| planes.value(k, i));
-            let bad = values().find(|v| !v.is_finite()).or(values().next()).unwrap_or(f64::NAN);
-            Err(planes.error(i, bad, "be finite"))
+            // The error shows the first value that is not finite, or else the first value.
+            let values = || (0..self.source.count()).map(|plane| planes.value(plane, pixel));
+            let wrong = values().find(|value| !value.is_finite()).or(values().next()).unwrap_or(f64::NAN);
+            Err(planes.error(pixel, wrong, "be finite"))
         };
-        depth.iter().enumerate().map(pixel).collect()
+        depth.iter().enumerate().map(convert).collect()
     }
 
     /// Decodes the normal of a pixel, in the axes of the renderer.
     fn decode(&self, planes: &MapPlanes, pixel: usize) -> DVec3 {
-        let [x, y] = [0, 1].map(|k| planes.value(k, pixel));
+        let [x, y] = [0, 1].map(|plane| planes.value(plane, pixel));
         match self.encoding {
             MapEncoding::Of(NormalEncoding::Float) => DVec3::new(x, y, planes.value(2, pixel)),
             MapEncoding::Of(NormalEncoding::Unorm) => unit(DVec3::new(x, y, planes.value(2, pixel)) * 2.0 - 1.0),
             MapEncoding::Of(NormalEncoding::Octahedral) => octahedral(DVec2::new(x, y)),
             MapEncoding::Of(NormalEncoding::OctahedralUnorm) => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
             MapEncoding::Octahedral888 => {
-                let bytes = [x, y, planes.value(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
-                // The third byte has the upper four bits of both numbers: its lower half belongs to x, its upper half
-                // to y.
-                let (of_y, of_x) = ((bytes[2] / 16.0).floor(), bytes[2] % 16.0);
-                let packed = DVec2::new(of_x * 256.0 + bytes[0], of_y * 256.0 + bytes[1]);
+                let bytes = [x, y, planes.value(2, pixel)].map(|value| (value * 255.0).round().clamp(0.0, 255.0));
+                // The third byte has the upper four bits of each 12-bit number: those of x in its lower half, and those
+                // of y in its upper half. The greatest 12-bit number is 4095.
+                let (upper_y, upper_x) = ((bytes[2] / 16.0).floor(), bytes[2] % 16.0);
+                let packed = DVec2::new(upper_x * 256.0 + bytes[0], upper_y * 256.0 + bytes[1]);
                 octahedral(packed / 4095.0 * 2.0 - 1.0)
             }
         }
     }
 }
 
-/// Whether a normal has a direction.
+/// Returns true if a normal is long enough to have a direction.
 pub(super) fn has_direction(normal: Vec3) -> bool {
     f64::from(normal.length()) >= SHORTEST
 }
 
-/// A vector scaled to length 1, or zero if it has no direction.
-fn unit(v: DVec3) -> DVec3 {
-    if v.length() < SHORTEST { DVec3::ZERO } else { v.normalize() }
+/// Scales a vector to length 1, or to zero if it is too short for a direction.
+fn unit(vector: DVec3) -> DVec3 {
+    if vector.length() < SHORTEST { DVec3::ZERO } else { vector.normalize() }
 }
 
-/// The direction of octahedral coordinates from −1 to 1. The unit sphere is projected onto an octahedron, whose half with z
-/// below 0 is folded outwards over the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
+/// Returns the unit vector of octahedral coordinates from −1 to 1. The sphere is projected onto an octahedron, whose
+/// half with z below 0 is folded outwards around the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
 fn octahedral(point: DVec2) -> DVec3 {
     let z = 1.0 - point.x.abs() - point.y.abs();
     let fold = (-z).max(0.0);

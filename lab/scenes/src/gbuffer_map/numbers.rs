@@ -4,14 +4,14 @@ use super::files::{AttributeName, MapFiles};
 use exr::meta::attribute::AttributeValue;
 use ssct_ground::Result;
 
-/// Source of a number or of a matrix.
+/// The numbers of one key: a number, a vector or a matrix.
 #[derive(Debug, Clone)]
 pub(super) struct MapNumbers {
     /// The section and the key, for errors.
     pub key: String,
     /// The line of the key in the map.
     pub line: usize,
-    /// How many numbers the key has: 1 for a number, 16 for a matrix.
+    /// How many numbers the key has, such as 1 for a number and 16 for a matrix.
     pub count: usize,
     pub from: NumbersFrom,
 }
@@ -24,7 +24,7 @@ pub(super) enum NumbersFrom {
 }
 
 impl MapNumbers {
-    /// The [`Self::count`] numbers.
+    /// Returns the [`Self::count`] numbers, which may be read from a file.
     ///
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) for an attribute that is not [`Self::count`] finite
@@ -35,15 +35,16 @@ impl MapNumbers {
             NumbersFrom::Attribute(name) => name,
         };
         let value = files.attribute(name, self.line, &self.key)?;
-        let numbers = numbers_of(&value).filter(|n| n.len() == self.count && n.iter().all(|v| v.is_finite()));
+        let numbers = numbers_of(&value).filter(|list| list.len() == self.count && list.iter().all(|v| v.is_finite()));
         numbers.ok_or_else(|| {
-            let many = if self.count == 1 { "one finite number".to_owned() } else { format!("{} numbers", self.count) };
-            let message = format!("{}: the attribute {:?} is not {many}", self.key, name.name);
+            let expected =
+                if self.count == 1 { "one finite number".to_owned() } else { format!("{} numbers", self.count) };
+            let message = format!("{}: the attribute {:?} is not {expected}", self.key, name.name);
             files.error(self.line, message)
         })
     }
 
-    /// The number, if [`Self::count`] is 1.
+    /// Returns the number of a key whose [`Self::count`] is 1.
     ///
     /// # Errors
     /// The errors of [`Self::get`].
@@ -53,22 +54,22 @@ impl MapNumbers {
     }
 }
 
-/// The numbers of an attribute; in a text, blanks or commas separate the numbers. `None` for an attribute without
-/// numbers.
+/// Returns the numbers of an attribute; in a text, blanks or commas separate the numbers. The result is `None` if the
+/// attribute holds anything else.
 fn numbers_of(value: &AttributeValue) -> Option<Vec<f64>> {
-    let of_text = |text: &str| {
-        let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+    let numbers_of_text = |text: &str| {
+        let words = text.split(|letter: char| letter.is_whitespace() || letter == ',').filter(|word| !word.is_empty());
         words.map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>()
     };
     Some(match value {
-        AttributeValue::F32(v) => vec![f64::from(*v)],
-        AttributeValue::F64(v) => vec![*v],
-        AttributeValue::I32(v) => vec![f64::from(*v)],
-        AttributeValue::Rational((over, under)) => vec![f64::from(*over) / f64::from(*under)],
-        AttributeValue::FloatVec2(v) => vec![f64::from(v.0), f64::from(v.1)],
+        AttributeValue::F32(number) => vec![f64::from(*number)],
+        AttributeValue::F64(number) => vec![*number],
+        AttributeValue::I32(number) => vec![f64::from(*number)],
+        AttributeValue::Rational((numerator, denominator)) => vec![f64::from(*numerator) / f64::from(*denominator)],
+        AttributeValue::FloatVec2(vector) => vec![f64::from(vector.0), f64::from(vector.1)],
         AttributeValue::FloatVec3((x, y, z)) => [*x, *y, *z].map(f64::from).to_vec(),
-        AttributeValue::Matrix4x4(m) => m.map(f64::from).to_vec(),
-        AttributeValue::Text(text) => of_text(&text.to_string())?,
+        AttributeValue::Matrix4x4(matrix) => matrix.map(f64::from).to_vec(),
+        AttributeValue::Text(text) => numbers_of_text(&text.to_string())?,
         _ => return None,
     })
 }

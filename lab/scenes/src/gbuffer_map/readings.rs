@@ -11,8 +11,8 @@ pub(super) struct Reading {
     pub(super) map: GBufferMap,
 }
 
-/// All readings that differ from a map in one convention, in the kind of depth, or in the way to give the lens or the
-/// place.
+/// Returns all readings that differ from a map in one convention, in the kind of depth, or in how the lens or the place
+/// is given.
 pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
     let mut readings = Vec::new();
     let mut add = |words: String, change: &dyn Fn(&mut GBufferMap)| {
@@ -20,36 +20,36 @@ pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
         change(&mut other);
         readings.push(Reading { words, map: other });
     };
-    // The other order of rows comes before axes that mirror the image in the same way: a wrong order of rows is
-    // commoner.
+    // The first of equally good readings is taken. The order of rows comes before axes that mirror the image in the
+    // same way, since it is wrong more often.
     let word = if map.bottom_up { "top-left" } else { "bottom-left" };
-    add(format!("origin = {word:?}"), &|m| m.bottom_up = !m.bottom_up);
+    add(format!("origin = {word:?}"), &|map| map.bottom_up = !map.bottom_up);
     for (word, kind) in map.depth.other_kinds() {
-        add(format!("kind = {word:?} in [depth]"), &|m| m.depth = m.depth.with_kind(kind));
+        add(format!("kind = {word:?} in [depth]"), &|map| map.depth = map.depth.with_kind(kind));
     }
-    let axes = |m: &GBufferMap, is_world: bool| if is_world { m.conventions.world } else { m.conventions.view };
+    let axes = |map: &GBufferMap, is_world: bool| if is_world { map.conventions.world } else { map.conventions.view };
     for (key, is_world) in [("view", false), ("world", true)] {
         for (word, named) in Axes::NAMES {
             if named.to_ours() != axes(map, is_world) {
-                add(format!("{key} = {word:?} in [conventions]"), &|m| {
-                    let MapConventions { view, world, .. } = m.conventions;
+                add(format!("{key} = {word:?} in [conventions]"), &|map| {
+                    let MapConventions { view, world, .. } = map.conventions;
                     let (view, world) = if is_world { (view, named.to_ours()) } else { (named.to_ours(), world) };
-                    m.conventions = MapConventions { view, world, ..m.conventions };
+                    map.conventions = MapConventions { view, world, ..map.conventions };
                 });
             }
         }
     }
     if map.camera.has_place() {
         let word = if map.normals.need_world() { "view" } else { "world" };
-        add(format!("space = {word:?} in [normal]"), &|m| m.normals = m.normals.in_other_space());
+        add(format!("space = {word:?} in [normal]"), &|map| map.normals = map.normals.in_other_space());
     }
     let (word, order) = match map.conventions.matrices {
         MatrixOrder::Columns => ("rows", MatrixOrder::Rows),
         MatrixOrder::Rows => ("columns", MatrixOrder::Columns),
     };
-    add(format!("matrices = {word:?} in [conventions]"), &|m| m.conventions.matrices = order);
+    add(format!("matrices = {word:?} in [conventions]"), &|map| map.conventions.matrices = order);
     for (words, camera) in map.camera.other_ways() {
-        add(words.to_owned(), &|m| m.camera = camera.clone());
+        add(words.to_owned(), &|map| map.camera = camera.clone());
     }
     readings
 }

@@ -1,4 +1,4 @@
-//! Sources of a section's values: channels of a file, or constants.
+//! The values of a section of a map: where they come from (channels of a file, or constants), and how they are decoded.
 
 use super::files::{ChannelSource, MapFiles};
 use super::keys::MapKeys;
@@ -6,7 +6,7 @@ use ssct_ground::math;
 use ssct_ground::{Error, Result};
 use std::path::Path;
 
-/// Source of the values of a section, one or several a pixel, and their decoding.
+/// Where the values of a section come from, one or several for each pixel, and how they are decoded.
 #[derive(Debug, Clone)]
 pub(super) struct MapSource {
     /// The name of the section, for errors.
@@ -14,9 +14,9 @@ pub(super) struct MapSource {
     line: usize,
     from: SourceFrom,
     is_srgb: bool,
-    /// Factor of each decoded value.
+    /// Factor on each decoded value.
     scale: Option<f64>,
-    /// Number that is added after the scale.
+    /// Number that is added after the factor.
     offset: Option<f64>,
     /// Whether files are refused whose compression rounds values.
     exact: bool,
@@ -32,7 +32,7 @@ enum SourceFrom {
 /// Rules for the source of a section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SourceRules {
-    /// Allowed numbers of channels.
+    /// Allowed numbers of channels or constants.
     pub counts: &'static [usize],
     /// Whether constants may replace channels.
     pub may_be_constant: bool,
@@ -45,12 +45,12 @@ pub(super) struct SourceRules {
 }
 
 impl SourceRules {
-    /// One channel, which no compression may have rounded.
+    /// Rules for one channel, which no compression may have rounded.
     pub const EXACT: Self =
         Self { counts: &[1], may_be_constant: false, may_be_srgb: false, has_offset: true, exact: true };
-    /// One value of a material.
+    /// Rules for one value of a material, a channel or a constant.
     pub const MATERIAL: Self = Self { may_be_constant: true, exact: false, ..Self::EXACT };
-    /// A colour or a grey.
+    /// Rules for a colour, with three channels or with one, which is grey.
     pub const COLOUR: Self = Self { counts: &[1, 3], may_be_srgb: true, has_offset: false, ..Self::MATERIAL };
 }
 
@@ -61,7 +61,7 @@ enum MapPlane {
 }
 
 impl MapPlane {
-    /// The stored value of a pixel.
+    /// Returns the stored value of a pixel, which counts row by row.
     fn value(&self, pixel: usize) -> f64 {
         match self {
             Self::Pixels(values) => f64::from(values[pixel]),
@@ -77,14 +77,14 @@ pub(super) struct MapPlanes<'a> {
     planes: Vec<MapPlane>,
     /// The path of the map, for errors.
     map: &'a Path,
-    /// Source of the values, for errors.
+    /// Names of the channels and the path of their file, for errors.
     place: String,
     /// The width of the image in pixels.
     width: usize,
 }
 
 impl MapSource {
-    /// Takes the keys of a section that has no keys other than its source's.
+    /// Takes the keys of a section that has only the keys of a source.
     pub fn only(mut keys: MapKeys, rules: SourceRules) -> Result<Self> {
         let source = Self::take(&mut keys, rules)?;
         keys.finish()?;
@@ -96,7 +96,7 @@ impl MapSource {
         let line = keys.line;
         let [file, part] = ["file", "part"].map(|key| keys.text(key));
         let [file, part] = [file?, part?];
-        let wants = rules.counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
+        let allowed_counts = rules.counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
         let names = if rules.counts.contains(&1) { keys.names("channel")? } else { None };
         let names = if rules.counts == [1] { names } else { names.or(keys.names("channels")?) };
         let value = if rules.may_be_constant { keys.value("value")? } else { None };
@@ -107,13 +107,13 @@ impl MapSource {
         let from = match (names, value) {
             (Some((names, line)), None) => {
                 if !rules.counts.contains(&names.len()) {
-                    return Err(keys.error(line, format!("{} channels are named, not {wants}", names.len())));
+                    return Err(keys.error(line, format!("{} channels are named, not {allowed_counts}", names.len())));
                 }
                 SourceFrom::Channels(ChannelSource { file, part, names, line })
             }
             (None, Some(value)) => {
                 if !rules.counts.contains(&value.len()) {
-                    return Err(keys.error(line, format!("value has {} numbers, not {wants}", value.len())));
+                    return Err(keys.error(line, format!("value has {} numbers, not {allowed_counts}", value.len())));
                 }
                 if file.is_some() || part.is_some() {
                     return Err(keys.error(line, "file and part go with channels, not with a value"));
@@ -122,15 +122,17 @@ impl MapSource {
             }
             (Some(_), Some(_)) => return Err(keys.error(line, "there is a channel and a value; one of them is enough")),
             (None, None) => {
-                let or = if rules.may_be_constant { ", or give a value" } else { "" };
+                let alternative = if rules.may_be_constant { ", or give a value" } else { "" };
                 let key = if rules.counts == [1] { "channel" } else { "channels" };
-                return Err(keys.error(line, format!("{key} is missing: name {wants} {key} of the file{or}")));
+                return Err(
+                    keys.error(line, format!("{key} is missing: name {allowed_counts} {key} of the file{alternative}"))
+                );
             }
         };
         Ok(Self { section: keys.name.clone(), line, from, is_srgb, scale, offset, exact: rules.exact })
     }
 
-    /// Number of values of a pixel.
+    /// Returns the number of values of a pixel.
     pub fn count(&self) -> usize {
         match &self.from {
             SourceFrom::Channels(channels) => channels.names.len(),
@@ -138,7 +140,7 @@ impl MapSource {
         }
     }
 
-    /// Reads the values.
+    /// Reads the channels, or repeats the constants.
     ///
     /// # Errors
     /// The errors of [`MapFiles::channel`].
@@ -150,33 +152,35 @@ impl MapSource {
                 let path = files.path(channels.file.as_deref());
                 (planes, format!("{} of {}", channels.names.join(", "), path.display()))
             }
-            SourceFrom::Constants(values) => (values.iter().map(|v| MapPlane::Constant(*v)).collect(), String::new()),
+            SourceFrom::Constants(values) => {
+                (values.iter().map(|value| MapPlane::Constant(*value)).collect(), String::new())
+            }
         };
         Ok(MapPlanes { source: self, planes, map: files.map, place, width: files.size()[0] as usize })
     }
 }
 
 impl MapPlanes<'_> {
-    /// A value of a pixel as stored in the file.
+    /// Returns a value of a pixel as stored in the file.
     pub fn raw(&self, plane: usize, pixel: usize) -> f64 {
         // A single plane serves for all three values.
         self.planes[plane.min(self.planes.len() - 1)].value(pixel)
     }
 
-    /// A value of a pixel: decoded, multiplied by `scale`, and with `offset` added.
+    /// Returns a value of a pixel: decoded, multiplied by `scale`, and with `offset` added.
     pub fn value(&self, plane: usize, pixel: usize) -> f64 {
         let raw = self.raw(plane, pixel);
         let decoded = if self.source.is_srgb { f64::from(math::srgb_to_linear(raw as f32)) } else { raw };
         decoded * self.source.scale.unwrap_or(1.0) + self.source.offset.unwrap_or(0.0)
     }
 
-    /// Three values of a pixel; a single value is used for all three.
+    /// Returns three values of a pixel; if there is one plane, all three are equal.
     pub fn three(&self, pixel: usize) -> [f64; 3] {
         [0, 1, 2].map(|plane| self.value(plane, pixel))
     }
 
-    /// An error about a pixel with a wrong value, as [`Self::value`] returns it. `must` says what the value must do, as in "be
-    /// finite".
+    /// Makes an error about a pixel with a wrong value. `value` is what [`Self::value`] returns, and `must` says what
+    /// is required of it, as in "be finite".
     pub fn error(&self, pixel: usize, value: f64, must: &str) -> Error {
         let location = match self.source.from {
             SourceFrom::Constants(_) => String::new(),

@@ -9,7 +9,7 @@ use glam::Vec3;
 use ssct_geometry::texture;
 use ssct_ground::Result;
 
-/// A value that leaves 0 to 1 by at most this much is clamped; filters and lossy compressions overshoot by about as
+/// A value outside 0 to 1 by at most this much is clamped, since filters and lossy compressions overshoot by about as
 /// much.
 const OVERSHOOT: f64 = 0.01;
 
@@ -33,24 +33,24 @@ pub(super) struct MapRoughness {
     kind: RoughnessKind,
 }
 
-/// A value for each pixel, 0 where the reversed depth is 0 (sky).
+/// Computes a value for each pixel by its number; sky, where the reversed depth is 0, gets 0.
 fn each(depth: &[f32], value: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>> {
-    let pixel = |(i, depth): (usize, &f32)| if *depth <= 0.0 { Ok(0.0) } else { value(i) };
-    depth.iter().enumerate().map(pixel).collect()
+    let value_or_sky = |(pixel, depth): (usize, &f32)| if *depth <= 0.0 { Ok(0.0) } else { value(pixel) };
+    depth.iter().enumerate().map(value_or_sky).collect()
 }
 
-/// A value of a pixel, which must lie in 0 to 1 but for [`OVERSHOOT`].
-fn unit(planes: &MapPlanes, plane: usize, i: usize) -> Result<f64> {
-    let value = planes.value(plane, i);
+/// Returns a value of a pixel, clamped to 0 to 1. It is an error if the value lies outside by more than [`OVERSHOOT`].
+fn unit(planes: &MapPlanes, plane: usize, pixel: usize) -> Result<f64> {
+    let value = planes.value(plane, pixel);
     if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&value) {
         return Ok(value.clamp(0.0, 1.0));
     }
-    Err(planes.error(i, value, "lie in 0 to 1 (scale and offset can take it there)"))
+    Err(planes.error(pixel, value, "lie in 0 to 1 (scale and offset can take it there)"))
 }
 
-/// A colour of a pixel, whose components must lie in 0 to 1.
-fn colour(planes: &MapPlanes, i: usize) -> Result<Vec3> {
-    let [r, g, b] = [0, 1, 2].map(|k| unit(planes, k, i));
+/// Returns the colour of a pixel, whose components must lie in 0 to 1 like a value of [`unit`].
+fn colour(planes: &MapPlanes, pixel: usize) -> Result<Vec3> {
+    let [r, g, b] = [0, 1, 2].map(|plane| unit(planes, plane, pixel));
     Ok(Vec3::new(r? as f32, g? as f32, b? as f32))
 }
 
@@ -70,23 +70,23 @@ impl MapRoughness {
         Ok(Self { source, kind })
     }
 
-    /// Roughness ϱ of every pixel, 0 where `depth` is 0 (sky).
+    /// Reads the roughness ϱ of every pixel; it is 0 where the reversed `depth` is 0 (sky).
     ///
     /// # Errors
     /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         let planes = self.source.read(files)?;
-        each(depth, |i| {
+        each(depth, |pixel| {
             Ok(match self.kind {
-                RoughnessKind::Lobe => unit(&planes, 0, i)? as f32,
-                RoughnessKind::GgxAlpha => roughness_of_alpha(unit(&planes, 0, i)?),
-                RoughnessKind::Perceptual => roughness_of_perceptual(unit(&planes, 0, i)? as f32),
-                RoughnessKind::Smoothness => roughness_of_perceptual((1.0 - unit(&planes, 0, i)?) as f32),
+                RoughnessKind::Lobe => unit(&planes, 0, pixel)? as f32,
+                RoughnessKind::GgxAlpha => roughness_of_alpha(unit(&planes, 0, pixel)?),
+                RoughnessKind::Perceptual => roughness_of_perceptual(unit(&planes, 0, pixel)? as f32),
+                RoughnessKind::Smoothness => roughness_of_perceptual((1.0 - unit(&planes, 0, pixel)?) as f32),
                 // An exponent of 0 is the widest lobe; an infinite one is a mirror.
-                RoughnessKind::PhongExponent => match planes.value(0, i) {
+                RoughnessKind::PhongExponent => match planes.value(0, pixel) {
                     0.0 => 1.0,
                     exponent if exponent > 0.0 => roughness_of_exponent(exponent as f32),
-                    other => return Err(planes.error(i, other, "be a number from 0 on")),
+                    other => return Err(planes.error(pixel, other, "be a number from 0 on")),
                 },
             })
         })
@@ -98,16 +98,16 @@ impl MapRoughness {
 pub(super) enum MapReflectivity {
     /// The reflectivity itself, as a number or a colour.
     Given(MapSource),
-    /// Reflectivity from metalness, base colour and the reflection of dielectrics along the normal.
+    /// Values from which reflectivity is computed.
     Metallic(Box<MapMetallic>),
 }
 
-/// The values from which reflectivity is computed.
+/// Metalness and base colour, from which reflectivity is computed.
 #[derive(Debug, Clone)]
 pub(super) struct MapMetallic {
     metallic: MapSource,
     base: MapSource,
-    /// The reflection of dielectrics along the normal; [`material_terms::F0`] without it.
+    /// The reflectivity of dielectrics along the normal; [`material_terms::F0`] if it is missing.
     f0: Option<MapSource>,
 }
 
@@ -126,8 +126,8 @@ impl MapReflectivity {
         Ok(Self::Metallic(Box::new(MapMetallic { metallic, base, f0 })))
     }
 
-    /// Reflectivity of every pixel; 0 where `depth` is 0 (sky). A reflectivity that is given as a colour counts by its
-    /// luminance.
+    /// Reads the reflectivity of every pixel; it is 0 where the reversed `depth` is 0 (sky). A reflectivity that is
+    /// given as a colour becomes its luminance.
     ///
     /// # Errors
     /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value out of range.
@@ -135,11 +135,11 @@ impl MapReflectivity {
         match self {
             Self::Given(source) => {
                 let planes = source.read(files)?;
-                each(depth, |i| {
+                each(depth, |pixel| {
                     Ok(if source.count() == 1 {
-                        unit(&planes, 0, i)? as f32
+                        unit(&planes, 0, pixel)? as f32
                     } else {
-                        texture::luminance(colour(&planes, i)?).clamp(0.0, 1.0)
+                        texture::luminance(colour(&planes, pixel)?).clamp(0.0, 1.0)
                     })
                 })
             }
@@ -148,11 +148,11 @@ impl MapReflectivity {
                 let metallic = metallic.read(files)?;
                 let base = base.read(files)?;
                 let f0 = f0.as_ref().map(|f0| f0.read(files)).transpose()?;
-                each(depth, |i| {
-                    let f0 = f0.as_ref().map(|f0| unit(f0, 0, i)).transpose()?;
+                each(depth, |pixel| {
+                    let f0 = f0.as_ref().map(|f0| unit(f0, 0, pixel)).transpose()?;
                     let f0 = f0.map_or(material_terms::F0, |f0| f0 as f32);
-                    let metallic = unit(&metallic, 0, i)? as f32;
-                    Ok(material_terms::reflectivity(colour(&base, i)?, metallic, Vec3::splat(f0)))
+                    let metallic = unit(&metallic, 0, pixel)? as f32;
+                    Ok(material_terms::reflectivity(colour(&base, pixel)?, metallic, Vec3::splat(f0)))
                 })
             }
         }
@@ -163,6 +163,7 @@ impl MapReflectivity {
 #[derive(Debug, Clone)]
 pub(super) struct MapColour {
     source: MapSource,
+    /// The second factor of a product.
     times: Option<MapSource>,
 }
 
@@ -175,30 +176,35 @@ impl MapColour {
         Ok(Self { source, times })
     }
 
-    /// The sum of the terms for every pixel, including sky; components below 0 become 0.
+    /// Reads the terms, and returns their sum for every pixel, including sky. Components below 0 become 0, and
+    /// components above the greatest 32-bit float become that.
     ///
     /// # Errors
-    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value that is not finite.
+    /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value that is not
+    /// finite.
     pub fn read_sum<'a>(terms: &'a [Self], files: &mut MapFiles<'a>) -> Result<Vec<Vec3>> {
         let mut sum = vec![[0.0_f64; 3]; files.pixels()];
         for term in terms {
             let planes = term.source.read(files)?;
             let times = term.times.as_ref().map(|times| times.read(files)).transpose()?;
-            for (i, sum) in sum.iter_mut().enumerate() {
-                let factors = times.as_ref().map_or([1.0; 3], |times| times.three(i));
-                for ((sum, value), factor) in sum.iter_mut().zip(planes.three(i)).zip(factors) {
+            for (pixel, sum) in sum.iter_mut().enumerate() {
+                let factors = times.as_ref().map_or([1.0; 3], |times| times.three(pixel));
+                for ((sum, value), factor) in sum.iter_mut().zip(planes.three(pixel)).zip(factors) {
                     if !(value * factor).is_finite() {
-                        return Err(planes.error(i, value * factor, "be finite"));
+                        return Err(planes.error(pixel, value * factor, "be finite"));
                     }
                     *sum += value * factor;
                 }
             }
         }
-        Ok(sum.into_iter().map(|rgb| Vec3::from(rgb.map(|v| v.max(0.0).min(f64::from(f32::MAX)) as f32))).collect())
+        Ok(sum
+            .into_iter()
+            .map(|rgb| Vec3::from(rgb.map(|value| value.max(0.0).min(f64::from(f32::MAX)) as f32)))
+            .collect())
     }
 }
 
-/// The channel that marks surfaces that show the environment of [`sky`](crate::sky).
+/// The channel that marks the surfaces that show the environment of [`sky`](crate::sky).
 #[derive(Debug, Clone)]
 pub(super) struct MapSky(MapSource);
 
@@ -208,13 +214,13 @@ impl MapSky {
         Ok(Self(MapSource::only(keys, SourceRules::EXACT)?))
     }
 
-    /// The kind of surface of every pixel.
+    /// Reads the kind of surface of every pixel: sky where the channel is above ½.
     ///
     /// # Errors
     /// The errors of [`MapSource::read`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Vec<Surface>> {
         let planes = self.0.read(files)?;
-        let shows = |i| if planes.value(0, i) > 0.5 { Surface::Sky } else { Surface::Lit };
-        Ok((0..files.pixels()).map(shows).collect())
+        let surface = |pixel| if planes.value(0, pixel) > 0.5 { Surface::Sky } else { Surface::Lit };
+        Ok((0..files.pixels()).map(surface).collect())
     }
 }

@@ -1,21 +1,23 @@
-//! Buffer views that `EXT_meshopt_compression` or `KHR_meshopt_compression` compresses, decoded by the crate `meshopt`.
+//! Decodes buffer views that are compressed with `EXT_meshopt_compression` or `KHR_meshopt_compression`, by the crate
+//! `meshopt`.
 
 use gltf::json::buffer::{Buffer, View};
 use serde::Deserialize;
 use serde_json::Value;
 use ssct_geometry::bounded;
 
-/// The names of the extension. The second one has the same members, and more versions of the codecs.
+/// The two names of the extension. The second extension has the same members as the first, and more versions of the
+/// codecs.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Greatest number of bytes that one byte may unpack to, with a margin: a block of 256 equal vertices has one byte for each
-/// four bytes of a vertex.
+/// Greatest number of bytes that one byte may unpack to. A block of 256 equal vertices has one byte for each four bytes
+/// of a vertex, so that one byte unpacks to 1024; the rest is a margin.
 const MOST_UNPACKED_PER_BYTE: u64 = 2048;
 
-/// Any view, however short, may unpack to this many bytes.
+/// Number of bytes that any view, however short, may unpack to.
 const FREE_BYTES: u64 = 1 << 16;
 
-/// Location of the bytes of a view, and their compression. The fields are the members of the extension.
+/// Where the compressed bytes of a view are, and how they are compressed. The fields are the members of the extension.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Compressed {
@@ -30,10 +32,10 @@ pub(super) struct Compressed {
     filter: Option<String>,
 }
 
-/// The compression of a view; `None` for an uncompressed one.
+/// Returns the compression of a view; `None` for an uncompressed view.
 ///
 /// # Errors
-/// A clause that names the wrong member.
+/// A clause that names the member that is wrong.
 pub(super) fn compressed(view: &View) -> Result<Option<Compressed>, String> {
     let others = view.extensions.as_ref().map(|extensions| &extensions.others);
     let Some(extension) = others.and_then(|others| NAMES.iter().find_map(|name| others.get(*name))) else {
@@ -42,19 +44,21 @@ pub(super) fn compressed(view: &View) -> Result<Option<Compressed>, String> {
     Compressed::deserialize(extension).map(Some).map_err(|e| format!("its compression is not one of meshopt: {e}"))
 }
 
-/// Whether a buffer has no bytes of its own, since all of its views are compressed.
+/// Returns true if a buffer has no bytes of its own, because all of its views are compressed.
 pub(super) fn is_placeholder(buffer: &Buffer) -> bool {
     let others = buffer.extensions.as_ref().map(|extensions| &extensions.others);
     others.is_some_and(|others| {
-        NAMES.iter().any(|name| others.get(*name).and_then(|e| e.get("fallback")) == Some(&Value::Bool(true)))
+        NAMES
+            .iter()
+            .any(|name| others.get(*name).and_then(|extension| extension.get("fallback")) == Some(&Value::Bool(true)))
     })
 }
 
 impl Compressed {
-    /// Decodes the bytes of the view.
+    /// Decodes the compressed bytes of the view to its own bytes.
     ///
     /// # Errors
-    /// A clause about members that contradict each other or the format, and about bytes that are not in the format of meshopt.
+    /// A clause if members contradict each other or the format, or if the bytes are not in the format of meshopt.
     pub(super) fn decode(&self, encoded: &[u8]) -> Result<Vec<u8>, String> {
         let Self { byte_stride: stride, count, .. } = *self;
         let unpacked = (stride as u64).saturating_mul(count as u64);
@@ -68,7 +72,7 @@ impl Compressed {
                 self.unfilter(&mut words)?;
                 Ok(bytemuck::cast_slice(&words).to_vec())
             }
-            // The decoder accepts only whole triangles.
+            // The decoder accepts only whole triangles, so that the count must be a multiple of three.
             ("TRIANGLES", 2 | 4) if count % 3 == 0 => {
                 Ok(indices(stride, &meshopt::decode_index_buffer::<u32>(encoded, count).map_err(damaged)?))
             }
@@ -82,7 +86,7 @@ impl Compressed {
         }
     }
 
-    /// Applies the filter that the encoder requires.
+    /// Applies the filter that the extension names, in place. `words` are the decoded elements, as 32-bit words.
     fn unfilter(&self, words: &mut [u32]) -> Result<(), String> {
         let filter = self.filter.as_deref().unwrap_or("NONE");
         match (filter, self.byte_stride) {
@@ -102,12 +106,12 @@ impl Compressed {
     }
 }
 
-/// The bytes of indices, with `stride` bytes for each, the lowest byte first.
+/// Returns the bytes of indices, with `stride` bytes (2 or 4) for each, the lowest byte first.
 fn indices(stride: usize, decoded: &[u32]) -> Vec<u8> {
     decoded.iter().flat_map(|index| index.to_le_bytes().into_iter().take(stride)).collect()
 }
 
-/// An element of `N` words.
+/// An element of `N` 32-bit words.
 #[derive(Clone)]
 struct Element<const N: usize>([u32; N]);
 
@@ -123,8 +127,8 @@ fn decode_elements<const N: usize>(encoded: &[u8], count: usize) -> meshopt::Res
     Ok(elements.into_iter().flat_map(|element| element.0).collect())
 }
 
-/// Decodes `count` elements of `words` words each, 1 to 64. There is a case for each size, since the crate takes the
-/// size from a type.
+/// Decodes `count` elements of `words` 32-bit words each, 1 to 64. There is a case for each size, since the crate takes
+/// the size from a type.
 fn decode_vertices(encoded: &[u8], count: usize, words: usize) -> meshopt::Result<Vec<u32>> {
     macro_rules! sized {
         ($($n:literal)*) => {

@@ -1,7 +1,7 @@
-//! The bytes that a document points to: buffers, images, and the accessors of numbers.
+//! The data that a document points to: bytes of buffers and images, and numbers of accessors.
 //!
-//! An accessor is read one element at a time ([`Vectors`], [`Indices`]). Primitives that share a large accessor then read only
-//! the elements that they draw.
+//! An accessor is read one element at a time ([`Vectors`], [`Indices`]). If primitives share a large accessor, each
+//! reads only the elements that it draws.
 
 use super::compression;
 use crate::obj::resolve;
@@ -20,10 +20,11 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Greatest size, in bytes, of a file beside the document that is read.
+/// Greatest size, in bytes, of a buffer's file beside the document.
 const MAX_FILE_BYTES: u64 = 1 << 32;
 
-/// Greatest number of elements of indices or positions that may have no bytes in the file.
+/// Greatest number of elements of an accessor without bytes in the file, whose elements are zeros. A short file could
+/// otherwise claim any number.
 const MAX_ZEROS: usize = 1 << 20;
 
 /// Base64 with or without its padding.
@@ -50,30 +51,33 @@ pub(super) enum ImageBytes<'a> {
 }
 
 impl<'a> Data<'a> {
-    /// Reads all buffers.
+    /// Reads all buffers, and decodes the compressed views. `blob` is the binary chunk of a `.glb`, which is buffer 0.
     pub(super) fn new(path: &'a Path, document: &'a Document, mut blob: Option<Vec<u8>>) -> Result<Self> {
         let mut buffers = Vec::new();
-        for (i, buffer) in document.as_json().buffers.iter().enumerate() {
+        for (index, buffer) in document.as_json().buffers.iter().enumerate() {
             let bytes = match &buffer.uri {
                 Some(uri) => match inline(uri) {
-                    Some(bytes) => bytes.ok_or_else(|| malformed(path, format!("buffer {i} is not valid base64")))?,
+                    Some(bytes) => {
+                        bytes.ok_or_else(|| malformed(path, format!("buffer {index} is not valid base64")))?
+                    }
                     None => {
-                        let file = relative_file(path, uri).map_err(|m| malformed(path, format!("buffer {i} {m}")))?;
+                        let file = relative_file(path, uri)
+                            .map_err(|message| malformed(path, format!("buffer {index} {message}")))?;
                         bounded::read(&file, "a buffer", MAX_FILE_BYTES)
-                            .map_err(|e| malformed(path, format!("buffer {i} cannot be used: {e}")))?
+                            .map_err(|e| malformed(path, format!("buffer {index} cannot be used: {e}")))?
                     }
                 },
                 None if compression::is_placeholder(buffer) => {
                     buffers.push(Vec::new());
                     continue;
                 }
-                None => blob.take().filter(|_| i == 0).ok_or_else(|| {
-                    malformed(path, format!("buffer {i} has no address, and the file has no binary chunk for it"))
+                None => blob.take().filter(|_| index == 0).ok_or_else(|| {
+                    malformed(path, format!("buffer {index} has no address, and the file has no binary chunk for it"))
                 })?,
             };
             let stated = buffer.byte_length.0;
             if stated > bytes.len() as u64 {
-                let message = format!("buffer {i} has {} bytes where the document states {stated}", bytes.len());
+                let message = format!("buffer {index} has {} bytes where the document states {stated}", bytes.len());
                 return Err(malformed(path, message));
             }
             buffers.push(bytes);
@@ -82,12 +86,12 @@ impl<'a> Data<'a> {
         Ok(Self { path, document, buffers, decoded })
     }
 
-    /// An error about the file.
+    /// Makes an error about the file.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
         malformed(self.path, message)
     }
 
-    /// The bytes of a buffer view.
+    /// Returns the bytes of a buffer view, decoded if the view is compressed.
     fn view(&self, index: usize) -> Result<&[u8]> {
         if let Some(bytes) = self.decoded.get(&index) {
             return Ok(bytes);
@@ -95,13 +99,13 @@ impl<'a> Data<'a> {
         let outside = || self.error(format!("buffer view {index} leaves its buffer"));
         let view = self.document.as_json().buffer_views.get(index).ok_or_else(outside)?;
         let buffer = self.buffers.get(view.buffer.value()).ok_or_else(outside)?;
-        let start = view.byte_offset.map_or(0, |o| o.0);
+        let start = view.byte_offset.map_or(0, |offset| offset.0);
         let end = start.checked_add(view.byte_length.0).ok_or_else(outside)?;
-        let [start, end] = [start, end].map(|v| usize::try_from(v).unwrap_or(usize::MAX));
+        let [start, end] = [start, end].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
         buffer.get(start..end).ok_or_else(outside)
     }
 
-    /// The location of an image's bytes, and the image's name in messages.
+    /// Returns the name of an image for messages, and where its bytes are.
     pub(super) fn image(&self, index: usize) -> Result<(String, ImageBytes<'_>)> {
         let Some(image) = self.document.as_json().images.get(index) else {
             return Err(self.error(format!("there is no image {index}")));
@@ -119,16 +123,17 @@ impl<'a> Data<'a> {
                 (name(format!("image {index}")), ImageBytes::Here(bytes.into()))
             }
             None => {
-                let file = relative_file(self.path, uri).map_err(|m| self.error(format!("image {index} {m}")))?;
+                let file =
+                    relative_file(self.path, uri).map_err(|message| self.error(format!("image {index} {message}")))?;
                 (bounded::printable_name(&percent_decode_str(uri).decode_utf8_lossy()), ImageBytes::File(file))
             }
         })
     }
 
-    /// The vectors of an accessor.
+    /// Returns the vectors of an accessor. `semantic` names their purpose in errors.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the accessor has not `N` components, or leaves its buffer.
+    /// [`Error::Malformed`] if the elements of the accessor do not have `N` components, or leave its buffer.
     pub(super) fn vectors<const N: usize>(&self, accessor: &Accessor, semantic: &Semantic) -> Result<Vectors<'_, N>> {
         let dimensions = accessor.dimensions();
         let wanted = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4];
@@ -139,10 +144,10 @@ impl<'a> Data<'a> {
         self.numbers(accessor)
     }
 
-    /// The matrices of an accessor, column by column.
+    /// Returns the matrices of an accessor, each with its 16 numbers column by column.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the accessor has no matrices of 4 × 4 floats, or leaves its buffer.
+    /// [`Error::Malformed`] if the elements of the accessor are not matrices of 4 × 4 floats, or leave its buffer.
     pub(super) fn matrices(&self, accessor: &Accessor) -> Result<Vectors<'_, 16>> {
         if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
             let index = accessor.index();
@@ -151,11 +156,11 @@ impl<'a> Data<'a> {
         self.numbers(accessor)
     }
 
-    /// The numbers of an accessor, whose elements have `N` numbers each.
+    /// Returns the numbers of an accessor whose elements have `N` numbers each, of any shape.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the accessor leaves its buffer, has other elements, or claims more than [`MAX_ZEROS`]
-    /// elements without bytes.
+    /// [`Error::Malformed`] if the accessor leaves its buffer, if its elements do not have `N` numbers, or if it claims
+    /// more than [`MAX_ZEROS`] elements without bytes.
     pub(super) fn floats<const N: usize>(&self, accessor: &Accessor) -> Result<Vectors<'_, N>> {
         let numbers = self.numbers(accessor)?;
         if accessor.dimensions().multiplicity() != N {
@@ -165,20 +170,21 @@ impl<'a> Data<'a> {
         Ok(numbers)
     }
 
-    /// The elements of an accessor as vectors of `N` numbers; the caller checks that each element has `N` numbers.
+    /// Returns the elements of an accessor as vectors of `N` numbers; the caller checks that each element has `N`
+    /// numbers.
     fn numbers<const N: usize>(&self, accessor: &Accessor) -> Result<Vectors<'_, N>> {
         let (data_type, normalized) = (accessor.data_type(), accessor.normalized());
         Ok(Vectors { elements: self.elements(accessor)?, data_type, normalized })
     }
 
-    /// The indices of an accessor.
+    /// Returns the indices of an accessor.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the accessor has no unsigned integers, leaves its buffer, or claims more than
+    /// [`Error::Malformed`] if the accessor does not have unsigned integers, leaves its buffer, or claims more than
     /// [`MAX_ZEROS`] elements without bytes.
     pub(super) fn indices(&self, accessor: &Accessor) -> Result<Indices<'_>> {
-        let integer = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
-        if accessor.dimensions() != Dimensions::Scalar || !integer {
+        let is_unsigned = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
+        if accessor.dimensions() != Dimensions::Scalar || !is_unsigned {
             return Err(self.error(format!("accessor {} of indices must have unsigned integers", accessor.index())));
         }
         let elements = self.elements(accessor)?;
@@ -186,8 +192,8 @@ impl<'a> Data<'a> {
         Ok(Indices(elements))
     }
 
-    /// Checks that the accessor of an index claims no huge number of elements without bytes in the file, which are
-    /// zeros.
+    /// Checks that an accessor claims no huge number of elements without bytes in the file, which are zeros. `index` is
+    /// the accessor's index, and `elements` are its elements.
     ///
     /// # Errors
     /// [`Error::Malformed`] for more than [`MAX_ZEROS`] elements without bytes.
@@ -201,7 +207,7 @@ impl<'a> Data<'a> {
         Ok(())
     }
 
-    /// The elements of an accessor, which all lie within its view.
+    /// Returns the elements of an accessor, after a check that all of them lie within its view.
     fn elements(&self, accessor: &Accessor) -> Result<Elements<'_>> {
         let index = accessor.index();
         let json = &self.document.as_json().accessors[index];
@@ -211,8 +217,9 @@ impl<'a> Data<'a> {
         let base = match json.buffer_view {
             Some(view) => {
                 let views = &self.document.as_json().buffer_views;
-                let stride = views.get(view.value()).and_then(|v| v.byte_stride).map_or(size, |s| s.0.max(1));
-                let start = json.byte_offset.map_or(0, |o| o.0);
+                let stride =
+                    views.get(view.value()).and_then(|view| view.byte_stride).map_or(size, |bytes| bytes.0.max(1));
+                let start = json.byte_offset.map_or(0, |offset| offset.0);
                 Some(Strided::new(self.view(view.value())?, start, stride, size, count).ok_or_else(outside)?)
             }
             None => None,
@@ -224,29 +231,30 @@ impl<'a> Data<'a> {
         Ok(Elements { base, size, count, changed })
     }
 
-    /// The elements that a sparse accessor changes, in the order of their indices, each as its index and its bytes. The
-    /// accessor has the index `index` and `count` elements of `size` bytes.
+    /// Returns the elements that a sparse accessor changes, each as its index and its bytes, in the order of their
+    /// indices. The accessor has the index `index` and `count` elements of `size` bytes.
     fn changed(&self, sparse: &Sparse, (index, count, size): (usize, usize, usize)) -> Result<Vec<(usize, &[u8])>> {
         let outside = || self.error(format!("accessor {index}: its sparse elements leave their buffer view"));
-        let many = usize::try_from(sparse.count.0).map_err(|_| outside())?;
+        let changed_count = usize::try_from(sparse.count.0).map_err(|_| outside())?;
         let Checked::Valid(IndexComponentType(kind)) = sparse.indices.component_type else { return Err(outside()) };
         let strided = |view: usize, start: u64, size: usize| -> Result<Strided<'_>> {
-            Strided::new(self.view(view)?, start, size, size, many).ok_or_else(outside)
+            Strided::new(self.view(view)?, start, size, size, changed_count).ok_or_else(outside)
         };
         let indices = strided(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, kind.size())?;
         let values = strided(sparse.values.buffer_view.value(), sparse.values.byte_offset.0, size)?;
-        let pair = |k: usize| {
-            let element = little_endian(indices.get(k)) as usize;
-            if element < count { Ok((element, values.get(k))) } else { Err(outside()) }
+        let change = |number: usize| {
+            let element = little_endian(indices.get(number)) as usize;
+            if element < count { Ok((element, values.get(number))) } else { Err(outside()) }
         };
-        let mut changed = (0..many).map(pair).collect::<Result<Vec<_>>>()?;
-        // The elements should be in order already. If an element is changed twice, the last change counts.
+        let mut changed = (0..changed_count).map(change).collect::<Result<Vec<_>>>()?;
+        // A valid file has them in order already. The sort keeps the order of two changes of one element, of which the
+        // last counts.
         changed.sort_by_key(|(element, _)| *element);
         Ok(changed)
     }
 }
 
-/// Decodes the compressed views; the keys of the result are indices of views.
+/// Decodes the compressed views of a document. The result has the bytes by the index of the view.
 fn decoded(path: &Path, document: &Document, buffers: &[Vec<u8>]) -> Result<HashMap<usize, Vec<u8>>> {
     let mut decoded = HashMap::new();
     for (index, view) in document.as_json().buffer_views.iter().enumerate() {
@@ -266,7 +274,7 @@ fn decoded(path: &Path, document: &Document, buffers: &[Vec<u8>]) -> Result<Hash
     Ok(decoded)
 }
 
-/// Elements of one size at equal distances.
+/// Elements of `size` bytes, one every `stride` bytes.
 struct Strided<'a> {
     bytes: &'a [u8],
     stride: usize,
@@ -274,8 +282,8 @@ struct Strided<'a> {
 }
 
 impl<'a> Strided<'a> {
-    /// `count` elements of `size` bytes that begin every `stride` bytes from `start` on; `None` if the last one exceeds
-    /// `bytes`.
+    /// Takes `count` elements of `size` bytes, of which one begins every `stride` bytes from `start` on; `None` if the
+    /// last one exceeds `bytes`.
     fn new(bytes: &'a [u8], start: u64, stride: usize, size: usize, count: usize) -> Option<Self> {
         let bytes = bytes.get(usize::try_from(start).ok()?..)?;
         let end = match count.checked_sub(1) {
@@ -285,13 +293,13 @@ impl<'a> Strided<'a> {
         (end <= bytes.len()).then_some(Self { bytes, stride, size })
     }
 
-    /// The bytes of element `k`.
-    fn get(&self, k: usize) -> &'a [u8] {
-        &self.bytes[k * self.stride..][..self.size]
+    /// Returns the bytes of an element.
+    fn get(&self, element: usize) -> &'a [u8] {
+        &self.bytes[element * self.stride..][..self.size]
     }
 }
 
-/// The bytes of an accessor's elements: the bytes of its view, or else zeros, with some elements changed.
+/// The bytes of an accessor's elements: those of its view, or zeros if it has none, except for the changed elements.
 pub(super) struct Elements<'a> {
     base: Option<Strided<'a>>,
     size: usize,
@@ -301,13 +309,13 @@ pub(super) struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
-    /// The bytes of element `k`: its last change, else its bytes in the view, else zeros. An element has at most 64
-    /// bytes, the size of a matrix of floats.
-    fn get(&self, k: usize) -> &'a [u8] {
-        let behind = self.changed.partition_point(|(element, _)| *element <= k);
-        match behind.checked_sub(1).map(|last| self.changed[last]) {
-            Some((element, bytes)) if element == k => bytes,
-            _ => self.base.as_ref().map_or(&[0; 64][..self.size], |base| base.get(k)),
+    /// Returns the bytes of an element: those of its last change, else those in the view, else zeros. An element has at
+    /// most 64 bytes, the size of a matrix of floats.
+    fn get(&self, element: usize) -> &'a [u8] {
+        let end = self.changed.partition_point(|(changed, _)| *changed <= element);
+        match end.checked_sub(1).map(|last| self.changed[last]) {
+            Some((changed, bytes)) if changed == element => bytes,
+            _ => self.base.as_ref().map_or(&[0; 64][..self.size], |base| base.get(element)),
         }
     }
 }
@@ -320,12 +328,12 @@ pub(super) struct Vectors<'a, const N: usize> {
 }
 
 impl<const N: usize> Vectors<'_, N> {
-    /// Number of vectors.
+    /// Returns the number of vectors.
     pub(super) fn len(&self) -> usize {
         self.elements.count
     }
 
-    /// A vector; integers are converted to 0…1 or −1…1 if the accessor is normalized.
+    /// Returns vector number `k`. If the accessor is normalized, integers are converted to 0…1 or −1…1.
     pub(super) fn get(&self, k: usize) -> [f32; N] {
         let unit = |value: f32, greatest: f32| if self.normalized { (value / greatest).max(-1.0) } else { value };
         let number = |bytes: &[u8]| -> f32 {
@@ -341,7 +349,7 @@ impl<const N: usize> Vectors<'_, N> {
         };
         let size = self.data_type.size();
         let element = self.elements.get(k);
-        std::array::from_fn(|i| number(&element[i * size..(i + 1) * size]))
+        std::array::from_fn(|component| number(&element[component * size..(component + 1) * size]))
     }
 }
 
@@ -349,24 +357,24 @@ impl<const N: usize> Vectors<'_, N> {
 pub(super) struct Indices<'a>(Elements<'a>);
 
 impl Indices<'_> {
-    /// The indices, in the order of the accessor.
+    /// Returns the indices, in the order of the accessor.
     pub(super) fn iter(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.0.count).map(|k| little_endian(self.0.get(k)))
+        (0..self.0.count).map(|element| little_endian(self.0.get(element)))
     }
 }
 
-/// The unsigned integer of one to four bytes, the lowest byte first.
+/// Returns the unsigned integer of one to four bytes, the lowest byte first.
 fn little_endian(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
 }
 
-/// An error about the file at `path`, without a line.
+/// Makes an error about the file at `path`, without a line.
 fn malformed(path: &Path, message: impl Into<String>) -> Error {
     Error::malformed(path, None, message)
 }
 
-/// The bytes of a `data:` address (RFC 2397). The scheme may be written in capitals, and the data may be percent-encoded. The
-/// inner `None` stands for invalid data, the outer `None` for other addresses.
+/// Decodes the bytes of a `data:` address (RFC 2397). The scheme may be written in capitals, and the data may be
+/// percent-encoded. The result is `None` for other addresses, and `Some(None)` for invalid or empty data.
 fn inline(uri: &str) -> Option<Option<Vec<u8>>> {
     let (scheme, rest) = uri.split_once(':')?;
     if !scheme.trim_start().eq_ignore_ascii_case("data") {
@@ -383,11 +391,11 @@ fn inline(uri: &str) -> Option<Option<Vec<u8>>> {
     Some(bytes.filter(|bytes| !bytes.is_empty()))
 }
 
-/// The file that an address names, relative to the document's folder. Addresses are percent-encoded; if no file has the
-/// decoded name, a file with the name as written is taken.
+/// Returns the path of the file that an address names, relative to the document's folder. Addresses are
+/// percent-encoded; if no file has the decoded name, a file with the name as written is taken.
 ///
 /// # Errors
-/// A message for an address of another kind, such as one on the network.
+/// A message for an address that names no file, such as one on the network.
 fn relative_file(path: &Path, uri: &str) -> std::result::Result<PathBuf, String> {
     if let Some((scheme, _)) = uri.split_once(':').filter(|(_, rest)| rest.starts_with("//")) {
         return Err(format!("is at an address of the kind {}:, which is not read", bounded::printable_name(scheme)));

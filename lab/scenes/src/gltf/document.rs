@@ -1,8 +1,9 @@
-//! Reads the JSON of a glTF file: takes it out of its container, repairs faults whose meaning is obvious, and checks the rest.
+//! Reads the JSON of a glTF file: takes it out of its container, repairs faults where the meaning is obvious, and
+//! checks it.
 //!
 //! The crate `gltf` refuses some documents that the specification allows, and others whose meaning is clear. [`mend`]
-//! rewrites values of such documents in the JSON to the form that the crate parses. [`is_harmless`] ignores those
-//! faults found by the crate's validation that do not matter to this loader.
+//! rewrites values of such documents to the form that the crate parses. The crate's validation then finds faults, of
+//! which [`is_harmless`] ignores those that do not matter to this loader.
 
 use super::typed::parse_typed;
 use super::{Notes, READ};
@@ -14,27 +15,27 @@ use serde_json::{Map, Value};
 use ssct_ground::{Error, Result};
 use std::path::Path;
 
-/// The extension for images as WebP.
+/// The extension for WebP images.
 pub(super) const WEBP: &str = "EXT_texture_webp";
 
 /// The extension for an older kind of material, which is not read.
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
-/// Contents of a file: the checked document, the list of its animations, and the binary chunk.
+/// The contents of a file: the checked document, the JSON list of its animations, and the binary chunk.
 pub(super) type Content = (Document, Value, Option<Vec<u8>>);
 
 /// Reads the contents of a file.
 ///
 /// # Errors
-/// [`Error::Malformed`] with a message that distinguishes other versions, other encodings of text, truncated files and wrong
-/// documents.
+/// [`Error::Malformed`] for other versions of glTF, other encodings of text, truncated files and wrong documents, each
+/// with its own message.
 pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Content> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let (text, blob) = unpack(bytes).map_err(wrong)?;
     let mut value = parse(text).map_err(wrong)?;
     check_version(&value).map_err(wrong)?;
-    // Animations are read separately, since a scene is complete without them.
-    let animations = value.as_object_mut().and_then(|d| d.remove("animations")).unwrap_or_default();
+    // Animations are taken out and read separately, so that a fault in them does not make the document wrong.
+    let animations = value.as_object_mut().and_then(|document| document.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
     check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
     let draco_message = draco_alone(&value);
@@ -48,10 +49,12 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
     Ok((Document::from_json_without_validation(json), animations, blob))
 }
 
-/// The JSON text of a file, and the binary chunk of a `.glb`.
+/// Returns the JSON text of a file and, of a `.glb`, the binary chunk. The error is a message.
 fn unpack(bytes: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
     let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
-    let number = |offset: usize| rest.get(offset..offset + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let number = |offset: usize| {
+        rest.get(offset..offset + 4).map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+    };
     let (Some(version), Some(stated)) = (number(0), number(4)) else {
         return Err(format!("is a truncated .glb: it ends within its header, after {} bytes", bytes.len()));
     };
@@ -68,15 +71,17 @@ fn unpack(bytes: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String>
     chunks(&bytes[12..stated])
 }
 
-/// The first chunk, which is JSON, and the first binary chunk after it; other chunks are ignored, as the specification demands.
+/// Splits the chunks of a `.glb`, without its header. Returns the first chunk, which must be JSON, and the first binary
+/// chunk; other chunks are ignored, as the specification demands. The error is a message.
 fn chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
     let (mut json, mut blob) = (None, None);
-    while let [a, b, c, d, kind @ ..] = rest
-        && kind.len() >= 4
+    // A chunk is its length (4 bytes), its kind (4 bytes), and its content.
+    while let [a, b, c, d, after_length @ ..] = rest
+        && after_length.len() >= 4
     {
         let length = u32::from_le_bytes([*a, *b, *c, *d]) as usize;
-        let (kind, content) = kind.split_at(4);
-        let Some((content, behind)) = content.split_at_checked(length) else {
+        let (kind, content) = after_length.split_at(4);
+        let Some((content, next_chunk)) = content.split_at_checked(length) else {
             return Err(format!("is a truncated .glb: a chunk states {length} bytes, and {} follow", content.len()));
         };
         match (kind, json) {
@@ -85,12 +90,12 @@ fn chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), Stri
             (b"BIN\0", Some(_)) if blob.is_none() => blob = Some(content.to_vec()),
             _ => {}
         }
-        rest = behind;
+        rest = next_chunk;
     }
     json.map(|json| (json, blob)).ok_or_else(|| "is a truncated .glb: it has no JSON".to_owned())
 }
 
-/// The document of a text, which may begin with a byte-order mark.
+/// Parses the JSON text of a document, which may begin with a byte-order mark. The error is a message.
 fn parse(text: &[u8]) -> std::result::Result<Value, String> {
     if let Some(name) = encoding::wide_encoding(text) {
         return Err(format!("is {name} text; save it as UTF-8"));
@@ -109,7 +114,8 @@ fn parse(text: &[u8]) -> std::result::Result<Value, String> {
     })
 }
 
-/// Checks that a document is of version 2. In version 1, lists are objects with names.
+/// Checks that a document is of version 2. Without a stated version, it is of version 1 if its lists are objects with
+/// names.
 ///
 /// # Errors
 /// A message for a document of another version, or without one.
@@ -119,22 +125,22 @@ fn check_version(value: &Value) -> std::result::Result<(), String> {
     };
     let version = match document.get("asset").and_then(|asset| asset.get("version")) {
         Some(Value::String(version)) => Some(version.clone()),
-        Some(Value::Number(version)) => version.as_f64().map(|v| format!("{v:.1}")),
+        Some(Value::Number(version)) => version.as_f64().map(|number| format!("{number:.1}")),
         _ => None,
     };
-    let named = ["nodes", "meshes", "accessors", "buffers", "scenes"];
-    let is_named = named.iter().any(|list| document.get(*list).is_some_and(Value::is_object));
+    let lists = ["nodes", "meshes", "accessors", "buffers", "scenes"];
+    let is_version_1 = lists.iter().any(|list| document.get(*list).is_some_and(Value::is_object));
     match version {
         Some(version) if !version.starts_with("2.") && version != "2" => {
             Err(format!("is glTF {version}; version 2 is supported"))
         }
-        None if is_named => Err("is glTF 1.0; version 2 is supported".to_owned()),
+        None if is_version_1 => Err("is glTF 1.0; version 2 is supported".to_owned()),
         None => Err("is not glTF 2.0: it has no asset with a version".to_owned()),
         Some(_) => Ok(()),
     }
 }
 
-/// Rewrites values whose meaning is obvious to the only form that the crate parses.
+/// Rewrites values whose meaning is obvious to the form that the crate parses, and notes attributes that are dropped.
 fn mend(document: &mut Value, notes: &mut Notes) {
     mend_values(document);
     if let Some(version) = document.pointer_mut("/asset/version")
@@ -148,15 +154,15 @@ fn mend(document: &mut Value, notes: &mut Notes) {
         }
     }
     for view in list(document, "bufferViews") {
-        // Some exporters write zero for elements without gaps.
-        if let Some(view) = view.as_object_mut().filter(|v| v.get("byteStride") == Some(&Value::from(0))) {
-            view.remove("byteStride");
+        // Some exporters write a stride of zero for elements without gaps.
+        if let Some(members) = view.as_object_mut().filter(|view| view.get("byteStride") == Some(&Value::from(0))) {
+            members.remove("byteStride");
         }
     }
     for texture in list(document, "textures") {
-        let webp = texture.get("extensions").and_then(|e| e.get(WEBP)?.get("source").cloned());
+        let webp = texture.get("extensions").and_then(|extensions| extensions.get(WEBP)?.get("source").cloned());
         if let (Some(source), Some(texture)) = (webp, texture.as_object_mut()) {
-            // A file may have the same image as PNG or JPEG, too.
+            // A file that also has the image as PNG or JPEG keeps that as its source.
             texture.entry("source").or_insert(source);
         }
     }
@@ -167,13 +173,14 @@ fn mend(document: &mut Value, notes: &mut Notes) {
     }
 }
 
-/// Drops attributes that the specification does not define, and notes each of them. Names that begin with an underscore are for
-/// applications; they are dropped without a note.
+/// Drops attributes that the specification does not define, and notes each of them. Names that begin with an underscore
+/// are for applications; they are dropped without a note.
 fn drop_unknown_attributes(attributes: &mut Map<String, Value>, notes: &mut Notes) {
-    let is_set = |name: &str, prefix: &str| name.strip_prefix(prefix).is_some_and(|k| k.parse::<u32>().is_ok());
+    let is_numbered =
+        |name: &str, prefix: &str| name.strip_prefix(prefix).is_some_and(|number| number.parse::<u32>().is_ok());
     let is_known = |name: &str| {
         ["POSITION", "NORMAL", "TANGENT"].contains(&name)
-            || ["TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"].iter().any(|prefix| is_set(name, prefix))
+            || ["TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"].iter().any(|prefix| is_numbered(name, prefix))
     };
     attributes.retain(|name, _| {
         if !is_known(name) && !name.starts_with('_') {
@@ -183,13 +190,14 @@ fn drop_unknown_attributes(attributes: &mut Map<String, Value>, notes: &mut Note
     });
 }
 
-/// Numbers without a fraction become integers, since the crate does not accept 4.0 as a count. Members that are null are left
-/// out, since they have no meaning, and so are members for applications.
+/// Turns numbers without a fraction into integers, since the crate does not accept 4.0 as a count. Drops members that
+/// are null, which have no meaning, and the members `extras`, which are for applications.
 fn mend_values(value: &mut Value) {
     match value {
         Value::Number(number) => {
-            // Below 9e15, which is less than 2⁵³, a float holds every whole number.
-            let whole = number.as_f64().filter(|v| number.is_f64() && v.fract() == 0.0 && v.abs() < 9e15);
+            // Below 9e15, which is less than 2⁵³, a 64-bit float holds every whole number.
+            let is_whole = |float: &f64| number.is_f64() && float.fract() == 0.0 && float.abs() < 9e15;
+            let whole = number.as_f64().filter(is_whole);
             if let Some(whole) = whole {
                 *value = Value::from(whole as i64);
             }
@@ -204,7 +212,7 @@ fn mend_values(value: &mut Value) {
     }
 }
 
-/// The items of a list of an object; empty if there is no such list.
+/// Returns the items of the list `name` of an object; none if it has no such list.
 fn list<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> + use<'a> {
     object.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
 }
@@ -218,7 +226,7 @@ fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(
     if let Some(name) = json.extensions_required.iter().find(|name| !known(name)) {
         return Err(format!("requires the extension {name}, which is not supported; {}", remedy(name)));
     }
-    // The crate need not know the extensions that this loader reads itself.
+    // The crate would refuse required extensions that it does not know, even those that this loader reads itself.
     json.extensions_required.clear();
     for name in json.extensions_used.iter().filter(|name| !known(name)) {
         if name == SPECULAR_GLOSSINESS {
@@ -248,7 +256,7 @@ fn changed_geometry(extension: &str) -> Option<&'static str> {
     })
 }
 
-/// Advice for a user whose file needs this extension.
+/// Returns advice for a user whose file needs this extension.
 pub(super) fn remedy(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => "`npx @gltf-transform/cli copy IN.glb OUT.glb` writes the meshes without it",
@@ -277,7 +285,7 @@ fn check_lights(document: &Value) -> std::result::Result<(), String> {
     Ok(())
 }
 
-/// The message about meshes that exist only in Draco's format; `None` if there are none.
+/// Returns the message about the first mesh that exists only in Draco's format; `None` if there is none.
 fn draco_alone(document: &Value) -> Option<String> {
     const DRACO: &str = "KHR_draco_mesh_compression";
     let has_bytes = |primitive: &Value| {
@@ -287,15 +295,16 @@ fn draco_alone(document: &Value) -> Option<String> {
     };
     let is_alone = |mesh: &Value| {
         let primitives = mesh.get("primitives").and_then(Value::as_array).into_iter().flatten();
-        let is_compressed = |p: &&Value| p.get("extensions").is_some_and(|e| e.get(DRACO).is_some());
+        let is_compressed =
+            |primitive: &&Value| primitive.get("extensions").is_some_and(|extensions| extensions.get(DRACO).is_some());
         primitives.filter(is_compressed).any(|primitive| !has_bytes(primitive))
     };
     let index = document.get("meshes")?.as_array()?.iter().position(is_alone)?;
     Some(format!("meshes[{index}] has no bytes but those of {DRACO}; {}", remedy(DRACO)))
 }
 
-/// Replaces each invalid way of repeating an image by the default, and drops the filters, which this loader does not
-/// read.
+/// Replaces each invalid wrapping mode of an image by the default, which repeats it, and drops the filters, which this
+/// loader does not read.
 fn mend_samplers(json: &mut Root, notes: &mut Notes) {
     for sampler in &mut json.samplers {
         (sampler.mag_filter, sampler.min_filter) = (None, None);
@@ -315,7 +324,8 @@ fn mend_samplers(json: &mut Root, notes: &mut Notes) {
 fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
     // The crate's own check of positions reads the accessor without checking that it exists.
     let position = Checked::Valid(gltf::Semantic::Positions);
-    let positions = json.meshes.iter().flat_map(|m| &m.primitives).filter_map(|p| p.attributes.get(&position));
+    let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let positions = primitives.filter_map(|primitive| primitive.attributes.get(&position));
     if positions.map(|index| index.value()).any(|index| index >= json.accessors.len()) {
         return Err("is not glTF 2.0: positions are in an accessor that is not there".to_owned());
     }
@@ -336,7 +346,8 @@ fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
     first.map_or(Ok(()), Err)
 }
 
-/// The place of a fault in the names of the JSON, since the crate gives extensions the names of its own fields.
+/// Returns the place of a fault with the names of the JSON. The crate names extensions by its own fields, such as
+/// `khrMaterialsIor`, which becomes `KHR_materials_ior`.
 fn in_json(path: &JsonPath) -> String {
     let is_extension = |part: &str| part.strip_prefix("khr").is_some_and(|rest| rest.starts_with(char::is_uppercase));
     let parts = path.as_str().split('.').map(|part| {
@@ -353,9 +364,9 @@ fn in_json(path: &JsonPath) -> String {
     parts.collect::<Vec<_>>().join(".")
 }
 
-/// Whether a fault does not matter to this loader. Bounds of positions are computed, an accessor without a view has zeros, and
-/// a primitive without positions is not drawn. Distances between elements are checked elsewhere, and the target of a view is
-/// not used.
+/// Returns true if a fault at `path` does not matter to this loader. Bounds of positions are computed, an accessor
+/// without a view has zeros, and a primitive without positions is not drawn. Strides are checked elsewhere, and the
+/// target of a view is not used.
 fn is_harmless(path: &str, fault: Fault, notes: &mut Notes) -> bool {
     let ends = |end: &str| path.ends_with(end);
     if ends(".attributes[\"POSITION\"].min") || ends(".attributes[\"POSITION\"].max") {

@@ -1,4 +1,4 @@
-//! The triangles of a primitive, placed in the world.
+//! Makes the triangles of a primitive, placed in the world.
 
 use super::data::Data;
 use super::materials::Coordinates;
@@ -24,8 +24,9 @@ impl Default for Tally {
     }
 }
 
-/// The triangles of a primitive that is placed in the world, or `None` if it has none. `material` is the index of the
-/// primitive's material among the materials in use.
+/// Makes the triangles of a primitive, placed in the world by `mesh`; `None` if it has none. `material` is the index of
+/// the primitive's material among the materials in use, and `coordinates` are the texture coordinates that this
+/// material needs.
 pub(super) fn part(
     data: &Data,
     (primitive, material): (&Primitive, usize),
@@ -54,66 +55,74 @@ pub(super) fn part(
     let mut triangles = Vec::with_capacity(corners.len());
     let mut placed = PlacedVertices::new(vertices.count, corners.len());
     for triangle in corners {
-        let mut made = [PlacedVertex::default(); 3];
-        for (made, index) in made.iter_mut().zip(triangle) {
-            *made = placed.get(index, || vertices.place(index as usize, notes))?;
+        let mut corners = [PlacedVertex::default(); 3];
+        for (corner, index) in corners.iter_mut().zip(triangle) {
+            *corner = placed.get(index, || vertices.place(index as usize, notes))?;
             let [min, max] = &mut tally.bounds;
-            (*min, *max) = (min.min(made.position), max.max(made.position));
+            (*min, *max) = (min.min(corner.position), max.max(corner.position));
         }
-        let [a, b, c] = made;
-        let sides = if a.sign < 0.0 { [a, c, b] } else { [a, b, c] };
-        match checked_triangle(sides.map(|v| v.vertex), notes) {
+        // A transform that mirrors the mesh also reverses the winding of its triangles, so that two corners are
+        // swapped.
+        let [a, b, c] = corners;
+        let wound = if a.sign < 0.0 { [a, c, b] } else { [a, b, c] };
+        match checked_triangle(wound.map(|corner| corner.vertex), notes) {
             Some(triangle) => triangles.push(triangle),
             None => notes.add("area", "triangles without area were left out".to_owned()),
         }
     }
-    let outside = |v: f32| !(-1e-3..=1.001).contains(&v);
-    if coordinates.clamps && triangles.iter().flatten().any(|v| v.uv.iter().any(|v| outside(*v))) {
+    let is_outside = |coordinate: &f32| !(-1e-3..=1.001).contains(coordinate);
+    if coordinates.clamps && triangles.iter().flatten().any(|vertex| vertex.uv.iter().any(is_outside)) {
         notes.add("clamps", "images that are clamped or mirrored at their border are repeated instead".to_owned());
     }
     let part = MeshPart { name: mesh.name.to_owned(), material, triangles, has_tangents: vertices.has_tangents };
-    Ok(Some(part).filter(|p| !p.triangles.is_empty()))
+    Ok(Some(part).filter(|part| !part.triangles.is_empty()))
 }
 
-/// The corners of the triangles of a mode, each in the winding of its front.
+/// Returns the three indices of each triangle that a mode (list, strip or fan) makes of `indices`, in the winding of
+/// its front.
 fn corners(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
-            let turned = |(k, w): (usize, &[u32])| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
-            indices.windows(3).enumerate().map(turned).collect()
+            // Every second triangle of a strip has the opposite winding.
+            let wound = |(number, triangle): (usize, &[u32])| {
+                let [a, b, c] = [triangle[0], triangle[1], triangle[2]];
+                if number % 2 == 0 { [a, b, c] } else { [a, c, b] }
+            };
+            indices.windows(3).enumerate().map(wound).collect()
         }
         Mode::TriangleFan => {
             let (Some((first, rest)), 3..) = (indices.split_first(), indices.len()) else { return Vec::new() };
-            rest.windows(2).map(|w| [*first, w[0], w[1]]).collect()
+            rest.windows(2).map(|pair| [*first, pair[0], pair[1]]).collect()
         }
         _ => indices.as_chunks::<3>().0.to_vec(),
     }
 }
 
-/// The triangle with a normal at each corner; `None` if twice its area is at most 1e-7 of its longest squared side. The
-/// author's normals are kept, even if they lean slightly behind their face, as smooth normals do at silhouettes.
-/// Normals that point to the back of the face are turned.
+/// Returns the triangle with a valid normal at each corner; `None` if twice its area is at most 1e-7 of its longest
+/// squared side. The author's normals are kept, even if they lean slightly behind the face, as smooth normals do at
+/// silhouettes. Normals that point to the back of the face are reversed, and missing ones become that of the face.
 fn checked_triangle(mut triangle: Triangle, notes: &mut Notes) -> Option<Triangle> {
     let position = |i: usize| Vec3::from(triangle[i].position).as_dvec3();
     let edges = [position(1) - position(0), position(2) - position(1), position(0) - position(2)];
     let cross = edges[0].cross(-edges[2]);
-    let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
-    if cross.length() <= 1e-7 * longest {
+    let longest_squared = edges.iter().map(|edge| edge.length_squared()).fold(0.0, f64::max);
+    if cross.length() <= 1e-7 * longest_squared {
         return None;
     }
     let face = cross.normalize();
-    let turned = assemble::normals_point_behind(&triangle, face);
-    if turned {
+    let is_behind = assemble::normals_point_behind(&triangle, face);
+    if is_behind {
         notes.add("turned", "normals that point to the back of their triangles were turned to its front".to_owned());
     }
     for vertex in &mut triangle {
         let mut normal = Vec3::from(vertex.normal);
-        if turned {
+        if is_behind {
             normal = -normal;
             vertex.tangent[3] = -vertex.tangent[3];
         }
-        let sound = normal.is_finite() && normal != Vec3::ZERO;
-        vertex.normal = (if sound { normal } else { face.as_vec3() } + Vec3::ZERO).to_array();
+        let is_sound = normal.is_finite() && normal != Vec3::ZERO;
+        // Adding zero turns −0 into 0, so that welding finds equal bits.
+        vertex.normal = (if is_sound { normal } else { face.as_vec3() } + Vec3::ZERO).to_array();
     }
     Some(triangle)
 }

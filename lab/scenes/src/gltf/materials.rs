@@ -1,4 +1,5 @@
-//! Converts metallic-roughness materials to materials of the scene, and bakes their images.
+//! Converts metallic-roughness materials to materials of the scene, and computes ("bakes") the scene's images from
+//! theirs.
 //!
 //! | glTF | here |
 //! |---|---|
@@ -34,19 +35,21 @@ pub(super) struct Coordinates {
     /// Number of the set, as in `TEXCOORD_0`.
     pub(super) set: u32,
     offset: [f32; 2],
+    /// Angle in radians.
     rotation: f32,
     scale: [f32; 2],
-    /// Whether an image of the material is not repeated beyond its borders.
+    /// Whether an image of the material is clamped or mirrored at its borders, and not repeated.
     pub(super) clamps: bool,
 }
 
 impl Coordinates {
-    /// Transforms the texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards, as
-    /// in the words and the test model of the extension `KHR_texture_transform`. The signs in the example code of its
-    /// text mean the other direction.
+    /// Transforms the texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards. The
+    /// prose and the test model of the extension `KHR_texture_transform` say so; the example code in its text has the
+    /// signs of the opposite direction.
     pub(super) fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let (sin, cos) = self.rotation.sin_cos();
         let [u, v] = [u * self.scale[0], v * self.scale[1]];
+        // Adding zero turns −0 into 0, so that welding finds equal bits.
         [cos * u + sin * v + self.offset[0] + 0.0, cos * v - sin * u + self.offset[1] + 0.0]
     }
 }
@@ -61,7 +64,10 @@ impl<'a> TextureUse<'a> {
     /// Reads how a material uses any texture but its normal map.
     fn of_info(info: &Info<'a>) -> Self {
         let (set, offset, rotation, scale) = match info.texture_transform() {
-            Some(t) => (t.tex_coord().unwrap_or(info.tex_coord()), t.offset(), t.rotation(), t.scale()),
+            Some(transform) => {
+                let set = transform.tex_coord().unwrap_or(info.tex_coord());
+                (set, transform.offset(), transform.rotation(), transform.scale())
+            }
             None => (info.tex_coord(), [0.0; 2], 0.0, [1.0; 2]),
         };
         Self::new(info.texture(), set, offset, rotation, scale)
@@ -71,28 +77,30 @@ impl<'a> TextureUse<'a> {
     fn of_normals(normals: &gltf::material::NormalTexture<'a>) -> Self {
         let transform = normals.extension_value("KHR_texture_transform");
         let pair = |key: &str, default: f32| {
-            let number = |k: usize| transform.and_then(|t| t.get(key)?.get(k)?.as_f64()).map_or(default, |v| v as f32);
-            [number(0), number(1)]
+            let number = |index: usize| transform.and_then(|members| members.get(key)?.get(index)?.as_f64());
+            [0, 1].map(|index| number(index).map_or(default, |value| value as f32))
         };
-        let rotation = transform.and_then(|t| t.get("rotation")?.as_f64()).map_or(0.0, |v| v as f32);
-        let set = transform.and_then(|t| t.get("texCoord")?.as_u64()).and_then(|v| u32::try_from(v).ok());
+        let rotation =
+            transform.and_then(|members| members.get("rotation")?.as_f64()).map_or(0.0, |angle| angle as f32);
+        let set = transform.and_then(|members| u32::try_from(members.get("texCoord")?.as_u64()?).ok());
         let set = set.unwrap_or(normals.tex_coord());
         Self::new(normals.texture(), set, pair("offset", 0.0), rotation, pair("scale", 1.0))
     }
 
-    /// The use of a texture with a set of texture coordinates and their transform; `rotation` is in radians.
+    /// Describes the use of a texture with a set of texture coordinates and their transform; `rotation` is in radians.
     fn new(texture: gltf::Texture<'a>, set: u32, offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Self {
         let sampler = texture.sampler();
-        let clamps = [sampler.wrap_s(), sampler.wrap_t()].iter().any(|w| *w != WrappingMode::Repeat);
+        let clamps = [sampler.wrap_s(), sampler.wrap_t()].iter().any(|mode| *mode != WrappingMode::Repeat);
         Self { texture, coordinates: Coordinates { set, offset, rotation, scale, clamps } }
     }
 
-    /// The index of the texture's image; `None` if the file has it only in a format that is not read.
+    /// Returns the index of the texture's image; `None`, with a note, if the file has it only in a format that is not
+    /// read.
     fn image(&self, data: &Data, notes: &mut Notes) -> Option<usize> {
         let image = self.texture.source().map(|image| image.index());
         if image.is_none() {
             let texture = data.document.as_json().textures.get(self.texture.index());
-            let extension = texture.and_then(|t| t.extensions.as_ref()?.others.keys().next());
+            let extension = texture.and_then(|texture| texture.extensions.as_ref()?.others.keys().next());
             let advice = extension.map_or("export the images as PNG, JPEG or WebP", |name| remedy(name));
             let what = "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out";
             notes.add("formats", format!("{what}; {advice}"));
@@ -101,13 +109,13 @@ impl<'a> TextureUse<'a> {
     }
 }
 
-/// The coordinates that all images of a material share: those of the first image in the order base colour, metallic-roughness,
-/// normals, emission.
+/// Returns the coordinates that all images of a material share: those of its first image in the order base colour,
+/// metallic-roughness, normals, emission. If other images have other coordinates, a note is added.
 pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coordinates {
     let pbr = material.pbr_metallic_roughness();
     let images = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
-    let [base, metallic, emissive] = images.map(|info| info.map(|i| TextureUse::of_info(&i).coordinates));
-    let normals = material.normal_texture().map(|n| TextureUse::of_normals(&n).coordinates);
+    let [base, metallic, emissive] = images.map(|info| info.map(|info| TextureUse::of_info(&info).coordinates));
+    let normals = material.normal_texture().map(|normals| TextureUse::of_normals(&normals).coordinates);
     let mut all = [base, metallic, normals, emissive].into_iter().flatten();
     let none = Coordinates { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], clamps: false };
     let Some(first) = all.next() else { return none };
@@ -122,21 +130,14 @@ pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coord
     Coordinates { clamps, ..first }
 }
 
-/// The inputs from which an image of the scene is baked. Materials with equal inputs share the image. `Normals` is a
-/// normal map whose slopes are multiplied by `scale`.
+/// An image of the scene, described by the images of the file and the factors from which it is baked. Materials with
+/// equal descriptions share the image.
 #[derive(Debug, Clone, PartialEq)]
 enum Baked {
     /// The base colour, unchanged.
-    Plain {
-        base: Image,
-    },
+    Plain { base: Image },
     /// Albedo, and in alpha the share of it that is emission.
-    Albedo {
-        base: Option<Image>,
-        metallic: Option<Image>,
-        emission: Option<Image>,
-        factors: Factors,
-    },
+    Albedo { base: Option<Image>, metallic: Option<Image>, emission: Option<Image>, factors: Factors },
     /// Reflectivity, in red.
     Reflectivity {
         base: Option<Image>,
@@ -145,36 +146,27 @@ enum Baked {
         specular: [Option<Image>; 2],
         factors: Factors,
     },
-    /// ϱ, in green.
-    Roughness {
-        metallic: Image,
-        factor: f32,
-    },
-    /// A mask, which is one half where alpha times the factor equals the cutoff.
-    Mask {
-        base: Option<Image>,
-        factor: f32,
-        cutoff: f32,
-    },
-    Normals {
-        normals: Image,
-        scale: f32,
-    },
+    /// Roughness ϱ, from the green channel of the metallic-roughness image times a factor.
+    Roughness { metallic: Image, factor: f32 },
+    /// An alpha mask, which is one half where alpha times the factor equals the cutoff.
+    Mask { base: Option<Image>, factor: f32, cutoff: f32 },
+    /// A normal map whose slopes are multiplied by `scale`.
+    Normals { normals: Image, scale: f32 },
 }
 
 /// The index of an image in the file.
 type Image = usize;
 
-/// Images that materials need, each once.
+/// The images of the scene that materials need, each listed once.
 #[derive(Default)]
 struct BakedImages {
     list: Vec<Baked>,
-    /// Index of each image in the list, by its text in the format of `Debug`, since floats have no hash.
+    /// Index of each image in the list. The key is its text in the format of `Debug`, since floats cannot be hashed.
     index: HashMap<String, usize>,
 }
 
 impl BakedImages {
-    /// The index of an image in the list, to which the image is added if it is new.
+    /// Returns the index of an image in the list, to which it is added if it is new.
     fn add(&mut self, wanted: Baked) -> usize {
         *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
             self.list.push(wanted);
@@ -184,7 +176,7 @@ impl BakedImages {
 }
 
 impl Baked {
-    /// The images of the file that the baked image reads.
+    /// Returns the images of the file that this image is baked from.
     fn images(&self) -> Vec<Image> {
         match self {
             Self::Plain { base } => vec![*base],
@@ -201,8 +193,8 @@ impl Baked {
     }
 }
 
-/// Adds the materials in use to the scene, in order, and the images that they need. `used` has indices of the file's
-/// materials, or `None` for the default material; no image gets more than `side` texels along a side.
+/// Adds the materials in use to the scene, in order, and bakes the images that they need. `used` has indices of the
+/// file's materials, with `None` for the default material. No image gets more than `side` texels along a side.
 pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut Scene, notes: &mut Notes) {
     let mut baked = BakedImages::default();
     for index in used {
@@ -218,29 +210,30 @@ pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut
     let baked = baked.list;
     let baker = Baker::new(data, side, &baked);
     let bar = bounded::image_bar(baked.len());
-    let made = baked.par_iter().map(|b| {
-        let texture = baker.bake(b);
+    let textures = baked.par_iter().map(|description| {
+        let texture = baker.bake(description);
         bar.inc(1);
         texture
     });
-    scene.textures = made.collect();
+    scene.textures = textures.collect();
     bar.finish_and_clear();
     for (image, sentence) in baker.problems.into_inner().unwrap_or_else(PoisonError::into_inner) {
         notes.add(&format!("image {image}"), sentence);
     }
 }
 
-/// The factors of a material. `KHR_materials_specular` changes the reflection of a surface's part that is no metal.
+/// Reads the factors of a material, limited to their ranges. `KHR_materials_specular` changes the reflection of the
+/// part of a surface that is not metal.
 fn factors(material: &gltf::Material) -> Factors {
     let pbr = material.pbr_metallic_roughness();
     let [r, g, b, _] = pbr.base_color_factor();
     let ior = material.ior().filter(|ior| ior.is_finite() && *ior > 0.0);
     let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
     let specular = material.extension_value("KHR_materials_specular");
-    let number = |value: Option<&Value>| value.and_then(Value::as_f64).map_or(1.0, |v| v as f32);
-    let weight = number(specular.and_then(|s| s.get("specularFactor"))).clamp(0.0, 1.0);
-    let tint = specular.and_then(|s| s.get("specularColorFactor"));
-    let tint = Vec3::from([0, 1, 2].map(|k| number(tint.and_then(|t| t.get(k))).clamp(0.0, 1e6)));
+    let number = |value: Option<&Value>| value.and_then(Value::as_f64).map_or(1.0, |number| number as f32);
+    let weight = number(specular.and_then(|members| members.get("specularFactor"))).clamp(0.0, 1.0);
+    let tint = specular.and_then(|members| members.get("specularColorFactor"));
+    let tint = Vec3::from([0, 1, 2].map(|channel| number(tint.and_then(|list| list.get(channel))).clamp(0.0, 1e6)));
     Factors {
         base: Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE),
         metallic: pbr.metallic_factor().clamp(0.0, 1.0),
@@ -251,7 +244,7 @@ fn factors(material: &gltf::Material) -> Factors {
     }
 }
 
-/// Notes each factor outside 0…1, which counts as the nearer bound.
+/// Adds a note about each factor outside 0…1, which counts as the nearer bound.
 fn note_range(material: &gltf::Material, notes: &mut Notes) {
     let pbr = material.pbr_metallic_roughness();
     let colours = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
@@ -268,7 +261,7 @@ fn note_range(material: &gltf::Material, notes: &mut Notes) {
     }
 }
 
-/// The images of `KHR_materials_specular`: strength and colour.
+/// Returns the images of `KHR_materials_specular`: strength and colour.
 fn specular_images(data: &Data, material: &gltf::Material) -> [Option<Image>; 2] {
     let specular = material.extension_value("KHR_materials_specular");
     ["specularTexture", "specularColorTexture"].map(|key| {
@@ -278,7 +271,7 @@ fn specular_images(data: &Data, material: &gltf::Material) -> [Option<Image>; 2]
     })
 }
 
-/// The material of primitives without one (glTF 2.0, 3.7.2.1): a rough white metal.
+/// Returns the material of primitives that name none (glTF 2.0, 3.7.2.1): a rough white metal.
 fn default_material() -> Material {
     Material {
         name: "default".into(),
@@ -288,15 +281,17 @@ fn default_material() -> Material {
     }
 }
 
-/// The scene's material, whose maps are indices into `baked`.
+/// Converts a material of the file to one of the scene, whose maps are indices into `baked`. The images that it needs
+/// are added to `baked`. A map replaces the number beside it, which then becomes 1, since the baked map includes the
+/// factor.
 fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes) -> Material {
     let pbr = material.pbr_metallic_roughness();
     let factors = factors(material);
     let specular = specular_images(data, material);
     let mut image = |info: Option<Info>| info.and_then(|info| TextureUse::of_info(&info).image(data, notes));
     let base = image(pbr.base_color_texture());
-    let rough = image(pbr.metallic_roughness_texture());
-    let metallic = rough.filter(|_| factors.metallic > 0.0 && !factors.unlit);
+    let metallic_roughness = image(pbr.metallic_roughness_texture());
+    let metallic = metallic_roughness.filter(|_| factors.metallic > 0.0 && !factors.unlit);
     let emission = image(material.emissive_texture()).filter(|_| factors.emission != Vec3::ZERO && !factors.unlit);
     let emits = factors.unlit || factors.emission != Vec3::ZERO;
     if factors.emission.max_element() > 1.0 {
@@ -308,7 +303,7 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
         notes.add("rough", material_terms::TOO_ROUGH.to_owned());
     }
     let normals =
-        material.normal_texture().and_then(|n| Some((TextureUse::of_normals(&n).image(data, notes)?, n.scale())));
+        material.normal_texture().and_then(|map| Some((TextureUse::of_normals(&map).image(data, notes)?, map.scale())));
     if material.alpha_mode() == AlphaMode::Blend {
         notes.add(
             "blend",
@@ -321,64 +316,65 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
         AlphaMode::Blend => Some(0.5),
     };
     let mut add = |wanted: Baked| baked.add(wanted);
-    let (colour, share) = factors.colour(&TexelInputs::default());
-    let mut made = Material {
+    let (colour, emission_share) = factors.colour(&TexelInputs::default());
+    let mut converted = Material {
         name: material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned),
         albedo: colour,
-        emission: share,
+        emission: emission_share,
         reflectivity: if factors.unlit { 0.0 } else { factors.reflectivity(&TexelInputs::default()) },
         roughness: roughness_of_perceptual(roughness_factor),
         single_sided: !material.double_sided(),
         ..Material::default()
     };
     match base {
-        // An image of base colour alone needs no baking: its factor multiplies it when it is drawn.
+        // An image of base colour alone is used as it is: the factor multiplies it when it is drawn.
         Some(base) if metallic.is_none() && !emits => {
-            made.albedo = factors.base * (1.0 - factors.metallic);
-            made.albedo_map = Some(add(Baked::Plain { base }));
+            converted.albedo = factors.base * (1.0 - factors.metallic);
+            converted.albedo_map = Some(add(Baked::Plain { base }));
         }
         _ if base.is_some() || metallic.is_some() || emission.is_some() => {
-            made.albedo = Vec3::ONE;
-            made.emission = if emits { 1.0 } else { 0.0 };
-            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, factors }));
+            converted.albedo = Vec3::ONE;
+            converted.emission = if emits { 1.0 } else { 0.0 };
+            converted.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, factors }));
         }
         _ => {}
     }
-    let tinted = factors.metallic > 0.0 && (base.is_some() || metallic.is_some());
-    if !factors.unlit && (tinted || specular != [None; 2]) {
-        made.reflectivity = 1.0;
-        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, factors }));
+    let varies = factors.metallic > 0.0 && (base.is_some() || metallic.is_some());
+    if !factors.unlit && (varies || specular != [None; 2]) {
+        converted.reflectivity = 1.0;
+        converted.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, factors }));
     }
-    if let Some(metallic) = rough.filter(|_| !factors.unlit && roughness_factor > 0.0) {
-        made.roughness = 1.0;
-        made.roughness_map = Some(add(Baked::Roughness { metallic, factor: roughness_factor }));
+    if let Some(metallic) = metallic_roughness.filter(|_| !factors.unlit && roughness_factor > 0.0) {
+        converted.roughness = 1.0;
+        converted.roughness_map = Some(add(Baked::Roughness { metallic, factor: roughness_factor }));
     }
     let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
-    made.alpha_mask = cutoff
+    converted.alpha_mask = cutoff
         .filter(|cutoff| base.is_some() || factor < *cutoff)
         .map(|cutoff| add(Baked::Mask { base, factor, cutoff: cutoff.max(1e-3) }));
-    made.normal_map = normals.map(|(normals, scale)| add(Baked::Normals { normals, scale }));
-    made
+    converted.normal_map = normals.map(|(normals, scale)| add(Baked::Normals { normals, scale }));
+    converted
 }
 
-/// Decodes images, and bakes the images that materials need.
+/// Decodes images of the file, and bakes images of the scene.
 struct Baker<'a> {
     data: &'a Data<'a>,
+    /// Greatest number of texels along a side.
     side: u32,
-    /// Images that would exceed the limit of a scene's texels.
+    /// Images of the file that would exceed the limit of a scene's texels.
     too_much: HashSet<Image>,
-    /// Faults of images, one message each.
+    /// One message for each image that cannot be used.
     problems: Mutex<BTreeMap<Image, String>>,
 }
 
 impl<'a> Baker<'a> {
-    /// Finds the images that exceed the limit of a scene's texels, in the order of `baked`, before any of them is
-    /// decoded.
+    /// Finds the images that exceed the limit of a scene's texels when they are added up in the order of `baked`,
+    /// before any of them is decoded.
     fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Self {
         let mut texels = 0;
         let mut too_much = HashSet::new();
         for image in baked.iter().flat_map(Baked::images) {
-            // Faults of other images are reported when these are decoded.
+            // An image without bytes is reported when it is decoded.
             let Ok((_, source)) = data.image(image) else { continue };
             let dimensions = match &source {
                 ImageBytes::Here(bytes) => texture::dimensions(bytes),
@@ -393,7 +389,7 @@ impl<'a> Baker<'a> {
         Self { data, side, too_much, problems: Mutex::default() }
     }
 
-    /// Decodes an image; if it cannot be decoded, a message is added, and the caller uses white.
+    /// Decodes an image of the file. If it cannot be used, a message is added, and the result is `None`.
     fn image(&self, index: Image, encoding: Encoding) -> Option<Texture> {
         let problem = match self.data.image(index) {
             Err(Error::Malformed { message, .. }) => message,
@@ -418,10 +414,10 @@ impl<'a> Baker<'a> {
         None
     }
 
-    /// Makes an image of the scene. An image of the file that cannot be decoded counts as white, and as flat if it has
+    /// Bakes an image of the scene. An image of the file that cannot be used counts as white, or as flat if it has
     /// normals.
     fn bake(&self, baked: &Baked) -> Texture {
-        let image = |index: &Option<Image>, encoding| index.and_then(|i| self.image(i, encoding));
+        let image = |index: &Option<Image>, encoding| index.and_then(|index| self.image(index, encoding));
         match baked {
             Baked::Plain { base } => self.image(*base, Encoding::Srgb).unwrap_or_else(white),
             Baked::Albedo { base, metallic, emission, factors } => {
@@ -445,7 +441,7 @@ impl<'a> Baker<'a> {
             }
             Baked::Roughness { metallic, factor } => {
                 let inputs = [self.image(*metallic, Encoding::Linear)];
-                texels(&inputs, Encoding::Linear, |[rough]| grey(roughness_of_perceptual(factor * rough.y as f32)))
+                texels(&inputs, Encoding::Linear, |[texel]| grey(roughness_of_perceptual(factor * texel.y as f32)))
             }
             Baked::Mask { base, factor, cutoff } => {
                 let inputs = [image(base, Encoding::Linear)];

@@ -1,4 +1,4 @@
-//! Walks the tree of nodes, and places meshes, cameras and lights in the world.
+//! Walks through the tree of nodes, and places meshes, cameras and lights in the world.
 
 mod animations;
 mod instances;
@@ -22,12 +22,12 @@ use ssct_geometry::bounded;
 use ssct_ground::Result;
 use std::collections::HashMap;
 
-/// Places the meshes, views and lights of the file's scene in `scene`; `scale` is the metres in the file's unit of
-/// length. Returns the materials in use, by their index in the file (`None` for the default material); a mesh's
-/// material is an index into this list.
+/// Places the meshes, motions, views and lights of the file in `scene`. `scale` is the number of metres in the file's
+/// unit of length. Returns the materials in use, by their index in the file (`None` for the default material); the
+/// material of a mesh is an index into this list.
 ///
-/// `kept` is subtracted from every place. Without it, a scene so far from the origin that floats would lose its details is
-/// moved to its own centre, in f64, before rounding; a note says by how much.
+/// `kept`, in metres, is subtracted from every position. With `None`, a scene so far from the origin that floats would
+/// lose its details is moved to its own centre, in 64 bits, before rounding; a note says by how much.
 pub(super) fn place(
     (data, animations): (&Data, &Value),
     (scale, kept): (f32, Option<DVec3>),
@@ -36,15 +36,15 @@ pub(super) fn place(
 ) -> Result<Vec<Option<usize>>> {
     let nodes = Nodes::new(data, scale)?;
     let mut origin = kept.unwrap_or(DVec3::ZERO);
-    let before = notes.clone();
+    let notes_before = notes.clone();
     let names = names(&nodes, animations);
     let (mut parts, used, bounds) = parts(data, (&nodes, &names), origin, notes)?;
     if let Some(far) = far_origin(bounds).filter(|_| kept.is_none()) {
         // Notes about details lost by rounding no longer hold after the move.
-        *notes = before;
+        *notes = notes_before;
         notes.add("far", far.sentence());
         origin = far.centre;
-        parts = self::parts(data, (&nodes, &names), origin, notes)?.0;
+        (parts, _, _) = self::parts(data, (&nodes, &names), origin, notes)?;
     }
     if parts.is_empty() {
         return Err(data.error("has no triangle with an area in its scene"));
@@ -58,19 +58,21 @@ pub(super) fn place(
 /// The parts of the meshes that the nodes place, the materials that they use, and the bounds of their vertices.
 type Parts = (Vec<MeshPart>, Vec<Option<usize>>, [DVec3; 2]);
 
-/// The names of the nodes' meshes, by the nodes' indices. In a file with animations, each node has a unique name.
+/// Returns the names of the nodes' meshes, by the nodes' indices. In a file with animations, each node gets a unique
+/// name.
 fn names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
-    let moves = animations.as_array().is_some_and(|list| !list.is_empty());
+    let is_animated = animations.as_array().is_some_and(|list| !list.is_empty());
     let mut unique = UniqueNames::default();
     let name = |(node, _): &(Node, DMat4)| {
         let mesh = node.mesh()?;
         let name = node.name().or(mesh.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
-        Some((node.index(), if moves { unique.unique(&name) } else { name }))
+        Some((node.index(), if is_animated { unique.unique(&name) } else { name }))
     };
     nodes.shown.iter().filter_map(name).collect()
 }
 
-/// Reads the parts of the meshes that the nodes place. `origin` is subtracted from every place in the world, in metres.
+/// Reads the parts of the meshes that the nodes place. `names` are the names of the nodes' meshes, and `origin` is
+/// subtracted from every position in the world, in metres.
 fn parts(
     data: &Data,
     (nodes, names): (&Nodes, &HashMap<usize, String>),
@@ -80,6 +82,7 @@ fn parts(
     let mut parts = Vec::new();
     let mut used: Vec<Option<usize>> = Vec::new();
     let mut coordinates: Vec<Coordinates> = Vec::new();
+    // The index in `used` and `coordinates` for each material of the file.
     let mut index_of: HashMap<Option<usize>, usize> = HashMap::new();
     let mut tally = Tally::default();
     for (node, to_world) in &nodes.shown {
@@ -116,27 +119,28 @@ fn parts(
     Ok((parts, used, tally.bounds))
 }
 
-/// Adds the views and lights of the nodes to a scene that has its meshes.
+/// Adds the views and lights of the nodes to a scene that already has its meshes. `origin`, in metres, is subtracted
+/// from every position.
 fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes: &mut Notes) {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
-    let reach = (bounds.max - bounds.min).length();
-    let units = Units { scale: nodes.scale, centre, far_m: (4.0 * reach).max(Lens::default().far_m * nodes.scale) };
-    let moved = |to_world: &DMat4| DMat4::from_translation(-origin) * *to_world;
+    let diagonal = (bounds.max - bounds.min).length();
+    let units = Units { scale: nodes.scale, centre, far_m: (4.0 * diagonal).max(Lens::default().far_m * nodes.scale) };
+    let to_moved_world = |to_world: &DMat4| DMat4::from_translation(-origin) * *to_world;
     let mut names = UniqueNames::default();
-    let mut placed = Vec::new();
+    let mut lamps = Vec::new();
     for (node, to_world) in &nodes.shown {
         if let Some(camera) = node.camera() {
             let name = node.name().or(camera.name()).unwrap_or("camera");
-            if let Some(view) = view(&camera, name, &moved(to_world), &units, notes) {
+            if let Some(view) = view(&camera, name, &to_moved_world(to_world), &units, notes) {
                 scene.views.push(View { name: names.unique(name), ..view });
             }
         }
         if let Some(light) = node.light() {
-            placed.extend(lights::lamp(&light, &moved(to_world), &units, notes));
+            lamps.extend(lights::lamp(&light, &to_moved_world(to_world), &units, notes));
         }
     }
-    let (lights, exposure) = lights::exposed(placed, notes);
+    let (lights, exposure) = lights::exposed(lamps, notes);
     scene.lights = lights;
     scene.notes.extend(exposure.map(|sentence| notes.about(&sentence)));
 }
@@ -145,9 +149,9 @@ fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes
 struct Units {
     /// Metres per unit of length of the file.
     scale: f32,
-    /// The centre of the scene.
+    /// The centre of the scene's bounds, in metres.
     centre: Vec3,
-    /// Far plane of a camera that gives none.
+    /// Distance of the far plane of a camera that states none, in metres.
     far_m: f32,
 }
 
@@ -176,7 +180,7 @@ impl<'a> Nodes<'a> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
         let tops: Vec<Node> = match scene {
             Some(scene) => scene.nodes().collect(),
-            None => all.iter().filter(|n| !is_child[n.index()]).cloned().collect(),
+            None => all.iter().filter(|node| !is_child[node.index()]).cloned().collect(),
         };
         let root = root(scale);
         let mut nodes = Self { shown: Vec::new(), to_world: vec![root; all.len()], scale };
@@ -184,9 +188,9 @@ impl<'a> Nodes<'a> {
         nodes.shown = nodes
             .walk((tops, root), &mut visited)
             .map_err(|node| data.error(format!("node {node} has more than one parent, or is its own")))?;
-        // Joints need not be in the scene that is shown. An error in a tree outside the scene is ignored, since the
-        // tree is not drawn.
-        for other in all.iter().filter(|n| !is_child[n.index()]) {
+        // Joints need not be in the scene that is shown, so that the transforms of all other nodes are computed, too.
+        // An error in a tree outside the scene is ignored, since the tree is not drawn.
+        for other in all.iter().filter(|node| !is_child[node.index()]) {
             if !visited[other.index()] {
                 nodes.walk((vec![other.clone()], root), &mut visited).unwrap_or_default();
             }
@@ -194,12 +198,12 @@ impl<'a> Nodes<'a> {
         Ok(nodes)
     }
 
-    /// The transform from the file's space to the world.
+    /// Returns the transform from the file's space to the world.
     pub(super) fn root(&self) -> DMat4 {
         root(self.scale)
     }
 
-    /// The parent of each node of the file.
+    /// Returns the parent of each node of the file, by index; `None` for a node without a parent.
     pub(super) fn parents(&self, data: &Data) -> Vec<Option<usize>> {
         let mut parents = vec![None; self.to_world.len()];
         for node in data.document.nodes() {
@@ -208,8 +212,9 @@ impl<'a> Nodes<'a> {
         parents
     }
 
-    /// The visible nodes of the trees below `tops`, with their transforms to the world; `root` is the transform above
-    /// `tops`.
+    /// Visits the trees below `tops`, and keeps the transform of each node to the world. Returns the visible nodes with
+    /// these transforms, in the order of the tree. `root` is the transform from the space of `tops` to the world, and
+    /// `visited` tells by index which nodes were visited.
     ///
     /// # Errors
     /// The index of a node that was visited before.
@@ -220,8 +225,8 @@ impl<'a> Nodes<'a> {
     ) -> std::result::Result<Vec<(Node<'a>, DMat4)>, usize> {
         let mut walked = Vec::new();
         // The last node on the stack is visited first.
-        let mut left: Vec<_> = tops.into_iter().rev().map(|node| (node, root, false)).collect();
-        while let Some((node, parent, is_hidden)) = left.pop() {
+        let mut stack: Vec<_> = tops.into_iter().rev().map(|node| (node, root, false)).collect();
+        while let Some((node, parent, is_hidden)) = stack.pop() {
             if std::mem::replace(&mut visited[node.index()], true) {
                 return Err(node.index());
             }
@@ -229,7 +234,7 @@ impl<'a> Nodes<'a> {
             self.to_world[node.index()] = to_world;
             let is_hidden = is_hidden || instances::is_hidden(&node);
             let children: Vec<_> = node.children().collect();
-            left.extend(children.into_iter().rev().map(|child| (child, to_world, is_hidden)));
+            stack.extend(children.into_iter().rev().map(|child| (child, to_world, is_hidden)));
             if !is_hidden {
                 walked.push((node, to_world));
             }
@@ -237,29 +242,34 @@ impl<'a> Nodes<'a> {
         Ok(walked)
     }
 
-    /// The placement of a mesh by the joints of a skin: the transform of each joint, times its inverse bind matrix.
+    /// Returns the placement of a mesh by the joints of a skin: for each joint its transform times its inverse bind
+    /// matrix.
     fn skin(&self, data: &Data, skin: &Skin) -> Result<MeshPlacement> {
         let binds = skin.inverse_bind_matrices().map(|accessor| data.matrices(&accessor)).transpose()?;
         let joints: Vec<Node> = skin.joints().collect();
         if binds.as_ref().is_some_and(|binds| binds.len() < joints.len()) {
-            let (index, many) = (skin.index(), joints.len());
-            return Err(data.error(format!("skin {index} has fewer inverse bind matrices than its {many} joints")));
+            let (index, count) = (skin.index(), joints.len());
+            return Err(data.error(format!("skin {index} has fewer inverse bind matrices than its {count} joints")));
         }
-        let matrix = |(k, joint): (usize, &Node)| {
-            let bind = binds.as_ref().map_or(DMat4::IDENTITY, |b| DMat4::from_cols_array(&b.get(k).map(f64::from)));
+        let matrix = |(number, joint): (usize, &Node)| {
+            let bind = match &binds {
+                Some(binds) => DMat4::from_cols_array(&binds.get(number).map(f64::from)),
+                None => DMat4::IDENTITY,
+            };
             self.to_world[joint.index()] * bind
         };
         Ok(MeshPlacement::Skin(joints.iter().enumerate().map(matrix).collect()))
     }
 }
 
-/// The transform from a file's space to the world: glTF is right-handed, the world left-handed.
+/// Returns the transform from a file's space to the world. It scales to metres, and negates z, since glTF is
+/// right-handed and the world left-handed.
 fn root(scale: f32) -> DMat4 {
     let size = f64::from(scale);
     DMat4::from_scale(DVec3::new(size, size, -size))
 }
 
-/// The transform from the space of a node to that of its parent.
+/// Returns the transform from the space of a node to that of its parent. A rotation of length 0 counts as none.
 fn local(node: &Node) -> DMat4 {
     match node.transform() {
         Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
@@ -272,7 +282,7 @@ fn local(node: &Node) -> DMat4 {
     }
 }
 
-/// Makes names unique: repeated names get numbers.
+/// Makes names unique by adding numbers to repeated names.
 #[derive(Default)]
 struct UniqueNames {
     /// Each name that was given, with the last number that was tried after it.
@@ -280,9 +290,9 @@ struct UniqueNames {
 }
 
 impl UniqueNames {
-    /// The name itself if it was not given before, else the name with a number after it.
+    /// Returns the name itself if it was not given before, else the name with a number after it.
     fn unique(&mut self, name: &str) -> String {
-        let mut number = *self.given.entry(name.to_owned()).and_modify(|k| *k += 1).or_insert(1);
+        let mut number = *self.given.entry(name.to_owned()).and_modify(|number| *number += 1).or_insert(1);
         let mut unique = if number == 1 { name.to_owned() } else { format!("{name} {number}") };
         while number > 1 && self.given.contains_key(&unique) {
             number += 1;
@@ -294,31 +304,34 @@ impl UniqueNames {
     }
 }
 
-/// The view of a camera; `None`, with a note, if the camera cannot be a view.
+/// Makes the view of a camera; `None`, with a note, if the camera cannot be a view. The view looks at the point of its
+/// axis that is nearest to the scene's centre, if this is at least one unit of the file away, else at the point one
+/// unit away.
 fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes: &mut Notes) -> Option<View> {
     let eye = to_world.w_axis.truncate();
     let forward = -to_world.z_axis.truncate().normalize_or_zero();
     let metres = |length: f32| length * units.scale;
     let lens = match camera.projection() {
-        Projection::Perspective(p) => {
-            Lens::perspective(p.yfov(), metres(p.znear()), p.zfar().map_or(units.far_m, metres))
+        Projection::Perspective(lens) => {
+            Lens::perspective(lens.yfov(), metres(lens.znear()), lens.zfar().map_or(units.far_m, metres))
         }
         // The stated width is ignored: pixels are square, as in a perspective.
-        Projection::Orthographic(o) => {
-            Lens::orthographic(2.0 * metres(o.ymag().abs()), metres(o.znear()), metres(o.zfar()))
+        Projection::Orthographic(lens) => {
+            Lens::orthographic(2.0 * metres(lens.ymag().abs()), metres(lens.znear()), metres(lens.zfar()))
         }
     };
     let distance = (units.centre.as_dvec3() - eye).dot(forward).max(f64::from(units.scale));
-    let [eye, look_at] = [eye, eye + distance * forward].map(|v| v.as_vec3());
-    let near_enough = |v: Vec3| v.is_finite() && v.abs().max_element() <= MAX_COORDINATE_M;
-    let sound = near_enough(eye) && near_enough(look_at) && (look_at - eye).try_normalize().is_some();
-    if !sound || !Camera::new(eye, look_at, lens, 1.0).is_sound() {
+    let [eye, look_at] = [eye, eye + distance * forward].map(|point| point.as_vec3());
+    let near_enough = |point: Vec3| point.is_finite() && point.abs().max_element() <= MAX_COORDINATE_M;
+    let is_sound = near_enough(eye) && near_enough(look_at) && (look_at - eye).try_normalize().is_some();
+    if !is_sound || !Camera::new(eye, look_at, lens, 1.0).is_sound() {
         notes.add(
             "camera",
             format!("camera {} cannot be used as a view and was left out", bounded::printable_name(name)),
         );
         return None;
     }
+    // An upright camera has a level x axis, unless it looks straight up or down.
     let right = to_world.x_axis.truncate().normalize_or_zero();
     if right.y.abs() > 1e-3 && forward.y.abs() < 0.999_999 {
         notes.add("roll", "cameras that are rolled about their axis are set upright".to_owned());

@@ -1,4 +1,5 @@
-//! Parses the JSON of a document to the types of the crate `gltf`, and reports values of a wrong type in glTF's words.
+//! Parses the JSON of a document to the types of the crate `gltf`. Errors about values of a wrong type use the words of
+//! JSON.
 
 use gltf::json::Root;
 use serde_json::Value;
@@ -6,8 +7,8 @@ use serde_json::Value;
 /// Parses a JSON value as a glTF document.
 ///
 /// # Errors
-/// A message with the place, such as `materials[0].pbrMetallicRoughness.roughnessFactor`, the value found there, and the
-/// expected one.
+/// A message with the place, such as `materials[0].pbrMetallicRoughness.roughnessFactor`, the value found there, and
+/// what is expected.
 pub(super) fn parse_typed(value: Value) -> Result<Root, String> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let place = error.path().to_string();
@@ -16,10 +17,10 @@ pub(super) fn parse_typed(value: Value) -> Result<Root, String> {
     })
 }
 
-/// A message of serde about a value, in the words of JSON.
+/// Rewrites a message of serde about a value in the words of JSON; other messages are returned unchanged.
 fn in_words(message: &str) -> String {
-    let of_type = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
-    if let Some((found, expected)) = of_type.and_then(|rest| rest.rsplit_once(", expected ")) {
+    let about_type = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
+    if let Some((found, expected)) = about_type.and_then(|rest| rest.rsplit_once(", expected ")) {
         return format!("{} where {} belongs", found_in_words(found), expected_in_words(expected));
     }
     if let Some(field) = message.strip_prefix("missing field ") {
@@ -33,7 +34,7 @@ fn in_words(message: &str) -> String {
     message.to_owned()
 }
 
-/// Names a value of a message by serde in the words of JSON: `a text` for serde's `string "0.5"`.
+/// Names the value that serde found in the words of JSON, such as `a text` for `string "0.5"`.
 fn found_in_words(found: &str) -> String {
     let kind = found.split(['`', '"']).next().unwrap_or(found).trim();
     match kind {
@@ -50,7 +51,7 @@ fn found_in_words(found: &str) -> String {
     }
 }
 
-/// The expected value, in words: serde's `f32` is a number.
+/// Names the value that serde expected in the words of JSON, such as `a number` for `f32`.
 fn expected_in_words(expected: &str) -> String {
     let expected = expected.trim();
     let is_integer = |sign: char| expected.strip_prefix(sign).is_some_and(|bits| bits.parse::<u32>().is_ok());

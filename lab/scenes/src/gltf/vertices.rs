@@ -1,4 +1,4 @@
-//! The vertices of a primitive: its attributes, morph targets and skin, and the place of each vertex in the world.
+//! The vertices of a primitive: reads attributes, morph targets and skin, and places each vertex in the world.
 
 use super::Notes;
 use super::data::{Data, Vectors};
@@ -13,10 +13,10 @@ use ssct_ground::Result;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-/// A transform of vertices to the world.
+/// A transform of vertices from a mesh to the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ToWorld {
-    /// Matrix to the world, which is left-handed.
+    /// Matrix from the mesh to the world, which is left-handed.
     to_world: DMat4,
     /// Cofactors of the matrix's linear part, which transform normals.
     cofactors: DMat3,
@@ -34,27 +34,27 @@ impl ToWorld {
         Self { to_world, cofactors, sign }
     }
 
-    /// A unit normal in the world; zero if the local one is zero.
+    /// Transforms a normal to a unit normal in the world; zero stays zero.
     fn normal(&self, local: DVec3) -> DVec3 {
         (self.sign * (self.cofactors * local)).normalize_or_zero()
     }
 
-    /// A tangent in the world. The bitangent w · n × t is transformed with the surface, so that a mirroring changes the sign of
-    /// w.
+    /// Transforms a tangent, with the sign w of its bitangent, to a unit tangent in the world. The bitangent w · n × t
+    /// is transformed with the surface, so that a mirroring changes the sign of w.
     fn tangent(&self, [x, y, z, w]: [f32; 4]) -> [f32; 4] {
-        let along = self.to_world.transform_vector3(DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
+        let direction = self.to_world.transform_vector3(DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
         let w = if f64::from(w) * self.sign < 0.0 { -1.0 } else { 1.0 };
         // Adding zero turns −0 into 0, so that welding finds equal bits.
-        (along.as_vec3() + Vec3::ZERO).extend(w).to_array()
+        (direction.as_vec3() + Vec3::ZERO).extend(w).to_array()
     }
 }
 
-/// Placement of the vertices of a mesh.
+/// How the vertices of a mesh are placed in the world.
 pub(super) enum MeshPlacement {
     /// The transform of the node places all vertices.
     Node(ToWorld),
-    /// The joints of a skin place each vertex, by their matrices from the mesh to the world. The node's own transform is
-    /// ignored (glTF 2.0, 3.7.3.3).
+    /// The joints of a skin place each vertex; these are their matrices from the mesh to the world. The node's own
+    /// transform is ignored (glTF 2.0, 3.7.3.3).
     Skin(Vec<DMat4>),
 }
 
@@ -65,7 +65,7 @@ pub(super) struct PlacedMesh<'a> {
     pub(super) placement: &'a MeshPlacement,
     /// Weight of each morph target.
     pub(super) weights: &'a [f32],
-    /// Offset that is subtracted from every place in the world, in metres.
+    /// Offset that is subtracted from every position in the world, in metres.
     pub(super) origin: DVec3,
 }
 
@@ -75,7 +75,7 @@ pub(super) struct PlacedVertex {
     pub(super) vertex: Vertex,
     /// Position before rounding to 32-bit floats.
     pub(super) position: DVec3,
-    /// −1 if the placement mirrors.
+    /// −1 if the placement mirrors, 1 otherwise.
     pub(super) sign: f64,
 }
 
@@ -85,7 +85,8 @@ impl Default for PlacedVertex {
     }
 }
 
-/// Vertices that were placed already. A primitive that draws few of many vertices keeps only the drawn ones.
+/// The vertices of a primitive that were placed so far. If the primitive draws only a few of many vertices, a map takes
+/// less memory than a list of all.
 pub(super) enum PlacedVertices {
     /// An entry for each vertex of the primitive, by index.
     All(Vec<Option<PlacedVertex>>),
@@ -94,12 +95,13 @@ pub(super) enum PlacedVertices {
 }
 
 impl PlacedVertices {
-    /// Room for the vertices of a primitive with `count` vertices and `triangles` triangles.
+    /// Makes an empty store for a primitive with `count` vertices and `triangles` triangles. With more than 12 vertices
+    /// for each triangle, the primitive draws few of them.
     pub(super) fn new(count: usize, triangles: usize) -> Self {
         if count <= 12 * triangles { Self::All(vec![None; count]) } else { Self::Few(HashMap::new()) }
     }
 
-    /// The vertex of an index, which is placed when it is first needed.
+    /// Returns the vertex with an index. When it is first needed, it is placed by calling `place`.
     pub(super) fn get(&mut self, index: u32, place: impl FnOnce() -> Result<PlacedVertex>) -> Result<PlacedVertex> {
         Ok(match self {
             Self::All(all) => match all.get_mut(index as usize) {
@@ -116,7 +118,7 @@ impl PlacedVertices {
     }
 }
 
-/// A morph target with its weight.
+/// A morph target with its weight: offsets that are added to positions and normals.
 struct Morph<'a> {
     weight: f64,
     positions: Option<Vectors<'a, 3>>,
@@ -135,7 +137,7 @@ pub(super) struct MeshVertices<'a> {
     tangents: Option<Vectors<'a, 4>>,
     uvs: Option<Vectors<'a, 2>>,
     morphs: Vec<Morph<'a>>,
-    /// The joints of each vertex and their weights, four at a time.
+    /// Sets of four joints and four weights for each vertex: indices of joints, then weights.
     influences: Vec<[Vectors<'a, 4>; 2]>,
 }
 
@@ -179,11 +181,11 @@ impl<'a> MeshVertices<'a> {
         }))
     }
 
-    /// Places a vertex in the world.
+    /// Places vertex number `i` in the world.
     ///
     /// # Errors
-    /// [`Error::Malformed`](ssct_ground::Error::Malformed) for an index without a vertex, and for a position that is not
-    /// finite or out of range.
+    /// [`Error::Malformed`](ssct_ground::Error::Malformed) for an index without a vertex, and for a position that is
+    /// not finite or out of range.
     pub(super) fn place(&self, i: usize, notes: &mut Notes) -> Result<PlacedVertex> {
         let wrong = |what: String| self.data.error(format!("mesh {}: {what}", bounded::printable_name(self.mesh.name)));
         if i >= self.count {
@@ -197,8 +199,8 @@ impl<'a> MeshVertices<'a> {
         if position.abs().max_element() > f64::from(MAX_COORDINATE_M) {
             return Err(wrong(format!("a vertex lies more than {MAX_COORDINATE_M:e} m from the origin")));
         }
-        let mut uv = self.uvs.as_ref().map_or([0.0; 2], |all| self.coordinates.place(all.get(i)));
-        if uv.iter().any(|v| !v.is_finite()) {
+        let mut uv = self.uvs.as_ref().map_or([0.0; 2], |uvs| self.coordinates.place(uvs.get(i)));
+        if uv.iter().any(|coordinate| !coordinate.is_finite()) {
             notes.add("no coordinates", "texture coordinates that are not finite count as 0".to_owned());
             uv = [0.0; 2];
         }
@@ -210,27 +212,27 @@ impl<'a> MeshVertices<'a> {
             position: (position.as_vec3() + Vec3::ZERO).to_array(),
             normal: placement.normal(normal).as_vec3().to_array(),
             uv,
-            tangent: self.tangents.as_ref().map_or([0.0; 4], |all| placement.tangent(all.get(i))),
+            tangent: self.tangents.as_ref().map_or([0.0; 4], |tangents| placement.tangent(tangents.get(i))),
         };
         Ok(PlacedVertex { vertex, position, sign: placement.sign })
     }
 
-    /// A position in the mesh, including morph targets.
-    fn position(&self, i: usize) -> DVec3 {
-        let added = self.morphs.iter().filter_map(|m| Some(m.weight * vector(m.positions.as_ref()?, i)));
-        added.fold(vector(&self.positions, i), |sum, added| sum + added)
+    /// Returns the position of a vertex in the mesh, including morph targets.
+    fn position(&self, index: usize) -> DVec3 {
+        let offset = |morph: &Morph| Some(morph.weight * vector(morph.positions.as_ref()?, index));
+        self.morphs.iter().filter_map(offset).fold(vector(&self.positions, index), |sum, offset| sum + offset)
     }
 
-    /// A normal in the mesh, including morph targets; zero if there is none.
-    fn normal(&self, i: usize) -> DVec3 {
+    /// Returns the normal of a vertex in the mesh, including morph targets; zero if there is none.
+    fn normal(&self, index: usize) -> DVec3 {
         let Some(normals) = &self.normals else { return DVec3::ZERO };
-        let added = self.morphs.iter().filter_map(|m| Some(m.weight * vector(m.normals.as_ref()?, i)));
-        added.fold(vector(normals, i), |sum, added| sum + added)
+        let offset = |morph: &Morph| Some(morph.weight * vector(morph.normals.as_ref()?, index));
+        self.morphs.iter().filter_map(offset).fold(vector(normals, index), |sum, offset| sum + offset)
     }
 
-    /// The transform of a vertex; with a skin, the mean of its joints' matrices. Weights need not add up to 1; without weights,
-    /// the first joint is used.
-    fn placement(&self, i: usize) -> std::result::Result<ToWorld, String> {
+    /// Returns the transform of a vertex: that of the node or, with a skin, the weighted mean of its joints' matrices.
+    /// Weights need not add up to 1; if all are 0, the first joint is used.
+    fn placement(&self, vertex: usize) -> std::result::Result<ToWorld, String> {
         let joints = match self.mesh.placement {
             MeshPlacement::Node(node) => return Ok(*node),
             MeshPlacement::Skin(joints) => joints,
@@ -238,9 +240,9 @@ impl<'a> MeshVertices<'a> {
         let (mut sum, mut total) = (DMat4::ZERO, 0.0);
         let mut first = None;
         for [indices, weights] in &self.influences {
-            for (index, weight) in indices.get(i).into_iter().zip(weights.get(i)) {
+            for (index, weight) in indices.get(vertex).into_iter().zip(weights.get(vertex)) {
                 let Some(joint) = joints.get(index as usize) else {
-                    return Err(format!("vertex {i} has joint {index}, and the skin has {} joints", joints.len()));
+                    return Err(format!("vertex {vertex} has joint {index}, and the skin has {} joints", joints.len()));
                 };
                 first.get_or_insert(*joint);
                 if weight > 0.0 && weight.is_finite() {
@@ -254,12 +256,12 @@ impl<'a> MeshVertices<'a> {
     }
 }
 
-/// Vector `i` of an accessor, in 64 bits.
-fn vector(all: &Vectors<3>, i: usize) -> DVec3 {
-    Vec3::from(all.get(i)).as_dvec3()
+/// Returns vector number `index` of an accessor, in 64 bits.
+fn vector(vectors: &Vectors<3>, index: usize) -> DVec3 {
+    Vec3::from(vectors.get(index)).as_dvec3()
 }
 
-/// The morph targets whose weight is not 0.
+/// Reads the morph targets of a primitive with `count` vertices. Targets whose weight is 0 or not finite are left out.
 fn morphs<'a>(data: &'a Data, primitive: &Primitive, weights: &[f32], count: usize) -> Result<Vec<Morph<'a>>> {
     let mut morphs = Vec::new();
     for (target, &weight) in primitive.morph_targets().zip(weights) {
@@ -267,7 +269,7 @@ fn morphs<'a>(data: &'a Data, primitive: &Primitive, weights: &[f32], count: usi
             continue;
         }
         let read = |accessor: Option<gltf::Accessor>, semantic: Semantic| {
-            accessor.map(|a| checked::<3>(data, &a, &semantic, count)).transpose()
+            accessor.map(|accessor| checked::<3>(data, &accessor, &semantic, count)).transpose()
         };
         let positions = read(target.positions(), Semantic::Positions)?;
         let normals = read(target.normals(), Semantic::Normals)?;
@@ -276,7 +278,8 @@ fn morphs<'a>(data: &'a Data, primitive: &Primitive, weights: &[f32], count: usi
     Ok(morphs)
 }
 
-/// The joints of a skinned primitive, with their weights.
+/// Reads the joints and weights of a skinned primitive with `count` vertices, one pair for each set of four joints a
+/// vertex.
 fn influences<'a>(data: &'a Data, primitive: &Primitive, count: usize) -> Result<Vec<[Vectors<'a, 4>; 2]>> {
     let mut influences = Vec::new();
     for set in 0.. {
@@ -290,7 +293,7 @@ fn influences<'a>(data: &'a Data, primitive: &Primitive, count: usize) -> Result
     Ok(influences)
 }
 
-/// The vectors of an attribute of a primitive with `count` vertices; `None` if the primitive lacks the attribute.
+/// Reads the vectors of an attribute of a primitive with `count` vertices; `None` if the primitive lacks the attribute.
 fn attribute<'a, const N: usize>(
     data: &'a Data,
     primitive: &Primitive,
@@ -300,7 +303,7 @@ fn attribute<'a, const N: usize>(
     primitive.get(&semantic).map(|accessor| checked(data, &accessor, &semantic, count)).transpose()
 }
 
-/// The vectors of an accessor, which must have one vector for each of `count` vertices.
+/// Reads the vectors of an accessor, which must have one vector for each of `count` vertices.
 fn checked<'a, const N: usize>(
     data: &'a Data,
     accessor: &gltf::Accessor,

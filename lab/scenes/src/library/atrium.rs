@@ -46,23 +46,25 @@ const FINISHES: [Finish; 13] = [
 pub const LINES_X: [f32; 8] = [-14.3, -9.95, -6.2, -2.46, 1.22, 4.9, 8.75, 13.0];
 /// The lines of constant z on which walls and columns stand, in the same order.
 pub const LINES_Z: [f32; 4] = [-5.75, -2.05, 2.8, 6.45];
-/// The building's outer extent in x and z, in metres.
+/// The building's outer extent, in metres: least and greatest x, then least and greatest z.
 const OUTSIDE: ([f32; 2], [f32; 2]) = ([-18.7, 17.5], [-10.4, 11.4]);
 
-/// Heights above the floor in metres at which the arches of each storey spring.
+/// Height above the floor, in metres, at which the arches of each storey begin.
 const SPRING: [f32; 2] = [2.3, 6.95];
-/// Heights above the floor, in metres, of the upper floor, of the top of the parapets and of the top of the walls.
+/// Height of the upper floor above the floor, in metres.
 const UPPER_FLOOR: f32 = 4.16;
+/// Height of the top of the parapets above the floor, in metres.
 pub const PARAPET: f32 = 5.08;
+/// Height of the top of the walls above the floor, in metres.
 const WALL_TOP: f32 = 13.0;
 /// Overlap of neighbouring geometry, in metres, so that no light shows through the joints.
 const OVERLAP: f32 = 0.02;
-/// Thickness of the walls around the court.
+/// Thickness of the walls around the court, in metres.
 const ARCADE_M: f32 = 0.6;
-/// Half the width of a corner pier.
+/// Half the width of a corner pier, in metres.
 const HALF_PIER_M: f32 = 0.5;
 
-/// Builds the scene.
+/// Builds the scene, with its meshes, materials, light, views and probes.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [floors(), outer_walls(), galleries(), arcades(), columns(), upper_walls(), roof()];
@@ -93,30 +95,31 @@ pub fn scene() -> Scene {
     }
 }
 
-/// An empty mesh of one of the atrium's materials.
+/// Makes an empty mesh; `material` is an index into [`FINISHES`].
 pub fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
-/// The bays of the galleries without the court: least and greatest corner (x, z).
+/// Returns the least and the greatest corner (x, z) of each bay of the galleries, that is, of each bay outside the
+/// court.
 fn gallery_bays() -> impl Iterator<Item = [Vec2; 2]> {
-    let bays_x = LINES_X.windows(2).enumerate();
-    bays_x.flat_map(|(i, x)| {
+    let columns = LINES_X.windows(2).enumerate();
+    columns.flat_map(|(column, x)| {
         let (low, high) = (x[0], x[1]);
-        LINES_Z.windows(2).enumerate().filter_map(move |(k, z)| {
-            let court = (1..LINES_X.len() - 2).contains(&i) && k == 1;
-            (!court).then_some([Vec2::new(low, z[0]), Vec2::new(high, z[1])])
+        LINES_Z.windows(2).enumerate().filter_map(move |(row, z)| {
+            let is_court = (1..LINES_X.len() - 2).contains(&column) && row == 1;
+            (!is_court).then_some([Vec2::new(low, z[0]), Vec2::new(high, z[1])])
         })
     })
 }
 
-/// The corners, at height `y`, of a horizontal rectangle with this least and greatest corner (x, z).
-fn level(bay: [Vec2; 2], y: f32) -> [Vec3; 4] {
-    let [a, b] = bay;
-    [(a.x, a.y), (b.x, a.y), (b.x, b.y), (a.x, b.y)].map(|(x, z)| Vec3::new(x, y, z))
+/// Returns the four corners, at height `y`, of a horizontal rectangle from its least and its greatest corner (x, z).
+fn level(rectangle: [Vec2; 2], y: f32) -> [Vec3; 4] {
+    let [min, max] = rectangle;
+    [(min.x, min.y), (max.x, min.y), (max.x, max.y), (min.x, max.y)].map(|(x, z)| Vec3::new(x, y, z))
 }
 
-/// The floor of court and galleries, and the galleries' upper floors.
+/// Builds the floor of court and galleries, and the galleries' upper floors.
 fn floors() -> Vec<MeshBuilder> {
     let mut floor = mesh("floor", FLOOR);
     let overlap = Vec2::splat(OVERLAP);
@@ -130,10 +133,11 @@ fn floors() -> Vec<MeshBuilder> {
     vec![floor, upper]
 }
 
-/// The four walls behind the galleries, and the outside of the building.
+/// Builds the four walls behind the galleries, and the outside of the building.
 fn outer_walls() -> Vec<MeshBuilder> {
     let heights = [-OVERLAP, 8.7];
     let (x, z) = ([LINES_X[0], LINES_X[7]], [LINES_Z[0], LINES_Z[3]]);
+    // For each wall a point on it, its right direction, and its extent along this direction.
     let frames = [
         (Vec3::new(0.0, 0.0, z[0]), Vec3::NEG_X, [-x[1], -x[0]]),
         (Vec3::new(0.0, 0.0, z[1]), Vec3::X, x),
@@ -155,7 +159,7 @@ fn outer_walls() -> Vec<MeshBuilder> {
     walls
 }
 
-/// The vaults of both storeys, with ribs between the bays.
+/// Builds the vaults of both storeys, with ribs between the bays.
 fn galleries() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for (storey, spring) in SPRING.into_iter().enumerate() {
@@ -165,10 +169,14 @@ fn galleries() -> Vec<MeshBuilder> {
             parts.push(vault);
         }
         let mut ribs = mesh(format!("ribs-{storey}"), ARCH);
-        for (x, z) in LINES_X[1..7].iter().flat_map(|&x| [0, 2].map(|k| (x, [LINES_Z[k], LINES_Z[k + 1]]))) {
+        // Ribs cross the galleries beside the long sides of the court along z, and those beside its short sides along
+        // x.
+        for (x, z) in LINES_X[1..7].iter().flat_map(|&x| [0, 2].map(|row| (x, [LINES_Z[row], LINES_Z[row + 1]]))) {
             rib(&mut ribs, Vec3::new(x, 0.0, 0.0), Vec3::Z, z, spring);
         }
-        for (z, x) in LINES_Z[1..3].iter().flat_map(|&z| [0, 6].map(|k| (z, [LINES_X[k], LINES_X[k + 1]]))) {
+        for (z, x) in
+            LINES_Z[1..3].iter().flat_map(|&z| [0, 6].map(|column| (z, [LINES_X[column], LINES_X[column + 1]])))
+        {
             rib(&mut ribs, Vec3::new(0.0, 0.0, z), Vec3::X, x, spring);
         }
         parts.push(ribs);
@@ -176,7 +184,8 @@ fn galleries() -> Vec<MeshBuilder> {
     parts
 }
 
-/// An arch between two lines that carries a vault, on corbels.
+/// Adds an arch that carries a vault, on corbels. It stands on the line through `origin` in the direction `along`, from
+/// `from` to `to` metres along it, and begins at the height `spring`.
 fn rib(mesh: &mut MeshBuilder, origin: Vec3, along: Vec3, [from, to]: [f32; 2], spring: f32) {
     let wall = Wall { origin, along, thickness_m: 0.4 };
     let half_width = 0.5 * (to - from) - 0.3;
@@ -185,6 +194,7 @@ fn rib(mesh: &mut MeshBuilder, origin: Vec3, along: Vec3, [from, to]: [f32; 2], 
     masonry::soffit(mesh, &wall, &arch, spring);
     let across = along.cross(Vec3::Y).abs();
     for end in [from, to] {
+        // The blocks of a corbel: half size, and least and greatest height above the beginning of the arch, in metres.
         for (half, low, high) in [(0.36, -0.16, 0.02), (0.28, -0.28, -0.16), (0.20, -0.38, -0.28)] {
             let centre = origin + end * along;
             let reach = half * along + (half - 0.1) * across;
@@ -193,21 +203,21 @@ fn rib(mesh: &mut MeshBuilder, origin: Vec3, along: Vec3, [from, to]: [f32; 2], 
     }
 }
 
-/// A side of the court: the line of its wall, and the positions of columns and piers on it.
+/// A side of the court: a point and the direction of its wall's line, and the distances of columns and piers along it.
 struct Side {
     origin: Vec3,
     along: Vec3,
     posts: Vec<f32>,
 }
 
-/// The four sides of the court: the two long ones along x, then the two short ones along z.
+/// Returns the four sides of the court: the two long ones along x, then the two short ones along z.
 fn sides() -> [Side; 4] {
     let long = |z: f32| Side { origin: Vec3::new(0.0, 0.0, z), along: Vec3::X, posts: LINES_X[1..7].to_vec() };
     let short = |x: f32| Side { origin: Vec3::new(x, 0.0, 0.0), along: Vec3::Z, posts: LINES_Z[1..3].to_vec() };
     [long(LINES_Z[1]), long(LINES_Z[2]), short(LINES_X[1]), short(LINES_X[6])]
 }
 
-/// The arches of both storeys with the walls above them, the parapets and the string courses.
+/// Builds the arches of both storeys with the walls above them, the parapets and the horizontal bands of stone.
 fn arcades() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for side in sides() {
@@ -235,14 +245,15 @@ fn arcades() -> Vec<MeshBuilder> {
     parts
 }
 
-/// A horizontal band of stone that projects by `proud_m` from both faces of the wall.
+/// Adds a horizontal band of stone that projects by `proud_m` from both faces of a wall. The band goes from `from` to
+/// `to` metres along the wall, and from the height `low` to `high`.
 fn course(mesh: &mut MeshBuilder, wall: &Wall, [from, to]: [f32; 2], [low, high]: [f32; 2], proud_m: f32) {
     let across = wall.along.cross(Vec3::Y).abs() * (0.5 * wall.thickness_m + proud_m);
-    let point = |a: f32, y: f32| wall.origin + a * wall.along + y * Vec3::Y;
+    let point = |distance: f32, y: f32| wall.origin + distance * wall.along + y * Vec3::Y;
     mesh.cuboid(point(from, low) - across, point(to, high) + across);
 }
 
-/// The arch of the lower storey between two posts at these places along the wall.
+/// Returns the arch of the lower storey between two posts at `from` and `to` metres along the wall.
 fn lower_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     let half = 0.5 * (to - from);
     let half_width = half - if half > 2.0 { HALF_PIER_M } else { 0.42 };
@@ -250,7 +261,8 @@ fn lower_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     vec![Arch { centre_m: from + half, half_width_m: half_width, spring_m: SPRING[0], rise_m: rise }]
 }
 
-/// The two arches of the upper storey between two posts, which share a slender column.
+/// Returns the two arches of the upper storey between two posts at `from` and `to` metres along the wall. The arches
+/// share a slender column.
 fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     let half = 0.5 * (to - from);
     let half_width = 0.5 * (half - 0.3 - 0.15);
@@ -259,7 +271,7 @@ fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     vec![arch(from + 0.3 + half_width), arch(to - 0.3 - half_width)]
 }
 
-/// Columns and corner piers of both storeys, and the slender columns between the upper arches.
+/// Builds the columns and corner piers of both storeys, and the slender columns between the upper arches.
 fn columns() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     let round = |name: &str, foot: Vec3, size: ColumnSize| {
@@ -269,7 +281,7 @@ fn columns() -> Vec<MeshBuilder> {
     };
     let upper_m = SPRING[1] - PARAPET;
     for side in sides() {
-        let point = |a: f32, y: f32| side.origin + a * side.along + y * Vec3::Y;
+        let point = |distance: f32, y: f32| side.origin + distance * side.along + y * Vec3::Y;
         for &post in &side.posts[1..side.posts.len() - 1] {
             let lower = ColumnSize { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
             parts.push(round("column", point(post, 0.0), lower));
@@ -281,9 +293,10 @@ fn columns() -> Vec<MeshBuilder> {
             parts.push(round("slender-column", point(0.5 * (bay[0] + bay[1]), PARAPET), slender));
         }
     }
-    for (x, z) in [1, 6].into_iter().flat_map(|i| [1, 2].map(|k| (LINES_X[i], LINES_Z[k]))) {
+    for (x, z) in [1, 6].into_iter().flat_map(|column| [1, 2].map(|row| (LINES_X[column], LINES_Z[row]))) {
         let mut pier = mesh("pier", COLUMN);
         let foot = Vec3::new(x, 0.0, z);
+        // The blocks of a pier: half width, and least and greatest height, in metres.
         for (half, low, high) in [
             (0.62, -OVERLAP, 0.3),
             (0.56, 0.3, 0.42),
@@ -299,16 +312,17 @@ fn columns() -> Vec<MeshBuilder> {
     parts
 }
 
-/// The court's walls above the upper arcade, with a row of windows.
+/// Builds the court's walls above the upper arcade, with a row of windows.
 fn upper_walls() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for (side, outward) in sides().into_iter().zip([Vec3::NEG_Z, Vec3::Z, Vec3::NEG_X, Vec3::X]) {
         let (first, last) = (side.posts[0], side.posts[side.posts.len() - 1]);
         let right = Vec3::Y.cross(outward);
+        // The side's own direction is `right` or its opposite, so that distances along it may change their sign.
         let flip = right.dot(side.along);
         let face = side.origin - 0.5 * ARCADE_M * outward;
-        let across = |a: f32| a * flip;
-        let ordered = |a: f32, b: f32| [across(a).min(across(b)), across(a).max(across(b))];
+        let rightwards = |distance: f32| distance * flip;
+        let ordered = |a: f32, b: f32| [rightwards(a).min(rightwards(b)), rightwards(a).max(rightwards(b))];
         let holes: Vec<Rect> = side
             .posts
             .windows(2)
@@ -327,25 +341,29 @@ fn upper_walls() -> Vec<MeshBuilder> {
     parts
 }
 
-/// A blind window: four reveals, a back wall and a sill.
+/// Adds a blind window: four sides of its recess, a back wall and a sill. `hole` is the window in the plane through
+/// `face` that `right` and the vertical span, and `outward` points into the wall.
 fn window(mesh: &mut MeshBuilder, face: Vec3, right: Vec3, outward: Vec3, hole: &Rect) {
     const DEPTH: f32 = 0.35;
-    let point = |a: f32, y: f32, depth: f32| face + a * right + y * Vec3::Y + depth * outward;
+    let point = |x: f32, y: f32, depth: f32| face + x * right + y * Vec3::Y + depth * outward;
     let (low, high) = (hole.min, hole.max);
     let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
     let middle = 0.5 * (low + high);
     for k in 0..4 {
-        let ((a, b), (c, d)) = (corners[k], corners[(k + 1) % 4]);
-        let facing = point(middle.x, middle.y, 0.0) - point(0.5 * (a + c), 0.5 * (b + d), 0.0);
-        mesh.polygon(&[point(a, b, 0.0), point(c, d, 0.0), point(c, d, DEPTH), point(a, b, DEPTH)], facing);
+        let ((x, y), (next_x, next_y)) = (corners[k], corners[(k + 1) % 4]);
+        let facing = point(middle.x, middle.y, 0.0) - point(0.5 * (x + next_x), 0.5 * (y + next_y), 0.0);
+        let [front, next_front] = [point(x, y, 0.0), point(next_x, next_y, 0.0)];
+        let [back, next_back] = [point(x, y, DEPTH), point(next_x, next_y, DEPTH)];
+        mesh.polygon(&[front, next_front, next_back, back], facing);
     }
-    mesh.polygon(&corners.map(|(a, b)| point(a, b, DEPTH)), -outward);
-    let (p, q) = (point(low.x - 0.12, low.y - 0.14, 0.02), point(high.x + 0.12, low.y, -0.12));
-    mesh.cuboid(p.min(q), p.max(q));
+    mesh.polygon(&corners.map(|(x, y)| point(x, y, DEPTH)), -outward);
+    let sill = [point(low.x - 0.12, low.y - 0.14, 0.02), point(high.x + 0.12, low.y, -0.12)];
+    mesh.cuboid(sill[0].min(sill[1]), sill[0].max(sill[1]));
 }
 
-/// A ring of tiles that slopes to the court and to the outside, with its eaves.
+/// Builds the roof: a ring of tiles that slopes to the court and to the outside, with its eaves.
 fn roof() -> Vec<MeshBuilder> {
+    // A rectangle (least and greatest corner) around the court, for `out` from 0 at the court to 1 at the outer edge.
     let ring = |out: f32| {
         let (x, z) = OUTSIDE;
         let court = [Vec2::new(LINES_X[1], LINES_Z[1]) + 0.3, Vec2::new(LINES_X[6], LINES_Z[2]) - 0.3];
@@ -354,8 +372,9 @@ fn roof() -> Vec<MeshBuilder> {
     };
     let mut tiles = mesh("roof", ROOF);
     let mut eaves = mesh("eaves", POLE);
-    let slope = |mesh: &mut MeshBuilder, a: f32, ya: f32, b: f32, yb: f32, facing: Vec3| {
-        let (inner, outer) = (level(ring(a), ya), level(ring(b), yb));
+    // A sloping ring between two rectangles, each with its height.
+    let slope = |mesh: &mut MeshBuilder, inner: f32, inner_y: f32, outer: f32, outer_y: f32, facing: Vec3| {
+        let (inner, outer) = (level(ring(inner), inner_y), level(ring(outer), outer_y));
         for k in 0..4 {
             let next = (k + 1) % 4;
             mesh.polygon(&[inner[k], inner[next], outer[next], outer[k]], facing);

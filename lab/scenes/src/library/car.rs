@@ -15,7 +15,7 @@ pub struct Materials {
 
 /// The names of a car's meshes.
 pub const PARTS: [&str; 5] = ["car-body", "car-glass", "car-dark", "car-chrome", "car-tail-lamps"];
-/// Width, height and length of the bounding box in metres.
+/// Width (x), height (y) and length (z) of the bounding box in metres.
 pub const SIZE: Vec3 = Vec3::new(1.80, 1.46, 4.36);
 
 const HALF_LENGTH: f32 = 0.5 * SIZE.z;
@@ -23,7 +23,7 @@ const WHEEL_RADIUS: f32 = 0.33;
 /// The z of both axles, in metres from the middle of the car.
 const AXLES: [f32; 2] = [-1.32, 1.36];
 
-/// A car that stands on the ground with its front towards +z.
+/// Builds a car whose front points to +z; `ground` is the point on the ground below its middle.
 pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
     let mesh = |part: usize, material: usize| MeshBuilder::new(PARTS[part], material, 1.0);
     let mut body = mesh(0, materials.paint);
@@ -45,11 +45,11 @@ pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
             wheel(&mut chrome, hub, 0.6 * WHEEL_RADIUS, 0.215, 0.02);
         }
     }
-    // A box with these ranges on the left side, and its mirror image on the right side.
+    // Adds a box with these ranges, in metres from `ground`, to each side of the car; the two are mirror images.
     let ends = |mesh: &mut MeshBuilder, z: [f32; 2], x: [f32; 2], y: [f32; 2]| {
         for side in [-1.0, 1.0] {
-            let (p, q) = (side * x[0], side * x[1]);
-            mesh.cuboid(ground + Vec3::new(p.min(q), y[0], z[0]), ground + Vec3::new(p.max(q), y[1], z[1]));
+            let [x0, x1] = x.map(|x| side * x);
+            mesh.cuboid(ground + Vec3::new(x0.min(x1), y[0], z[0]), ground + Vec3::new(x0.max(x1), y[1], z[1]));
         }
     };
     ends(&mut chrome, [2.05, 2.16], [0.42, 0.70], [0.62, 0.76]);
@@ -65,8 +65,8 @@ pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
     vec![body, glass, dark, chrome, lamps]
 }
 
-/// A cross-section of the hull: its z, half width, lower and upper edge, and how much narrower it is at the top
-/// (0…1).
+/// A cross-section of the hull, in metres: its z, half width, and lower and upper edge. `tumblehome` is the share (0…1)
+/// of the width by which it is narrower at the top.
 struct Section {
     z: f32,
     half_width: f32,
@@ -74,18 +74,19 @@ struct Section {
     tumblehome: f32,
 }
 
-/// Adds a closed, rounded surface through cross-sections; `section` takes t from 0 (the rear) to 1 (the front). `steps`
-/// are the cells around a cross-section and along t, and all places are relative to `ground`.
+/// Adds a closed, rounded surface through cross-sections. `section` gives the cross-section at t, from 0 (the rear) to
+/// 1 (the front). `steps` are the numbers of cells around a cross-section and along t, and positions are relative to
+/// `ground`.
 fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(f32) -> Section) {
     let outline = |s: f32, t: f32| {
         let profile = section(t);
         let (sin, cos) = (std::f32::consts::TAU * s).sin_cos();
         // The cross-section is a superellipse of exponent 4: nearly a box, with rounded edges.
-        let round = |v: f32| v.abs().sqrt().copysign(v);
-        let up = -round(sin);
+        let root = |number: f32| number.abs().sqrt().copysign(number);
+        let up = -root(sin);
         let half_height = 0.5 * (profile.heights[1] - profile.heights[0]);
         let narrow = 1.0 - profile.tumblehome * (0.5 + 0.5 * up);
-        Vec3::new(profile.half_width * narrow * round(cos), profile.heights[0] + half_height * (1.0 + up), profile.z)
+        Vec3::new(profile.half_width * narrow * root(cos), profile.heights[0] + half_height * (1.0 + up), profile.z)
     };
     mesh.surface(ground, steps, |s, t| (outline(s, t), Vec2::new(4.0 * s, 4.4 * t)));
     for (end, facing) in [(0.0, Vec3::NEG_Z), (1.0, Vec3::Z)] {
@@ -94,13 +95,14 @@ fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(
     }
 }
 
-/// 1 in the middle of 0…1, falling to 0 along a quarter circle of width `by` at both ends.
+/// Returns 1 for t in the middle of 0…1; at both ends, over a width of `by`, the result falls to 0 along a quarter
+/// circle.
 fn rounded(t: f32, by: f32) -> f32 {
     let near = (t.min(1.0 - t) / by).clamp(0.0, 1.0);
     (1.0 - (1.0 - near).powi(2)).max(0.0).sqrt()
 }
 
-/// The cross-section of the body below the windows, for t from 0 (the rear) to 1 (the front).
+/// Returns the cross-section of the body below the windows, for t from 0 (the rear) to 1 (the front).
 fn lower(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
     let end = rounded(t, 0.10);
@@ -116,7 +118,7 @@ fn lower(t: f32) -> Section {
     }
 }
 
-/// The cross-section of the cabin, which is all of glass, for t from 0 (the rear window) to 1 (the windscreen).
+/// Returns the cross-section of the cabin, which is all of glass, for t from 0 (the rear window) to 1 (the windscreen).
 fn cabin(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
     let z = -1.62 + 2.60 * t;
@@ -124,7 +126,7 @@ fn cabin(t: f32) -> Section {
     Section { z, half_width: 0.80, heights: [0.72, 0.80 + 0.60 * rise], tumblehome: 0.24 }
 }
 
-/// The cross-section of the roof over the cabin, for t from 0 (the rear) to 1 (the front).
+/// Returns the cross-section of the roof over the cabin, for t from 0 (the rear) to 1 (the front).
 fn roof(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
     let crown = (std::f32::consts::PI * t).sin();
@@ -132,7 +134,7 @@ fn roof(t: f32) -> Section {
     Section { z: -0.98 + 1.14 * t, half_width, heights: [1.34, 1.385 + 0.07 * crown], tumblehome: 0.06 }
 }
 
-/// The posts between the windows.
+/// Adds the posts between the windows: thin tubes, three on each side, from the body to the roof.
 fn pillars(mesh: &mut MeshBuilder, ground: Vec3) {
     for side in [-1.0, 1.0] {
         for (foot, head) in [
@@ -141,18 +143,20 @@ fn pillars(mesh: &mut MeshBuilder, ground: Vec3) {
             ((0.77, 0.88, -1.50), (0.60, 1.39, -0.92)),
         ] {
             let place = |(x, y, z): (f32, f32, f32)| ground + Vec3::new(x * side, y, z);
-            let (from, to) = (place(foot), place(head));
-            mesh.tube([8, 4], Vec3::X, |t| (from.lerp(to, t), 0.035));
+            let (foot, head) = (place(foot), place(head));
+            mesh.tube([8, 4], Vec3::X, |t| (foot.lerp(head, t), 0.035));
         }
     }
 }
 
-/// A disc with rounded shoulders whose axle is parallel to x. `width` is the width of the disc along the axle.
+/// Adds a disc with bulging sides around `hub`, whose axle is parallel to x. `width` is its greatest width along the
+/// axle, in metres. The middle of each side stands out by 0.375 · `shoulder` over the edge of the tread.
 fn wheel(mesh: &mut MeshBuilder, hub: Vec3, radius: f32, width: f32, shoulder: f32) {
     let half = 0.5 * width;
     mesh.tube([24, 8], Vec3::Y, |t| {
         let turn = (t.clamp(0.0, 1.0) - 0.5) * std::f32::consts::PI;
-        // The profile goes across the disc, around its shoulder, along its tread, and back.
+        // The profile goes from the middle of one side out to its edge, across the tread, and along the other side back
+        // to its middle. The edges are where |sin| is 1 / 1.6; there, the disc is 1 % smaller than mid-tread.
         let (sin, cos) = turn.sin_cos();
         let out = (1.6 * sin).clamp(-1.0, 1.0) * (half - shoulder) + shoulder * sin;
         let size = radius * (1.0 - (1.0 - cos).powi(3)).clamp(0.0, 1.0).min(cos * 1.5);

@@ -1,6 +1,6 @@
-//! `cathedral`: nave, aisles and choir with stained glass, after the third of Schmidt's scenes (2013, section
-//! 5.1, figures 33, 50 and 51c). A single box cannot approximate its pillars and aisles when cube maps are
-//! corrected for parallax.
+//! `cathedral`: nave, aisles and choir with stained glass, after the third of Schmidt's scenes (2013, section 5.1,
+//! figures 33, 50 and 51c). For a correction of parallax, the pillars and aisles cannot be approximated by a single
+//! box.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, centred_rect, standing};
@@ -41,33 +41,40 @@ const FINISHES: [Finish; 12] = [
 
 /// The number of bays of the nave along z; the choir follows them.
 const BAYS: usize = 6;
+/// Length of a bay along z, in metres.
 const BAY_M: f32 = 5.0;
+/// The z at which the nave ends and the choir begins, in metres; the nave begins at 0.
 const NAVE_END: f32 = BAYS as f32 * BAY_M;
+/// The z at which the choir ends, in metres.
 const CHOIR_END: f32 = NAVE_END + 7.0;
-/// The lines of the arcades and of the outer walls, at ±x.
+/// Distance of the middle of the arcades' walls from the plane x = 0, in metres.
 const ARCADE_X: f32 = 4.2;
+/// Distance of the outer walls from the plane x = 0, in metres.
 const OUTER_X: f32 = 8.4;
-/// Thickness of the arcades' walls.
+/// Thickness of the arcades' walls, in metres.
 const ARCADE_M: f32 = 0.7;
-/// The inner faces of the arcades' upper walls, at ±x.
+/// Distance of the arcades' inner faces from the plane x = 0, in metres.
 const NAVE_X: f32 = ARCADE_X - 0.5 * ARCADE_M;
-/// Heights in metres at which the arches of the arcade, the vaults of the aisles and the vault of the nave spring.
+/// Height at which the arches of the arcades begin, in metres.
 const ARCADE_SPRING: f32 = 3.6;
+/// Height at which the vaults of the aisles begin, in metres.
 const AISLE_SPRING: f32 = 4.6;
+/// Height at which the vault of the nave begins, in metres.
 const NAVE_SPRING: f32 = 10.6;
-/// Height of the nave's vault above its spring.
+/// Height of the nave's vault above the height at which it begins, in metres.
 const NAVE_RISE: f32 = 3.2;
-/// Height of the walls of nave and choir.
+/// Height of the walls of nave and choir, in metres.
 const TOP: f32 = NAVE_SPRING + NAVE_RISE + 0.1;
-/// Height of the choir's floor above the nave's.
+/// Height of the choir's floor above the nave's, in metres.
 const CHOIR_STEP: f32 = 0.32;
 /// Overlap of neighbouring geometry, in metres, so that no light shows through the joints.
 const OVERLAP: f32 = 0.02;
-/// Height of the middle of the rose window, and its diameter.
+/// Height of the middle of the rose window, in metres.
 const ROSE_Y: f32 = 8.6;
+/// Diameter of the rose window, in metres.
 const ROSE_M: f32 = 5.2;
 
-/// Builds the scene.
+/// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [floors(), arcades(), outer_walls(), ends(), vaults(), pews(), choir(), glass()];
@@ -76,8 +83,8 @@ pub fn scene() -> Scene {
     let mut point = |x: f32, y: f32, z: f32, energy: f32| {
         lights.push(Light::Point { position: Vec3::new(x, y, z), energy });
     };
-    for k in 0..BAYS {
-        point(0.0, 9.0, (k as f32 + 0.5) * BAY_M, 13.0);
+    for bay in 0..BAYS {
+        point(0.0, 9.0, (bay as f32 + 0.5) * BAY_M, 13.0);
     }
     for z in [5.0, 15.0, 25.0] {
         point(6.6, 3.4, z, 7.0);
@@ -85,7 +92,7 @@ pub fn scene() -> Scene {
     }
     point(0.0, ROSE_Y - 1.0, CHOIR_END - 3.2, 12.0);
     point(0.0, 4.0, CHOIR_END - 2.4, 5.0);
-    let nave = ([-NAVE_X, 0.0, 0.0], [NAVE_X, TOP, CHOIR_END]);
+    let (nave_min, nave_max) = ([-NAVE_X, 0.0, 0.0], [NAVE_X, TOP, CHOIR_END]);
     let mut scene = Scene {
         name: "cathedral".to_owned(),
         meshes,
@@ -100,38 +107,38 @@ pub fn scene() -> Scene {
             view("rose", [0.0, 1.3, 19.5], [0.0, 1.6, 30.0]),
         ],
         probes: vec![
-            probe("west", [0.0, 2.5, 7.5], nave.0, nave.1),
-            probe("east", [0.0, 2.5, 22.5], nave.0, nave.1),
+            probe("west", [0.0, 2.5, 7.5], nave_min, nave_max),
+            probe("east", [0.0, 2.5, 22.5], nave_min, nave_max),
             probe("left-aisle", [-6.3, 2.0, 12.5], [-OUTER_X, 0.0, 0.0], [-ARCADE_X, 6.4, NAVE_END]),
             probe("right-aisle", [6.3, 2.0, 12.5], [ARCADE_X, 0.0, 0.0], [OUTER_X, 6.4, NAVE_END]),
         ],
         ..Scene::default()
     };
-    for (names, frame) in impostors() {
-        impostor_image::add(&mut scene, &[&names], &frame);
+    for (mesh, frame) in impostors() {
+        impostor_image::add(&mut scene, &[&mesh], &frame);
     }
     scene
 }
 
-/// An empty mesh of one of the cathedral's materials.
+/// Makes an empty mesh; `material` is an index into [`FINISHES`].
 fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
-/// The nave's left and right side walls above and between the arches, seen from the nave.
+/// Returns the faces of the nave's left and right side walls that are seen from the nave.
 fn nave_walls() -> [Face; 2] {
     [Face::new([-NAVE_X, 0.0, 0.0], Vec3::Z), Face::new([NAVE_X, 0.0, 0.0], Vec3::NEG_Z)]
 }
 
-/// The wall behind the choir, seen from the nave.
+/// Returns the face of the wall behind the choir that is seen from the nave.
 fn east() -> Face {
     Face::new([0.0, 0.0, CHOIR_END], Vec3::X)
 }
 
-/// The floor of nave and aisles, the floor of the choir, and the steps between them.
+/// Builds the floor of nave and aisles, the floor of the choir, and the steps between them.
 fn floors() -> Vec<MeshBuilder> {
     let mut floor = mesh("floor", FLOOR);
-    let span = |r: f32| [-r - OVERLAP, r + OVERLAP];
+    let span = |half: f32| [-half - OVERLAP, half + OVERLAP];
     floor.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new(span(OUTER_X), [-OVERLAP, NAVE_END]), &[]);
     let mut choir = mesh("choir-floor", CHOIR).turned();
     let ground = Rect::new(span(ARCADE_X), [NAVE_END - 0.4, CHOIR_END + OVERLAP]);
@@ -143,20 +150,20 @@ fn floors() -> Vec<MeshBuilder> {
     vec![floor, choir, steps]
 }
 
-/// Pillars, the arches between them, the walls above, and the shafts that rise to the vault.
+/// Builds the pillars, the arches between them, the walls above, and the shafts that rise to the vault.
 fn arcades() -> Vec<MeshBuilder> {
     let mut wall = mesh("nave-walls", WALL);
     let mut stone = mesh("pillars", PILLAR);
     for x in [-ARCADE_X, ARCADE_X] {
         let line = Wall { origin: x * Vec3::X, along: Vec3::Z, thickness_m: ARCADE_M };
-        for k in 0..BAYS {
-            let z = k as f32 * BAY_M;
+        for bay in 0..BAYS {
+            let z = bay as f32 * BAY_M;
             let arch = Arch { centre_m: z + 0.5 * BAY_M, half_width_m: 1.95, spring_m: ARCADE_SPRING, rise_m: 2.2 };
             masonry::arched_wall(&mut wall, &line, [z, z + BAY_M], [ARCADE_SPRING, TOP], &[arch]);
             masonry::archivolt(&mut stone, &line, &arch, 0.2, 0.06);
         }
-        for k in 0..=BAYS {
-            let foot = Vec3::new(x, 0.0, k as f32 * BAY_M);
+        for pillar in 0..=BAYS {
+            let foot = Vec3::new(x, 0.0, pillar as f32 * BAY_M);
             let size = ColumnSize { radius_m: 0.42, height_m: ARCADE_SPRING, half_plinth_m: 0.62, sides: 24 };
             masonry::column(&mut stone, foot, &size);
             let shaft = Vec3::new(x.signum() * (NAVE_X - 0.02), ARCADE_SPRING - 0.02, foot.z);
@@ -168,6 +175,7 @@ fn arcades() -> Vec<MeshBuilder> {
             );
         }
     }
+    // A horizontal moulding runs along both walls above the arches.
     for face in nave_walls() {
         let ends = [0.0, CHOIR_END * face.right.z];
         let span = [ends[0].min(ends[1]), ends[0].max(ends[1])];
@@ -176,19 +184,22 @@ fn arcades() -> Vec<MeshBuilder> {
     vec![wall, stone]
 }
 
-/// The outer walls of the aisles with their mouldings, and the side walls of the choir.
+/// Builds the outer walls of the aisles with their mouldings, and the side walls of the choir.
 fn outer_walls() -> Vec<MeshBuilder> {
     let mut wall = mesh("outer-walls", WALL);
     let mut stone = mesh("wall-mouldings", PILLAR);
     for side in [-1.0, 1.0] {
         let face = Face::new([side * OUTER_X, 0.0, 0.0], -side * Vec3::Z);
-        let ordered =
-            |a: f32, b: f32| [(a * face.right.z).min(b * face.right.z), (a * face.right.z).max(b * face.right.z)];
+        // The range along the face, in order, between two z; the face's right is +z or −z.
+        let ordered = |from_z: f32, to_z: f32| {
+            let [from, to] = [from_z, to_z].map(|z| z * face.right.z);
+            [from.min(to), from.max(to)]
+        };
         face.wall(&mut wall, Rect::new(ordered(0.0, NAVE_END), [0.0, 6.8]), &[]);
         face.block(&mut stone, Rect::new(ordered(0.0, NAVE_END), [0.0, 0.35]), [0.0, 0.12]);
-        for k in 0..=BAYS {
-            let a = k as f32 * BAY_M * face.right.z;
-            face.block(&mut stone, standing(a, 0.5, AISLE_SPRING), [-0.1, 0.22]);
+        for pillar in 0..=BAYS {
+            let middle = pillar as f32 * BAY_M * face.right.z;
+            face.block(&mut stone, standing(middle, 0.5, AISLE_SPRING), [-0.1, 0.22]);
         }
         let choir = Face::new([side * NAVE_X, 0.0, 0.0], -side * Vec3::Z);
         choir.wall(&mut wall, Rect::new(ordered(NAVE_END, CHOIR_END), [0.0, TOP]), &[]);
@@ -203,7 +214,7 @@ fn outer_walls() -> Vec<MeshBuilder> {
     vec![wall, stone]
 }
 
-/// The west and east walls of the nave, and the west door.
+/// Builds the west and east walls of the nave, and the west door.
 fn ends() -> Vec<MeshBuilder> {
     let mut wall = mesh("end-walls", WALL);
     let across = Rect::new([-ARCADE_X - 0.4, ARCADE_X + 0.4], [0.0, TOP]);
@@ -220,15 +231,15 @@ fn ends() -> Vec<MeshBuilder> {
     vec![wall, stone, door]
 }
 
-/// Vaults over nave, aisles and choir, with ribs between their bays.
+/// Builds the vaults over nave, aisles and choir, with ribs between their bays.
 fn vaults() -> Vec<MeshBuilder> {
     let mut vault = mesh("vaults", VAULT);
     let mut ribs = mesh("ribs", PILLAR);
     let mut bay = |x: [f32; 2], z: [f32; 2], spring: f32, rise: f32| {
         masonry::groin_vault(&mut vault, [Vec2::new(x[0], z[0]), Vec2::new(x[1], z[1])], spring, rise, [20, 2]);
     };
-    for k in 0..BAYS {
-        let z = [k as f32 * BAY_M, (k + 1) as f32 * BAY_M];
+    for number in 0..BAYS {
+        let z = [number as f32 * BAY_M, (number + 1) as f32 * BAY_M];
         bay([-ARCADE_X, ARCADE_X], z, NAVE_SPRING, NAVE_RISE);
         bay([-OUTER_X, -ARCADE_X], z, AISLE_SPRING, 1.9);
         bay([ARCADE_X, OUTER_X], z, AISLE_SPRING, 1.9);
@@ -245,10 +256,10 @@ fn vaults() -> Vec<MeshBuilder> {
         masonry::arched_wall(&mut ribs, &line, x, [spring, spring + rise], &[arch]);
         masonry::soffit(&mut ribs, &line, &arch, spring);
     };
-    for k in 1..=BAYS {
-        let z = k as f32 * BAY_M;
+    for number in 1..=BAYS {
+        let z = number as f32 * BAY_M;
         rib([-NAVE_X, NAVE_X], z, NAVE_SPRING, NAVE_RISE);
-        if k < BAYS {
+        if number < BAYS {
             rib([-OUTER_X, -ARCADE_X - 0.3], z, AISLE_SPRING, 1.9);
             rib([ARCADE_X + 0.3, OUTER_X], z, AISLE_SPRING, 1.9);
         }
@@ -256,7 +267,7 @@ fn vaults() -> Vec<MeshBuilder> {
     vec![vault, ribs]
 }
 
-/// Two rows of pews with a free aisle between them.
+/// Builds pews on both sides of a free way through the middle of the nave.
 fn pews() -> Vec<MeshBuilder> {
     let mut wood = mesh("pews", PEW);
     for row in 0..9 {
@@ -274,13 +285,13 @@ fn pews() -> Vec<MeshBuilder> {
     vec![wood]
 }
 
-/// The altar with a cross, and two candlesticks.
+/// Builds the altar with a cross and two candlesticks, on the floor of the choir.
 fn choir() -> Vec<MeshBuilder> {
     let z = CHOIR_END - 2.6;
     let mut altar = mesh("altar", ALTAR);
-    let block = |mesh: &mut MeshBuilder, x: f32, y: [f32; 2], depth: f32| {
-        let low = Vec3::new(-x, CHOIR_STEP + y[0], z - depth);
-        mesh.cuboid(low, Vec3::new(x, CHOIR_STEP + y[1], z + depth));
+    let block = |mesh: &mut MeshBuilder, half_width: f32, y: [f32; 2], half_depth: f32| {
+        let low = Vec3::new(-half_width, CHOIR_STEP + y[0], z - half_depth);
+        mesh.cuboid(low, Vec3::new(half_width, CHOIR_STEP + y[1], z + half_depth));
     };
     block(&mut altar, 1.5, [-OVERLAP, 0.16], 0.9);
     block(&mut altar, 1.0, [0.16, 1.0], 0.4);
@@ -298,7 +309,7 @@ fn choir() -> Vec<MeshBuilder> {
     vec![altar, gold]
 }
 
-/// A window: its wall, its position, and the design that it shows.
+/// A window: its wall, its rectangle there, the material of its design, and the name of its mesh.
 struct Window {
     wall: Face,
     rect: Rect,
@@ -306,32 +317,32 @@ struct Window {
     name: String,
 }
 
-/// The lancets of clerestory, aisles and choir.
+/// Lists the lancets: those of the clerestory (the row above the arcades), of the aisles and of the choir.
 fn lancets() -> Vec<Window> {
     let mut all = Vec::new();
     // `along` is the z of the window's middle or, on the east wall, the x; `y` is the height of the middle.
     let mut add = |wall: Face, along: f32, y: f32, height: f32, design: usize, name: &str| {
-        let a = along * (wall.right.x + wall.right.z);
-        let rect = centred_rect(a, y, height * 0.375, height);
+        let rightwards = along * (wall.right.x + wall.right.z);
+        let rect = centred_rect(rightwards, y, height * 0.375, height);
         all.push(Window { wall, rect, material: LANCET + design % 3, name: format!("{name}-{}", all.len()) });
     };
     for (side, wall) in nave_walls().into_iter().enumerate() {
         let outer = Face::new([wall.origin.x.signum() * OUTER_X, 0.0, 0.0], wall.right);
-        for k in 0..BAYS {
-            let z = (k as f32 + 0.5) * BAY_M;
-            add(wall, z - 0.75, 8.9, 3.3, k + side, "clerestory");
-            add(wall, z + 0.75, 8.9, 3.3, k + side + 1, "clerestory");
-            add(outer, z, 3.1, 3.3, k + 2 * side, "aisle");
+        for bay in 0..BAYS {
+            let z = (bay as f32 + 0.5) * BAY_M;
+            add(wall, z - 0.75, 8.9, 3.3, bay + side, "clerestory");
+            add(wall, z + 0.75, 8.9, 3.3, bay + side + 1, "clerestory");
+            add(outer, z, 3.1, 3.3, bay + 2 * side, "aisle");
         }
         add(wall, NAVE_END + 3.5, 8.0, 4.4, side, "choir-side");
     }
-    for (k, x) in [-1.9, 0.0, 1.9].into_iter().enumerate() {
-        add(east(), x, 3.9, if k == 1 { 3.6 } else { 3.0 }, k + 1, "east");
+    for (number, x) in [-1.9, 0.0, 1.9].into_iter().enumerate() {
+        add(east(), x, 3.9, if number == 1 { 3.6 } else { 3.0 }, number + 1, "east");
     }
     all
 }
 
-/// The rose and the lancets, each a pane just in front of its wall with a stone moulding.
+/// Builds the rose and the lancets, each as a pane just in front of its wall; the lancets have sills of stone.
 fn glass() -> Vec<MeshBuilder> {
     let mut stone = mesh("window-sills", PILLAR);
     let mut parts = Vec::new();
@@ -349,13 +360,13 @@ fn glass() -> Vec<MeshBuilder> {
     parts
 }
 
-/// The rectangle of the rose window on the east wall.
+/// Returns the rectangle of the rose window on the east wall.
 fn rose_rect() -> Rect {
     centred_rect(0.0, ROSE_Y, ROSE_M, ROSE_M)
 }
 
-/// The meshes and rectangles of the impostors: the rose, the lancets below it, and the clerestory windows of
-/// the two bays in front of the choir.
+/// Returns the name of the mesh and the frame of each impostor: the rose, the lancets below it, and the clerestory
+/// windows of the two bays in front of the choir.
 fn impostors() -> Vec<(String, ssct_geometry::impostor_image::ImpostorFrame)> {
     let mut all = vec![("rose".to_owned(), east().portrait("rose", rose_rect(), 0.03, 512))];
     for window in lancets() {

@@ -1,6 +1,6 @@
-//! `corridor`: one long box with a polished floor, the kind of room that Schmidt recommends for
-//! parallax-corrected cube maps (2013, section 5.2.2). Doors, lamps and pictures break its symmetry, so that a
-//! shifted or mirrored cube map is noticeable.
+//! `corridor`: one long box with a polished floor, the kind of room that Schmidt recommends for parallax-corrected cube
+//! maps (2013, section 5.2.2). Doors, lamps and pictures break its symmetry, so that a shifted or mirrored cube map is
+//! noticed.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, centred_rect, standing};
@@ -59,7 +59,7 @@ const EXIT_SIGN: Sign = Sign {
 
 const PLATES: [Sign; 4] = [plate("1"), plate("2"), plate("3"), plate("4")];
 
-/// A plate with the number of a door.
+/// Makes the sign with the number of a door.
 const fn plate(letters: &'static str) -> Sign {
     Sign {
         text: Text { letters, stacked: false },
@@ -71,20 +71,24 @@ const fn plate(letters: &'static str) -> Sign {
     }
 }
 
+/// Half the width (x), the height (y) and the length (z, from 0) of the corridor, in metres.
 const HALF_WIDTH: f32 = 1.3;
 const HEIGHT: f32 = 2.7;
 const LENGTH: f32 = 26.0;
+/// Height of the dado, in metres.
 const DADO_TOP: f32 = 0.95;
+/// The z of the middle of each lamp, in metres.
 const LAMPS_Z: [f32; 5] = [3.0, 8.0, 13.0, 18.0, 23.0];
-/// The z of the door centres on the left (−x) and on the right.
+/// The z of the middle of each door on the left (−x) and on the right, in metres.
 const DOORS: [&[f32]; 2] = [&[4.0, 11.0, 18.0], &[8.0, 20.0]];
-/// Width and height of a door.
+/// Width and height of a door, in metres.
 const DOOR_M: [f32; 2] = [1.0, 2.1];
+/// Overlap of neighbouring geometry, in metres, so that no light shows through the joints.
 const OVERLAP: f32 = 0.02;
 /// The ranges of the window at the far end in x and in height, in metres.
 const END_WINDOW: ([f32; 2], [f32; 2]) = ([-0.75, 0.75], [0.85, 2.05]);
 
-/// Builds the scene.
+/// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [shell(), doors(), lamps(), things()];
@@ -124,22 +128,22 @@ pub fn scene() -> Scene {
     scene
 }
 
-/// An empty mesh of one of the corridor's materials.
+/// Makes an empty mesh; `material` is an index into [`FINISHES`].
 fn mesh(name: &str, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
-/// The left (−x) and the right wall.
+/// Returns the left (−x) and the right wall.
 fn walls() -> [Face; 2] {
     [Face::new([-HALF_WIDTH, 0.0, 0.0], Vec3::Z), Face::new([HALF_WIDTH, 0.0, 0.0], Vec3::NEG_Z)]
 }
 
-/// A rectangle on one of the walls, given by the z of its centre.
+/// Returns a rectangle on one of the walls, given by the z and the height of its centre and by its size, in metres.
 fn along(wall: &Face, z: f32, y: f32, width: f32, height: f32) -> Rect {
     centred_rect(z * wall.right.z, y, width, height)
 }
 
-/// Floor, ceiling, walls with wooden panelling below, and the end walls.
+/// Builds floor, ceiling, side walls with wooden panelling at their feet, and the end walls.
 fn shell() -> Vec<MeshBuilder> {
     let mut floor = mesh("floor", FLOOR);
     let (x, z) = ([-HALF_WIDTH - OVERLAP, HALF_WIDTH + OVERLAP], [-OVERLAP, LENGTH + OVERLAP]);
@@ -154,8 +158,8 @@ fn shell() -> Vec<MeshBuilder> {
         let extent = Rect::new([ends[0].min(ends[1]), ends[0].max(ends[1])], [0.0, HEIGHT]);
         let holes: Vec<Rect> = doors.iter().map(|z| standing(z * wall.right.z, DOOR_M[0], DOOR_M[1])).collect();
         wall.wall(&mut plaster, extent, &holes);
-        // Boards run between the door frames.
-        let mut edges: Vec<f32> = holes.iter().flat_map(|h| [h.min.x - 0.09, h.max.x + 0.09]).collect();
+        // Boards run between the door frames. Their ends are listed from left to right.
+        let mut edges: Vec<f32> = holes.iter().flat_map(|hole| [hole.min.x - 0.09, hole.max.x + 0.09]).collect();
         edges.sort_by(f32::total_cmp);
         edges.insert(0, extent.min.x);
         edges.push(extent.max.x);
@@ -179,7 +183,7 @@ fn shell() -> Vec<MeshBuilder> {
     vec![floor, ceiling, plaster, dado, trim, pane]
 }
 
-/// Door leaves in recesses, with frames, handles and number plates.
+/// Builds door leaves in recesses, with frames, handles and number plates.
 fn doors() -> Vec<MeshBuilder> {
     let mut leaves = mesh("doors", DOOR).turned();
     let mut frames = mesh("door-frames", TRIM);
@@ -188,11 +192,11 @@ fn doors() -> Vec<MeshBuilder> {
     let mut number = 0;
     for (wall, doors) in walls().into_iter().zip(DOORS) {
         for z in doors {
-            let a = z * wall.right.z;
-            let hole = standing(a, DOOR_M[0], DOOR_M[1]);
+            let middle = z * wall.right.z;
+            let hole = standing(middle, DOOR_M[0], DOOR_M[1]);
             wall.reveals(&mut frames, hole, 0.12);
             for side in [-1.0, 1.0] {
-                let edge = a + side * (0.5 * DOOR_M[0] + 0.045);
+                let edge = middle + side * (0.5 * DOOR_M[0] + 0.045);
                 wall.block(&mut frames, Rect::new([edge - 0.045, edge + 0.045], [0.0, DOOR_M[1] + 0.09]), [0.0, 0.04]);
             }
             let top = Rect::new([hole.min.x, hole.max.x], [DOOR_M[1], DOOR_M[1] + 0.09]);
@@ -200,12 +204,12 @@ fn doors() -> Vec<MeshBuilder> {
             let leaf = Rect::new([hole.min.x, hole.max.x], [0.0, DOOR_M[1]]);
             wall.block(&mut leaves, leaf, [-0.14, -0.10]);
             for (y, height) in [(0.55, 0.7), (1.5, 0.9)] {
-                wall.border(&mut leaves, centred_rect(a, y, 0.56, height), 0.04, [-0.1, -0.085]);
+                wall.border(&mut leaves, centred_rect(middle, y, 0.56, height), 0.04, [-0.1, -0.085]);
             }
-            handles.sphere(wall.point_at(a + 0.4, 1.03, -0.05), 0.035, [16, 8]);
+            handles.sphere(wall.point_at(middle + 0.4, 1.03, -0.05), 0.035, [16, 8]);
             if number < 4 {
                 let mut plate = mesh("number", NUMBER + number);
-                wall.picture(&mut plate, centred_rect(a, 1.72, 0.16, 0.16), -0.08);
+                wall.picture(&mut plate, centred_rect(middle, 1.72, 0.16, 0.16), -0.08);
                 parts.push(plate);
             }
             number += 1;
@@ -215,7 +219,7 @@ fn doors() -> Vec<MeshBuilder> {
     parts
 }
 
-/// Panels below the ceiling, lit by the point lights below them.
+/// Builds the lamps: panels in cases below the ceiling, which the scene's point lights below them light.
 fn lamps() -> Vec<MeshBuilder> {
     let mut panels = mesh("lamps", LAMP);
     let mut cases = mesh("lamp-cases", METAL);
@@ -224,33 +228,34 @@ fn lamps() -> Vec<MeshBuilder> {
         let middle = Vec3::new(0.0, y, z);
         cases.cuboid(middle - half - Vec3::new(0.03, -0.005, 0.03), middle + half + Vec3::new(0.03, 0.08, 0.03));
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-        panels.polygon(&corners.map(|(a, b)| middle + half * Vec3::new(a, 0.0, b)), Vec3::NEG_Y);
+        panels.polygon(&corners.map(|(x, z)| middle + half * Vec3::new(x, 0.0, z)), Vec3::NEG_Y);
     }
     vec![panels, cases]
 }
 
-/// The panel of a lamp as an area light.
+/// Returns the panel of the lamp at this z as an area light.
 fn area_light(z: f32) -> AreaLight {
     let (half_u, half_v) = (0.16 * Vec3::X, 0.7 * Vec3::Z);
     let centre = Vec3::new(0.0, HEIGHT - 0.08, z);
     AreaLight { shape: AreaShape::Rectangle { centre, half_u, half_v }, radiance: Vec3::new(1.0, 0.97, 0.90) }
 }
 
-/// The plane of the exit sign across the corridor, which faces −z.
+/// Returns the plane of the exit sign, which hangs across the corridor and faces −z.
 fn exit_face() -> Face {
     Face::new([0.0, 0.0, 15.5], Vec3::X)
 }
 
-/// The rectangle of the exit sign in its plane.
+/// Returns the rectangle of the exit sign in its plane.
 fn exit_rect() -> Rect {
     centred_rect(0.72, 2.42, 0.72, 0.24)
 }
 
-/// Paintings, the exit sign that hangs across the corridor, a bench and a fire extinguisher.
+/// Builds paintings, the exit sign that hangs across the corridor, a bench and a fire extinguisher.
 fn things() -> Vec<MeshBuilder> {
     let [left, right] = walls();
     let mut frames = mesh("picture-frames", DOOR);
     let mut parts = Vec::new();
+    // The wall, the mesh's name, the material and the rectangle of each painting.
     let hung = [
         (right, "landscape", PAINTING, along(&right, 13.5, 1.7, 1.5, 1.0)),
         (left, "ship", PAINTING + 1, along(&left, 7.5, 1.7, 1.5, 1.0)),
@@ -268,14 +273,15 @@ fn things() -> Vec<MeshBuilder> {
     let mut back = mesh("exit-back", EXIT);
     behind.picture(&mut back, centred_rect(-0.72, 2.42, 0.72, 0.24), 0.0);
     let mut rods = mesh("exit-rods", METAL);
-    for a in [-0.28, 0.28] {
-        let top = exit_face().point_at(0.72 + a, HEIGHT, -0.005);
+    for offset in [-0.28, 0.28] {
+        let top = exit_face().point_at(0.72 + offset, HEIGHT, -0.005);
         rods.cuboid(top - Vec3::new(0.01, HEIGHT - 2.5, 0.0), top + Vec3::new(0.01, 0.0, 0.01));
     }
     let mut bench = mesh("bench", DOOR);
+    // The legs and the seat of the bench: range of heights, and range in x.
     for (low, high, x) in [(0.0, 0.42, [0.92, 1.22]), (0.42, 0.47, [0.86, 1.27])] {
-        let z = if low == 0.0 { [[12.8, 12.9], [14.1, 14.2]].to_vec() } else { [[12.6, 14.4]].to_vec() };
-        for z in z {
+        let z_ranges = if low == 0.0 { [[12.8, 12.9], [14.1, 14.2]].to_vec() } else { [[12.6, 14.4]].to_vec() };
+        for z in z_ranges {
             bench.cuboid(Vec3::new(x[0], low, z[0]), Vec3::new(x[1], high, z[1]));
         }
     }

@@ -1,5 +1,6 @@
-//! `museum`: two halls joined by a wide arch, after the second of Schmidt's scenes (2013, section 5.1, figures 40 and 51b). The
-//! halls have a dinosaur skeleton in the middle, paintings, and an exit sign that is reflected in the polished wall beside it.
+//! `museum`: two halls joined by a wide arch, after the second of Schmidt's scenes (2013, section 5.1, figures 40 and
+//! 51b). The halls have a dinosaur skeleton in the middle, paintings, and an exit sign that is reflected in the
+//! polished wall beside it.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, centred_rect, standing};
@@ -55,31 +56,36 @@ const EXIT_SIGN: Sign = Sign {
     size: [384, 128],
 };
 
+/// Half the width (x) and the height (y) of the halls, in metres.
 const HALF_WIDTH: f32 = 6.0;
 const HEIGHT: f32 = 5.0;
-/// The z of the end walls, and the z and the thickness of the wall between the halls.
+/// The z of the two end walls, in metres.
 const ENDS_Z: [f32; 2] = [-9.0, 13.0];
+/// The z of the middle and the thickness of the partition wall between the halls, in metres.
 const PARTITION_Z: f32 = 3.2;
 const PARTITION_M: f32 = 0.4;
+/// The arch in the partition wall, along x.
 const ARCH: Arch = Arch { centre_m: -1.0, half_width_m: 1.9, spring_m: 2.5, rise_m: 1.3 };
+/// Overlap of neighbouring geometry, in metres, so that no light shows through the joints.
 const OVERLAP: f32 = 0.02;
-/// The skylight of the first hall and its well, in x and z.
+/// The x and z ranges of the skylight of the first hall and of its well, in metres.
 const SKYLIGHT: ([f32; 2], [f32; 2]) = ([-1.4, 1.4], [-7.0, 1.0]);
 /// The z of the centre of the door in the wall at +x, below the exit sign.
 const DOOR_Z: f32 = 0.9;
-/// Pendant lamps: x and z of their centres, and their height and radius.
+/// The x and z of the middle of each pendant lamp, in metres.
 const LAMPS: [[f32; 2]; 8] =
     [[-3.6, -6.5], [3.6, -6.5], [-3.6, -2.5], [3.6, -2.5], [-3.6, 1.2], [3.6, 1.2], [-2.6, 8.0], [2.6, 8.0]];
+/// Height of the middle of the lamps, and their radius, in metres.
 const LAMP_Y: f32 = 3.75;
 const LAMP_RADIUS: f32 = 0.2;
 
-/// Builds the scene.
+/// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [shell(), skylight(), paintings(), exit(), exhibits(), lamps(), furniture()];
     let meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
-    let below = |[x, z]: [f32; 2]| Light::Point { position: Vec3::new(x, LAMP_Y - 0.6, z), energy: 7.0 };
-    let mut lights = LAMPS.map(below).to_vec();
+    let light_below = |[x, z]: [f32; 2]| Light::Point { position: Vec3::new(x, LAMP_Y - 0.6, z), energy: 7.0 };
+    let mut lights = LAMPS.map(light_below).to_vec();
     lights.push(Light::Point { position: Vec3::new(HALF_WIDTH - 0.75, 2.75, DOOR_Z), energy: 2.0 });
     lights.push(Light::Point { position: Vec3::new(0.0, 4.7, -3.0), energy: 9.0 });
     let mut scene = Scene {
@@ -124,54 +130,56 @@ pub fn scene() -> Scene {
         ..Scene::default()
     };
     impostor_image::add(&mut scene, &["exit-sign"], &right_wall().portrait("exit sign", exit_rect(), 0.12, 384));
-    for hung in hung().iter().take(6) {
-        let mesh = format!("{}-{}", hung.name, hung.number);
-        impostor_image::add(&mut scene, &[&mesh], &hung.wall.portrait(hung.name, hung.rect, 0.05, 256));
+    for painting in hung().iter().take(6) {
+        let mesh = format!("{}-{}", painting.name, painting.number);
+        let frame = painting.wall.portrait(painting.name, painting.rect, 0.05, 256);
+        impostor_image::add(&mut scene, &[&mesh], &frame);
     }
     scene
 }
 
-/// An empty mesh of one of the museum's materials.
+/// Makes an empty mesh; `material` is an index into [`FINISHES`].
 fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
-/// The wall at −x; `a` along it is z.
+/// Returns the wall at −x, on which z grows to the right.
 fn left_wall() -> Face {
     Face::new([-HALF_WIDTH, 0.0, 0.0], Vec3::Z)
 }
 
-/// The wall at +x; `a` along it is −z.
+/// Returns the wall at +x, on which z grows to the left.
 fn right_wall() -> Face {
     Face::new([HALF_WIDTH, 0.0, 0.0], Vec3::NEG_Z)
 }
 
-/// The wall at +z, which faces the second hall.
+/// Returns the end wall at +z, which faces the second hall.
 fn end_wall() -> Face {
     Face::new([0.0, 0.0, ENDS_Z[1]], Vec3::X)
 }
 
-/// The partition wall, seen from the first hall.
+/// Returns the face of the partition wall that is seen from the first hall.
 fn partition() -> Face {
     Face::new([0.0, 0.0, PARTITION_Z - 0.5 * PARTITION_M], Vec3::X)
 }
 
-/// Floor, walls, the partition with its arch, a stone skirting, and a moulding below the ceiling.
+/// Builds floor, ceiling, walls, the partition with its arch, a stone skirting, and a moulding below the ceiling.
 fn shell() -> Vec<MeshBuilder> {
     let x = [-HALF_WIDTH, HALF_WIDTH];
     let mut floor = mesh("floor", FLOOR);
-    let wide = |r: [f32; 2]| [r[0] - OVERLAP, r[1] + OVERLAP];
-    floor.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new(wide(x), wide(ENDS_Z)), &[]);
+    let widened = |range: [f32; 2]| [range[0] - OVERLAP, range[1] + OVERLAP];
+    floor.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new(widened(x), widened(ENDS_Z)), &[]);
     let mut ceiling = mesh("ceiling", CEILING);
     let well = Rect::new(SKYLIGHT.0, [-SKYLIGHT.1[1], -SKYLIGHT.1[0]]);
-    let level = Rect::new(wide(x), wide([-ENDS_Z[1], -ENDS_Z[0]]));
-    ceiling.panel([HEIGHT * Vec3::Y, Vec3::X, Vec3::NEG_Z], level, &[well]);
+    let whole = Rect::new(widened(x), widened([-ENDS_Z[1], -ENDS_Z[0]]));
+    ceiling.panel([HEIGHT * Vec3::Y, Vec3::X, Vec3::NEG_Z], whole, &[well]);
 
     let mut walls = mesh("walls", WALL);
     let mut stone = mesh("mouldings", STONE);
     let heights = [0.0, HEIGHT];
     let door = standing(-DOOR_Z, 1.5, 2.3);
     let first_end = Face::new([0.0, 0.0, ENDS_Z[0]], Vec3::NEG_X);
+    // Each wall with its extent along itself and its door.
     let sides = [
         (left_wall(), ENDS_Z, None),
         (right_wall(), [-ENDS_Z[1], -ENDS_Z[0]], Some(door)),
@@ -182,7 +190,11 @@ fn shell() -> Vec<MeshBuilder> {
         wall.wall(&mut walls, Rect::new(span, heights), hole.as_slice());
         wall.block(&mut stone, Rect::new(span, [HEIGHT - 0.22, HEIGHT - 0.08]), [0.0, 0.10]);
         wall.block(&mut stone, Rect::new(span, [HEIGHT - 0.08, HEIGHT]), [0.0, 0.18]);
-        let feet = hole.map_or(vec![span], |h| vec![[span[0], h.min.x - 0.15], [h.max.x + 0.15, span[1]]]);
+        // The skirting leaves the door and its frame free.
+        let feet = match hole {
+            Some(door) => vec![[span[0], door.min.x - 0.15], [door.max.x + 0.15, span[1]]],
+            None => vec![span],
+        };
         for foot in feet {
             wall.block(&mut stone, Rect::new(foot, [0.0, 0.16]), [0.0, 0.03]);
         }
@@ -199,7 +211,7 @@ fn shell() -> Vec<MeshBuilder> {
     vec![floor, ceiling, walls, stone]
 }
 
-/// The skylight: a well through the ceiling, glazing bars, and the sky.
+/// Builds the skylight: a well through the ceiling, glazing bars, and a pane that shows the sky.
 fn skylight() -> Vec<MeshBuilder> {
     let (x, z) = SKYLIGHT;
     let top = HEIGHT + 0.8;
@@ -222,7 +234,7 @@ fn skylight() -> Vec<MeshBuilder> {
     vec![well, bars, glass]
 }
 
-/// A painting on a wall.
+/// A painting on a wall: the names of its image and mesh, its material, and its place.
 struct HungPainting {
     name: &'static str,
     number: usize,
@@ -231,11 +243,11 @@ struct HungPainting {
     rect: Rect,
 }
 
-/// All paintings. The first six hang in the first hall and have impostors.
+/// Lists all paintings. The first six hang in the first hall and have impostors.
 fn hung() -> Vec<HungPainting> {
     let (left, right) = (left_wall(), right_wall());
     let from_second = Face::new([0.0, 0.0, PARTITION_Z + 0.5 * PARTITION_M], Vec3::NEG_X);
-    // The index of the picture, the wall, the z or x and the height of the middle, and the width.
+    // The index of the image, the wall, the z of the middle (or, on a wall along x, the x), its height, and the width.
     let places = [
         (0, left, -6.6, 1.9, 2.4),
         (2, left, -3.0, 1.9, 2.1),
@@ -253,17 +265,17 @@ fn hung() -> Vec<HungPainting> {
     places
         .into_iter()
         .enumerate()
-        .map(|(number, (k, wall, along, y, width))| {
-            // Converts the coordinate to the wall's own; a wall is parallel to x or to z.
-            let a = along * (wall.right.x + wall.right.z);
-            let ratio = if k == 3 { 1.25 } else { 2.0 / 3.0 };
-            let rect = centred_rect(a, y, width, width * ratio);
-            HungPainting { name: names[k], number, material: PAINTING + k, wall, rect }
+        .map(|(number, (image, wall, along, y, width))| {
+            // The wall's right is an axis of the world or its opposite, which may change the sign of the coordinate.
+            let rightwards = along * (wall.right.x + wall.right.z);
+            let ratio = if image == 3 { 1.25 } else { 2.0 / 3.0 };
+            let rect = centred_rect(rightwards, y, width, width * ratio);
+            HungPainting { name: names[image], number, material: PAINTING + image, wall, rect }
         })
         .collect()
 }
 
-/// The paintings with their frames.
+/// Builds the paintings with their frames.
 fn paintings() -> Vec<MeshBuilder> {
     let mut frames = mesh("picture-frames", GILT);
     let mut parts: Vec<MeshBuilder> = hung()
@@ -281,43 +293,44 @@ fn paintings() -> Vec<MeshBuilder> {
     parts
 }
 
-/// The rectangle of the exit sign on the wall at +x.
+/// Returns the rectangle of the exit sign on the wall at +x.
 fn exit_rect() -> Rect {
     centred_rect(-DOOR_Z, 2.78, 1.2, 0.4)
 }
 
-/// The side door and the exit sign above it.
+/// Builds the side door and the exit sign above it.
 fn exit() -> Vec<MeshBuilder> {
     let wall = right_wall();
     let hole = standing(-DOOR_Z, 1.5, 2.3);
     let mut frame = mesh("door-frame", STONE);
     wall.reveals(&mut frame, hole, 0.2);
-    for a in [hole.min.x - 0.075, hole.max.x + 0.075] {
-        wall.block(&mut frame, standing(a, 0.15, 2.3), [0.0, 0.05]);
+    for edge in [hole.min.x - 0.075, hole.max.x + 0.075] {
+        wall.block(&mut frame, standing(edge, 0.15, 2.3), [0.0, 0.05]);
     }
     wall.block(&mut frame, Rect::new([hole.min.x - 0.15, hole.max.x + 0.15], [2.3, 2.45]), [0.0, 0.06]);
     let mut leaves = mesh("door", WOOD).turned();
-    for half in [-1.0, 1.0] {
-        let middle = -DOOR_Z + 0.375 * half;
+    for side in [-1.0, 1.0] {
+        let middle = -DOOR_Z + 0.375 * side;
         wall.block(&mut leaves, standing(middle, 0.74, 2.3), [-0.2, -0.15]);
         for (y, height) in [(0.6, 0.8), (1.65, 0.9)] {
             wall.border(&mut leaves, centred_rect(middle, y, 0.44, height), 0.04, [-0.15, -0.13]);
         }
     }
-    let mut box_ = mesh("exit-box", METAL);
-    wall.block(&mut box_, centred_rect(-DOOR_Z - 0.1, 2.78, 0.9, 0.3), [0.0, 0.11]);
+    let mut case = mesh("exit-box", METAL);
+    wall.block(&mut case, centred_rect(-DOOR_Z - 0.1, 2.78, 0.9, 0.3), [0.0, 0.11]);
     let mut sign = mesh("exit-sign", EXIT);
     wall.picture(&mut sign, exit_rect(), 0.12);
-    vec![frame, leaves, box_, sign]
+    vec![frame, leaves, case, sign]
 }
 
-/// The skeleton on its platform, and sculptures on plinths in the second hall.
+/// Builds the skeleton on its platform, sculptures on plinths in the second hall, and two columns.
 fn exhibits() -> Vec<MeshBuilder> {
     let mut stone = mesh("platforms", STONE);
     stone.cuboid(Vec3::new(-1.3, -OVERLAP, -6.2), Vec3::new(1.7, 0.22, -0.4));
     stone.cuboid(Vec3::new(-1.4, -OVERLAP, -6.3), Vec3::new(1.8, 0.08, -0.3));
     let mut bones = mesh("skeleton", BONE);
     skeleton::stand(&mut bones, Vec3::new(0.2, 0.22, -3.5));
+    // Adds a plinth, and returns the middle of its top.
     let plinth = |stone: &mut MeshBuilder, x: f32, z: f32, height: f32| {
         for (half, low, high) in [(0.42, -OVERLAP, 0.12), (0.34, 0.12, height - 0.08), (0.40, height - 0.08, height)] {
             stone.cuboid(Vec3::new(x - half, low, z - half), Vec3::new(x + half, high, z + half));
@@ -340,7 +353,7 @@ fn exhibits() -> Vec<MeshBuilder> {
     vec![stone, bones, ring, ball]
 }
 
-/// Pendant globes on thin rods.
+/// Builds the lamps: globes that hang from the ceiling on thin rods.
 fn lamps() -> Vec<MeshBuilder> {
     let mut globes = mesh("lamps", LAMP);
     let mut rods = mesh("lamp-rods", METAL);
@@ -353,7 +366,7 @@ fn lamps() -> Vec<MeshBuilder> {
     vec![globes, rods]
 }
 
-/// Benches in front of the paintings, ropes around the platform, and potted plants.
+/// Builds benches in front of the paintings, ropes around the platform, and potted plants.
 fn furniture() -> Vec<MeshBuilder> {
     let mut wood = mesh("benches", WOOD);
     for (x, z) in [(-3.6, -4.8), (3.9, -4.2)] {
@@ -371,8 +384,10 @@ fn furniture() -> Vec<MeshBuilder> {
         posts.sphere(Vec3::new(x, 0.93, z), 0.045, [12, 8]);
     }
     for k in 0..corners.len() {
-        let ((x, z), (u, w)) = (corners[k], corners[(k + 1) % corners.len()]);
-        let (from, to) = (Vec3::new(x, 0.86, z), Vec3::new(u, 0.86, w));
+        let [from, to] = [k, (k + 1) % corners.len()].map(|k| {
+            let (x, z) = corners[k];
+            Vec3::new(x, 0.86, z)
+        });
         ropes.tube([6, 10], Vec3::Y, |t| (from.lerp(to, t) - 0.9 * t * (1.0 - t) * Vec3::Y, 0.018));
     }
     let mut pots = mesh("pots", STONE);
@@ -381,9 +396,9 @@ fn furniture() -> Vec<MeshBuilder> {
         let foot = Vec3::new(x, 0.0, z);
         pots.revolve(foot, [24, 8], |t| Vec2::new(0.16 + 0.1 * t, 0.45 * t));
         pots.disc(foot + 0.43 * Vec3::Y, 0.25, 24, Vec3::Y);
-        for k in 0..11 {
-            let (sin, cos) = (k as f32 * 2.4).sin_cos();
-            let lean = 0.22 + 0.28 * (k % 4) as f32 / 3.0;
+        for leaf in 0..11 {
+            let (sin, cos) = (leaf as f32 * 2.4).sin_cos();
+            let lean = 0.22 + 0.28 * (leaf % 4) as f32 / 3.0;
             leaves.tube([5, 6], Vec3::new(sin, 0.0, -cos), |t| {
                 let out = lean * t * (0.6 + 0.4 * t);
                 let rise = 1.25 * t - lean * t * t;

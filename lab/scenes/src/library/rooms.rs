@@ -28,23 +28,25 @@ const FINISHES: [Finish; 7] = [
     Finish::window("window"),
 ];
 
+/// Heights of the floor and of the ceiling, in metres.
 const FLOOR_Y: f32 = -1.0;
 const CEILING_Y: f32 = 1.0;
 /// Overlap of floor and ceiling with the walls, in metres, so that no light shows through the corners.
 const OVERLAP: f32 = 0.02;
-/// The x of the left and right faces of the wall between the rooms.
+/// The x of the left and right faces of the wall between the rooms, in metres.
 const PARTITION_X: [f32; 2] = [-2.23, -1.9];
-/// The z of the window panes, outside the wall at z = 5.
+/// The z of the window panes, outside the wall at z = 5, in metres.
 const GLASS_Z: f32 = 5.158;
 
-/// The x and y ranges of the two windows in the wall at z = 5.
+/// The x and y ranges of the two windows in the wall at z = 5, in metres.
 const WINDOWS: [([f32; 2], [f32; 2]); 2] = [([0.88, 3.22], [0.16, 0.85]), ([-5.15, -3.08], [-0.25, 0.86])];
 
-/// The x and z ranges of the skylight's well at the ceiling and of its pane above.
+/// The x and z ranges of the lower end of the skylight's well, at the ceiling, in metres.
 const WELL: ([f32; 2], [f32; 2]) = ([0.6, 3.51], [-3.66, -0.85]);
+/// The x and z ranges of the skylight's pane above the well, in metres.
 const SKYLIGHT: ([f32; 2], [f32; 2]) = ([1.29, 2.82], [-2.99, -1.52]);
 
-/// Builds the scene.
+/// Builds the scene, with its meshes, materials, lights, views and probes.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let meshes = [shell(), windows(), blocks(), cylinders(), table()].into_iter().flatten().collect();
@@ -76,8 +78,10 @@ pub fn scene() -> Scene {
     }
 }
 
-/// The skylight and the two windows as area lights, as bright as the point lights that represent them.
+/// Returns the skylight and the two windows as area lights, as bright as the point lights that represent these
+/// openings.
 fn area_lights() -> Vec<AreaLight> {
+    // A pane from its least and greatest corner and the vectors from its centre to the middles of two edges.
     let pane = |min: Vec3, max: Vec3, half_u: Vec3, half_v: Vec3| AreaLight {
         shape: AreaShape::Rectangle { centre: 0.5 * (min + max), half_u, half_v },
         radiance: Vec3::new(0.75, 0.85, 1.0),
@@ -100,12 +104,12 @@ fn area_lights() -> Vec<AreaLight> {
     lights
 }
 
-/// An empty mesh of one of the materials of the rooms.
+/// Makes an empty mesh; `material` is an index into [`FINISHES`].
 fn mesh(name: &str, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
-/// Walls, floor, ceiling and the partition with its arch.
+/// Builds walls, floor, ceiling and the partition with its arch.
 fn shell() -> Vec<Mesh> {
     let mut walls = mesh("walls", STONES);
     let heights = [FLOOR_Y, CEILING_Y];
@@ -136,15 +140,16 @@ fn shell() -> Vec<Mesh> {
     [walls, frame, floor, ceiling].map(MeshBuilder::build).into()
 }
 
-/// The skylight's well, the window reveals, and the panes.
+/// Builds the skylight's well, the inner sides of the window openings, and the panes.
 fn windows() -> Vec<Mesh> {
     let mut well = mesh("skylight-well", CEILING);
     let mut reveals = mesh("window-frames", WOOD);
     let mut panes = Vec::new();
+    // The corners, at the height y, of a rectangle with these x and z ranges.
     let level = |(x, z): ([f32; 2], [f32; 2]), y: f32| {
         [[x[0], z[0]], [x[1], z[0]], [x[1], z[1]], [x[0], z[1]]].map(|[x, z]| Vec3::new(x, y, z))
     };
-    // The direction from the middle between two corners to a centre.
+    // Makes the function that gives the direction from the middle between two corners to a centre.
     let inwards_of = |centre: Vec3| move |a: Vec3, b: Vec3| centre - 0.5 * (a + b);
     let to_middle = inwards_of(Vec3::new(2.055, 1.0, -2.255));
     ring(&mut reveals, &level(WELL, CEILING_Y), &level(WELL, 1.14), to_middle);
@@ -154,6 +159,7 @@ fn windows() -> Vec<Mesh> {
     pane.polygon(&level(SKYLIGHT, 1.95), Vec3::NEG_Y);
     panes.push(pane);
     for (x, y) in WINDOWS {
+        // The corners of the window at the depth z.
         let upright =
             |z: f32| [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|[x, y]| Vec3::new(x, y, z));
         let middle = Vec3::new(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 5.08);
@@ -166,8 +172,8 @@ fn windows() -> Vec<Mesh> {
     panes.into_iter().map(MeshBuilder::build).collect()
 }
 
-/// Four side faces between two rectangles. `facing` gives the direction of a side from the centres of two
-/// opposite corners.
+/// Adds the four sides between two rectangles. `facing` gives the direction that a side faces, from two opposite
+/// corners of it.
 fn ring(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], facing: impl Fn(Vec3, Vec3) -> Vec3) {
     for k in 0..4 {
         let next = (k + 1) % 4;
@@ -175,25 +181,27 @@ fn ring(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], facing: impl F
     }
 }
 
-/// Sixteen brick blocks of several heights with wooden tops; a ball lies on one of them.
+/// Builds sixteen brick blocks of several heights with wooden tops, and a ball that lies on a small block above them.
 fn blocks() -> Vec<Mesh> {
+    /// Width of a block, in metres.
     const WIDTH: f32 = 0.6575;
+    /// The least x and z of all blocks, in metres.
     const CORNER: Vec2 = Vec2::new(1.81, -3.59);
-    /// Heights of the blocks in rows from −z to +z, each from −x to +x. The last block of the first row stays below the eye of
-    /// the view `ceiling`.
+    /// The y of the blocks' tops, in metres, in rows from −z to +z, each from −x to +x. The last block of the first row
+    /// stays below the eye of the view `ceiling`.
     const TOPS: [[f32; 4]; 4] = [
         [-0.30, -0.07, -0.80, -0.82],
         [-0.80, -0.80, -0.80, -0.80],
         [-0.56, -0.80, -0.90, -0.80],
         [-0.80, -0.80, -0.80, -0.64],
     ];
-    /// Thickness of the wooden tops.
+    /// Thickness of the wooden tops, in metres.
     const BOARD: f32 = 0.025;
     let mut bricks = mesh("blocks", BRICKS);
     let mut tops = mesh("block-tops", DARK_WOOD);
-    for (j, row) in TOPS.iter().enumerate() {
-        for (i, &top) in row.iter().enumerate() {
-            let low = CORNER + WIDTH * Vec2::new(i as f32, j as f32);
+    for (row, tops_of_row) in TOPS.iter().enumerate() {
+        for (column, &top) in tops_of_row.iter().enumerate() {
+            let low = CORNER + WIDTH * Vec2::new(column as f32, row as f32);
             let min = Vec3::new(low.x, FLOOR_Y - OVERLAP, low.y);
             let max = Vec3::new(low.x + WIDTH, top, low.y + WIDTH);
             bricks.cuboid_but(min, max - BOARD * Vec3::Y, &[Vec3::Y, Vec3::NEG_Y]);
@@ -208,7 +216,7 @@ fn blocks() -> Vec<Mesh> {
     [bricks, tops, wood].map(MeshBuilder::build).into()
 }
 
-/// The two wooden cylinders of figures 5.1 and 5.4.
+/// Builds the two wooden cylinders of the thesis's figures 5.1 and 5.4.
 fn cylinders() -> Vec<Mesh> {
     let cylinder = |name: &str, x: f32, z: f32, height: f32| {
         let mut wood = mesh(name, WOOD).turned();
@@ -219,7 +227,7 @@ fn cylinders() -> Vec<Mesh> {
     vec![cylinder("tall-cylinder", 4.31, 2.93, 1.0), cylinder("low-cylinder", 2.98, 2.18, 0.62)]
 }
 
-/// A round table with a bowl, a ball and a box on it.
+/// Builds a round table with a bowl, a ball and a box on it.
 fn table() -> Vec<Mesh> {
     let middle = Vec3::new(-0.29, FLOOR_Y, 3.17);
     let mut table = mesh("table", WOOD);
@@ -239,8 +247,10 @@ fn table() -> Vec<Mesh> {
     [table, leg, bowl, small, ball].map(MeshBuilder::build).into()
 }
 
-/// A wooden bowl: outside, rim and inside.
+/// Builds a wooden bowl on `foot`: its outside, rim, inside and bottom.
 fn bowl(foot: Vec3) -> MeshBuilder {
+    // The radius and height of a profile with this greatest radius and lowest height, for `turn` from 0 at the bottom
+    // to 1 at the rim.
     let side = |radius: f32, floor: f32, turn: f32| {
         let (sin, cos) = (0.35 + 1.1 * turn).sin_cos();
         Vec2::new(radius * sin, floor + 0.14 * (0.94 - cos))

@@ -1,6 +1,6 @@
-//! `street`: a street after rain between two rows of houses, after the first of Schmidt's scenes (2013, section 5.1, figures
-//! 27, 32, 36, 39, 41 and 51a). Signs and a cinema are reflected in wet asphalt, and a parked car stands between these and the
-//! road.
+//! `street`: a street after rain between two rows of houses, after the first of Schmidt's scenes (2013, section 5.1,
+//! figures 27, 32, 36, 39, 41 and 51a). Signs and a cinema are reflected in wet asphalt, and a parked car hides parts
+//! of them from the road.
 
 mod house;
 
@@ -108,26 +108,29 @@ const CAFE_SIGN: Sign = Sign {
     size: [448, 128],
 };
 
-/// Half the width of the road, the x of the house fronts, and the z of the street's ends.
+/// Half the width of the road, in metres: the kerbs are at ±x.
 const KERB_X: f32 = 4.0;
+/// Distance of the house fronts from the plane x = 0, in metres.
 const HOUSE_X: f32 = 6.6;
+/// The z of the street's two ends, in metres.
 const ENDS_Z: [f32; 2] = [-8.0, 40.0];
-/// Height of the kerbs and of the pavement.
+/// Height of the kerbs and of the pavement, in metres.
 const KERB_M: f32 = 0.14;
-/// The height of the tallest houses.
+/// The height of the tallest houses, in metres.
 const TOP: f32 = 14.2;
 /// The points on the ground below the middles of the two parked cars.
 const CAR: Vec3 = Vec3::new(-2.9, 0.0, 8.4);
 const SECOND_CAR: Vec3 = Vec3::new(2.95, 0.0, 19.5);
-/// Street lamps: x and z of their posts; then the height of their globes and the distance by which the globes hang over the
-/// road.
+/// The x and z of the posts of the street lamps, in metres.
 const LAMPS: [[f32; 2]; 6] = [[-4.4, 4.4], [4.4, 2.6], [-4.4, 14.5], [4.4, 22.0], [-4.4, 29.0], [4.4, 35.0]];
+/// Height of the lamps' globes, and their distance from the posts towards the road, in metres.
 const GLOBE: [f32; 2] = [4.3, 0.55];
+/// Radius of the lamps' globes, in metres.
 const GLOBE_RADIUS: f32 = 0.19;
-/// The cinema's canopy: its extent along the house fronts, its heights, and how far it projects.
+/// The cinema's canopy, in metres: its range along the house fronts, its range of heights, and how far it projects.
 const CANOPY: ([f32; 2], [f32; 2], f32) = ([7.6, 14.4], [3.35, 4.60], 1.6);
 
-/// Builds the scene.
+/// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let mut parts = vec![ground(), cinema(), signs(), lamps()];
@@ -160,30 +163,31 @@ pub fn scene() -> Scene {
     scene
 }
 
-/// An empty mesh of one of the street's materials.
+/// Makes an empty mesh; `material` is an index into [`FINISHES`].
 fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
-/// The materials of a car whose body has the material `paint`.
+/// Returns the materials of a car whose body has the material `paint`.
 fn car_materials(paint: usize) -> car::Materials {
     car::Materials { paint, glass: DARK_GLASS, dark: RUBBER, chrome: METAL, tail_lamp: TAIL_LAMP }
 }
 
-/// The house fronts at −x; `a` along them is z.
+/// Returns the plane of the house fronts at −x, on which z grows to the right.
 fn left() -> Face {
     Face::new([-HOUSE_X, 0.0, 0.0], Vec3::Z)
 }
 
-/// The house fronts at +x; `a` along them is −z.
+/// Returns the plane of the house fronts at +x, on which z grows to the left.
 fn right() -> Face {
     Face::new([HOUSE_X, 0.0, 0.0], Vec3::NEG_Z)
 }
 
-/// The fronts of all houses.
+/// Returns the fronts of all houses. The first five have impostors.
 fn fronts() -> [HouseFront; 8] {
     let north = Face::new([0.0, 0.0, ENDS_Z[1]], Vec3::X);
     let south = Face::new([0.0, 0.0, ENDS_Z[0]], Vec3::NEG_X);
+    // `span` is the range along the face, in metres to the right of its origin.
     let front = |name, face, span, height, material: usize, ground| HouseFront {
         name,
         face,
@@ -205,12 +209,14 @@ fn fronts() -> [HouseFront; 8] {
     ]
 }
 
-/// A faint directional light, the globes of the lamps, and lights at the cinema and at the signs.
+/// Returns the point lights and a faint directional light. The point lights are below the globes of the lamps, at the
+/// cinema and at the signs.
 fn lights() -> Vec<Light> {
     let point = |x: f32, y: f32, z: f32, energy: f32| Light::Point { position: Vec3::new(x, y, z), energy };
     let globe = |[x, z]: [f32; 2]| point(x - x.signum() * GLOBE[1], GLOBE[0] - 0.55, z, 4.0);
     let mut all = vec![Light::Directional { direction: Vec3::new(0.30, -0.80, 0.52).normalize(), energy: 0.30 }];
     all.extend(LAMPS.map(globe));
+    // The x of the front of the canopy.
     let canopy = -HOUSE_X + CANOPY.2;
     all.extend([
         point(canopy + 1.1, 4.0, 9.3, 4.0),
@@ -225,7 +231,7 @@ fn lights() -> Vec<Light> {
     all
 }
 
-/// The globes of the lamps and the two neon tubes.
+/// Returns the globes of the lamps and the two neon tubes as area lights.
 fn area_lights() -> Vec<AreaLight> {
     let globe = |[x, z]: [f32; 2]| AreaLight {
         shape: AreaShape::Sphere { centre: Vec3::new(x - x.signum() * GLOBE[1], GLOBE[0], z), radius: GLOBE_RADIUS },
@@ -239,7 +245,7 @@ fn area_lights() -> Vec<AreaLight> {
     all
 }
 
-/// The ends of the neon tubes: below the edge of the canopy, and up the corner of the hotel.
+/// The two ends of each neon tube: one tube runs below the edge of the canopy, one up the corner of the hotel.
 const NEON: [[Vec3; 2]; 2] = [
     [
         Vec3::new(-HOUSE_X + CANOPY.2 + 0.05, CANOPY.1[0] - 0.05, CANOPY.0[0]),
@@ -247,9 +253,10 @@ const NEON: [[Vec3; 2]; 2] = [
     ],
     [Vec3::new(HOUSE_X - 0.12, 4.6, 14.0), Vec3::new(HOUSE_X - 0.12, 10.6, 14.0)],
 ];
+/// Radius of the neon tubes, in metres.
 const NEON_RADIUS: f32 = 0.05;
 
-/// Road with its markings, kerbs and pavements.
+/// Builds the road with its markings and manhole covers, kerbs and pavements.
 fn ground() -> Vec<MeshBuilder> {
     let mut road = mesh("road", ROAD);
     let z = [ENDS_Z[0] - 0.02, ENDS_Z[1] + 0.02];
@@ -260,6 +267,7 @@ fn ground() -> Vec<MeshBuilder> {
     let mut pavement = mesh("pavement", PAVEMENT);
     let mut kerb = mesh("kerbs", KERB);
     for side in [-1.0, 1.0] {
+        // The range of x, in order, between two distances from the middle of the road on this side.
         let x = |from: f32, to: f32| [(side * from).min(side * to), (side * from).max(side * to)];
         let level = Rect::new(x(KERB_X + 0.15, HOUSE_X + 0.3), z);
         pavement.panel([KERB_M * Vec3::Y, Vec3::X, Vec3::Z], level, &[]);
@@ -272,8 +280,8 @@ fn ground() -> Vec<MeshBuilder> {
         }
     }
     let mut line = mesh("road-markings", LINE);
-    for k in 0..12 {
-        let from = ENDS_Z[0] + 1.0 + 4.0 * k as f32;
+    for number in 0..12 {
+        let from = ENDS_Z[0] + 1.0 + 4.0 * number as f32;
         let stripe = Rect::new([-0.07, 0.07], [from, from + 1.8]);
         line.panel([0.004 * Vec3::Y, Vec3::X, Vec3::Z], stripe, &[]);
     }
@@ -284,7 +292,7 @@ fn ground() -> Vec<MeshBuilder> {
     vec![road, lane, pavement, kerb, line, cover]
 }
 
-/// The canopy above the cinema's entrance with its sign, the posters below, and the neon tubes.
+/// Builds the canopy above the cinema's entrance with its sign, the posters beside the entrance, and the neon tubes.
 fn cinema() -> Vec<MeshBuilder> {
     let face = left();
     let (along, heights, out) = CANOPY;
@@ -297,15 +305,15 @@ fn cinema() -> Vec<MeshBuilder> {
         face.block(&mut ends, Rect::new([along[0] - 0.03, along[1] + 0.03], [y, y + 0.04]), [0.0, out + 0.02]);
     }
     let mut parts = vec![canopy, sign, ends];
-    for (k, rect) in poster_rects().into_iter().enumerate() {
+    for (number, rect) in poster_rects().into_iter().enumerate() {
         let mut frame = mesh("poster-frames", METAL);
         face.border(&mut frame, rect, 0.07, [0.0, 0.06]);
-        let mut poster = mesh(POSTERS[k], POSTER + k);
+        let mut poster = mesh(POSTERS[number], POSTER + number);
         face.picture(&mut poster, rect, 0.03);
         parts.extend([frame, poster]);
     }
-    for (k, [a, b]) in NEON.into_iter().enumerate() {
-        let mut tube = mesh("neon", NEON_PAINT + k);
+    for (number, [a, b]) in NEON.into_iter().enumerate() {
+        let mut tube = mesh("neon", NEON_PAINT + number);
         tube.tube([12, 1], Vec3::X, |t| (a.lerp(b, t), NEON_RADIUS));
         tube.sphere(a, NEON_RADIUS, [12, 8]);
         tube.sphere(b, NEON_RADIUS, [12, 8]);
@@ -317,17 +325,17 @@ fn cinema() -> Vec<MeshBuilder> {
 /// The names of the posters' meshes.
 const POSTERS: [&str; 2] = ["poster-ship", "poster-portrait"];
 
-/// The rectangle of the cinema's sign on the front of the canopy.
+/// Returns the rectangle of the cinema's sign on the front of the canopy, with the aspect ratio of its image.
 fn cinema_rect() -> Rect {
     centred_rect(0.5 * (CANOPY.0[0] + CANOPY.0[1]), 0.5 * (CANOPY.1[0] + CANOPY.1[1]), 6.2, 6.2 * 144.0 / 768.0)
 }
 
-/// The rectangles of the posters on the fronts at −x.
+/// Returns the rectangles of the posters on the fronts at −x.
 fn poster_rects() -> [Rect; 2] {
     [centred_rect(7.05, 1.75, 1.9, 1.27), centred_rect(14.9, 1.75, 1.2, 1.5)]
 }
 
-/// A sign that projects from the houses across the street: name, material, plane and rectangle.
+/// A sign that projects from the houses at a right angle: name, material, plane and rectangle.
 struct BladeSign {
     name: &'static str,
     material: usize,
@@ -335,7 +343,7 @@ struct BladeSign {
     rect: Rect,
 }
 
-/// The signs that project across the street: at the hotel and at the bar.
+/// Returns the signs that project from the houses: that of the hotel and that of the bar.
 fn blades() -> [BladeSign; 2] {
     let across = |z: f32| Face::new([0.0, 0.0, z], Vec3::X);
     [
@@ -344,12 +352,12 @@ fn blades() -> [BladeSign; 2] {
     ]
 }
 
-/// The rectangle of the café's sign on the fronts at +x.
+/// Returns the rectangle of the café's sign on the fronts at +x, with the aspect ratio of its image.
 fn cafe_rect() -> Rect {
     centred_rect(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
 }
 
-/// The signs on the houses; signs that project across the street also have a back side.
+/// Builds the signs on the houses and the rods that carry them; the projecting signs also have a back side.
 fn signs() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     let mut rods = mesh("sign-rods", METAL);
@@ -377,7 +385,7 @@ fn signs() -> Vec<MeshBuilder> {
     parts
 }
 
-/// Street lamps: posts with an arm over the road and a globe.
+/// Builds the street lamps: posts with an arm over the road and a globe.
 fn lamps() -> Vec<MeshBuilder> {
     let mut posts = mesh("lamp-posts", METAL);
     let mut globes = mesh("lamps", LAMP);
@@ -398,8 +406,8 @@ fn lamps() -> Vec<MeshBuilder> {
     vec![posts, globes]
 }
 
-/// Adds the impostors from the farthest from the road to the nearest, because Schmidt's listing keeps the last impostor that a
-/// ray hits.
+/// Adds the impostors in the order from the farthest from the road to the nearest, because Schmidt's listing keeps the
+/// last impostor that a ray hits.
 fn add_impostors(scene: &mut Scene) {
     for front in fronts().iter().take(5) {
         let names = house::parts(front.name);
@@ -416,6 +424,6 @@ fn add_impostors(scene: &mut Scene) {
     }
     impostor_image::add(scene, &["cinema-sign"], &left().portrait("cinema sign", cinema_rect(), CANOPY.2, 512));
     let side = Face::new([CAR.x, 0.0, CAR.z], Vec3::Z);
-    let box_ = Rect::new([-0.52 * car::SIZE.z, 0.52 * car::SIZE.z], [0.0, 1.02 * car::SIZE.y]);
-    impostor_image::add(scene, &car::PARTS, &side.portrait("car", box_, 0.0, 320));
+    let outline = Rect::new([-0.52 * car::SIZE.z, 0.52 * car::SIZE.z], [0.0, 1.02 * car::SIZE.y]);
+    impostor_image::add(scene, &car::PARTS, &side.portrait("car", outline, 0.0, 320));
 }

@@ -1,4 +1,5 @@
-//! The maps of a material: unchanged images, and images that are baked from several, as for glTF.
+//! Makes the maps of materials: images that are used unchanged, and images that are baked from several, like those of
+//! glTF.
 
 use crate::material_terms::roughness_of_perceptual;
 use crate::metallic::{Factors, TexelInputs, grey, texels_of};
@@ -7,7 +8,7 @@ use glam::{DVec4, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// A material whose numbers were read by the law of the program that wrote them.
+/// A material as the law (the conventions) of the program that wrote its numbers gives it.
 #[derive(Debug, Clone)]
 pub(super) struct MaterialReading {
     /// The material without its name, surface and images.
@@ -16,15 +17,15 @@ pub(super) struct MaterialReading {
     pub factors: Factors,
     /// Whether the material has metalness, so that its images change its reflection as in glTF.
     pub is_metallic: bool,
-    /// The factor on the perceptual roughness in the image of the roughness.
+    /// The factor on the perceptual roughness that the image of the roughness holds.
     pub roughness_factor: f32,
 }
 
-/// The index of an image in the list of images read.
+/// The index of an image in the list of the images that were read.
 type Image = usize;
 
-/// The inputs from which an image of the scene is made. Materials with equal inputs share the image. `Plain` is an
-/// image of the file that is used unchanged.
+/// How an image of the scene is made: from which images that were read, and with which factors. Materials with equal
+/// recipes share the image. `Plain` is an image that is used unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ImageRecipe {
     Plain(Image),
@@ -37,24 +38,24 @@ enum ImageRecipe {
 pub(super) struct Textures {
     /// The images that were read; `None` for an image without a file and without a replacement.
     read: Vec<Option<Texture>>,
-    /// The images to make, each once.
+    /// The images to make, each listed once.
     made: Vec<ImageRecipe>,
-    /// Index of each recipe in `made`, by its text in the format of `Debug`, since floats have no hash.
+    /// Index of each recipe in `made`. The key is its text in the format of `Debug`, since floats cannot be hashed.
     index: HashMap<String, usize>,
 }
 
 impl Textures {
-    /// The images that were read, before any material asks for one.
+    /// Takes the images that were read; no material has asked for one yet.
     pub(super) fn new(read: Vec<Option<Texture>>) -> Self {
         Self { read, made: Vec::new(), index: HashMap::new() }
     }
 
-    /// Whether an image was read or replaced.
+    /// Returns true if an image was read or replaced.
     pub(super) fn is_there(&self, image: Image) -> bool {
         self.read[image].is_some()
     }
 
-    /// The index of a recipe among the images to make, to which the recipe is added if it is new.
+    /// Returns the index of a recipe among the images to make, to which it is added if it is new.
     fn add(&mut self, wanted: ImageRecipe) -> usize {
         *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
             self.made.push(wanted);
@@ -62,8 +63,9 @@ impl Textures {
         })
     }
 
-    /// Gives a material its maps, as indices into the images of [`Textures::finish`]. `images` are in the order of
-    /// [`MaterialImages`](super::images::MaterialImages).
+    /// Gives a material its maps, as indices into the images of [`Textures::finish`]. `images` are indices of images
+    /// that were read, in the order of [`MaterialImages`](super::images::MaterialImages). A baked map includes the
+    /// material's number, which then becomes 1.
     pub(super) fn attach(
         &mut self,
         material: &mut Material,
@@ -71,13 +73,13 @@ impl Textures {
         images: [Option<Image>; 7],
     ) {
         let [base, normal, mask, reflectivity, emission, roughness, metalness] = images;
-        let is_metallic = reading.is_some_and(|r| r.is_metallic);
-        let emits = reading.is_some_and(|r| r.factors.emission != Vec3::ZERO);
+        let is_metallic = reading.is_some_and(|reading| reading.is_metallic);
+        let emits = reading.is_some_and(|reading| reading.factors.emission != Vec3::ZERO);
         let is_baked = metalness.is_some() || emits && (base.is_some() || emission.is_some());
         let mut plain = |image: Option<Image>| image.map(|image| self.add(ImageRecipe::Plain(image)));
-        let as_they_are = [base.filter(|_| !is_baked), normal, mask, reflectivity.filter(|_| !is_metallic)];
+        let unchanged = [base.filter(|_| !is_baked), normal, mask, reflectivity.filter(|_| !is_metallic)];
         [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map] =
-            as_they_are.map(&mut plain);
+            unchanged.map(&mut plain);
         let Some(MaterialReading { factors, roughness_factor, .. }) = reading.cloned() else { return };
         if is_baked {
             let emission = emission.filter(|_| emits);
@@ -96,8 +98,8 @@ impl Textures {
         }
     }
 
-    /// Makes the images, which will follow `before` other images of the scene, and adds `before` to the materials' indices.
-    /// Images that were read only for baking are dropped.
+    /// Makes the images. They will follow `before` other images of the scene, so that `before` is added to all indices
+    /// of maps in `materials`. Images that were read only for baking are dropped.
     pub(super) fn finish(self, before: usize, materials: &mut [Material]) -> Vec<Texture> {
         for material in materials {
             let Material { albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map, .. } = material;
@@ -105,20 +107,20 @@ impl Textures {
             maps.into_iter().flatten().for_each(|index| *index += before);
         }
         let Self { mut read, made, .. } = self;
-        let baked: Vec<Option<Texture>> = made.par_iter().map(|made| bake(made, &read)).collect();
-        let taken = |(made, baked): (ImageRecipe, Option<Texture>)| match made {
+        let baked: Vec<Option<Texture>> = made.par_iter().map(|recipe| bake(recipe, &read)).collect();
+        let finished = |(recipe, baked): (ImageRecipe, Option<Texture>)| match recipe {
             ImageRecipe::Plain(image) => read[image].take(),
             _ => baked,
         };
-        made.into_iter().zip(baked).filter_map(taken).collect()
+        made.into_iter().zip(baked).filter_map(finished).collect()
     }
 }
 
 /// Bakes an image from the images that were read; `None` for an image that is used unchanged.
-fn bake(made: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
+fn bake(recipe: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
     let input = |image: Option<Image>| read[image?].as_ref();
-    // A grey image has its numbers in every channel.
-    Some(match *made {
+    // A number is read from red, since a grey image has it in every channel.
+    Some(match *recipe {
         ImageRecipe::Plain(_) => return None,
         ImageRecipe::Albedo { base, metalness, emission, factors } => {
             texels_of(&[base, metalness, emission].map(input), Encoding::Srgb, |[base, metalness, emission]| {
@@ -131,8 +133,8 @@ fn bake(made: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
                 grey(factors.reflectivity(&inputs))
             })
         }
-        ImageRecipe::Roughness { image, factor } => texels_of(&[input(Some(image))], Encoding::Linear, |[rough]| {
-            grey(roughness_of_perceptual(factor * rough.x as f32))
+        ImageRecipe::Roughness { image, factor } => texels_of(&[input(Some(image))], Encoding::Linear, |[texel]| {
+            grey(roughness_of_perceptual(factor * texel.x as f32))
         }),
     })
 }

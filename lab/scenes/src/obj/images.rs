@@ -27,7 +27,7 @@ pub(super) struct ImageStatement {
 }
 
 impl ImageStatement {
-    /// The file and line of the statement.
+    /// Returns the file and line of the statement, for messages.
     pub(super) fn place(&self) -> String {
         format!("{}:{}", self.mtl_path.display(), self.line)
     }
@@ -53,14 +53,14 @@ pub(super) struct MaterialImages {
 }
 
 impl MaterialImages {
-    /// All images, in the order of the fields.
+    /// Returns all images, in the order of the fields.
     fn all(&self) -> [&Option<ImageStatement>; 7] {
         let Self { albedo, normal, mask, reflectivity, emission, roughness, metalness } = self;
         [albedo, normal, mask, reflectivity, emission, roughness, metalness]
     }
 }
 
-/// The images of a material, with the material that its numbers give; empty for a material without a definition.
+/// The images that a material names, and the material that its numbers give; empty for a material without a definition.
 #[derive(Default)]
 pub(super) struct Source {
     pub images: MaterialImages,
@@ -76,7 +76,7 @@ enum ImageRole {
     Mask,
     Reflectivity,
     Emission,
-    /// Images of numbers: roughness, metalness, the level of specular.
+    /// Images of numbers: roughness, metalness, and the level of the specular reflection.
     Data,
 }
 
@@ -89,11 +89,12 @@ struct Request {
 
 /// Loads the images of the scene's materials (`sources[i]` belongs to material i) into the scene.
 ///
-/// Each image that is missing or cannot be read adds one warning. A generated image replaces a missing one whose file name
-/// suggests a pattern. Otherwise the material has its plain colour, no normal map, no mask, or the value of its numbers alone.
+/// No image gets more than `side` texels along a side. Each image that is missing or cannot be read adds one warning. A
+/// generated image replaces a missing one whose file name suggests a pattern. Otherwise the material has its plain
+/// colour, no normal map, no mask, or only the value of its numbers.
 pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
     let mut requests = Requests::default();
-    let wanted: Vec<[Option<usize>; 7]> = sources.iter().map(|source| requests.add_all(source)).collect();
+    let requested: Vec<[Option<usize>; 7]> = sources.iter().map(|source| requests.add_all(source)).collect();
 
     let bar = bounded::image_bar(requests.list.len());
     let loaded: Vec<LoadedImage> = requests
@@ -107,7 +108,7 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
         .collect();
     bar.finish_and_clear();
     let mut warned = HashSet::new();
-    let mut index_of = Vec::with_capacity(loaded.len());
+    let mut images = Vec::with_capacity(loaded.len());
     for (loaded, statement) in loaded.into_iter().zip(&requests.statements) {
         if let Some(problem) = loaded.problem
             && warned.insert(loaded.path)
@@ -120,11 +121,11 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
                 printable_name(name)
             ));
         }
-        index_of.push(loaded.texture);
+        images.push(loaded.texture);
     }
-    let mut textures = Textures::new(index_of);
-    for ((material, source), wanted) in scene.materials.iter_mut().zip(&sources).zip(wanted) {
-        let images = wanted.map(|w| w.filter(|&i| textures.is_there(i)));
+    let mut textures = Textures::new(images);
+    for ((material, source), requested) in scene.materials.iter_mut().zip(&sources).zip(requested) {
+        let images = requested.map(|request| request.filter(|&index| textures.is_there(index)));
         textures.attach(material, source.reading.as_ref(), images);
     }
     scene.textures.extend(textures.finish(scene.textures.len(), &mut scene.materials));
@@ -134,7 +135,7 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
 /// Adds a warning for each material with an image whose options would transform texture coordinates.
 fn warn_of_transforms(scene: &mut Scene, sources: &[Source]) {
     for (source, material) in sources.iter().zip(&scene.materials) {
-        if let Some(image) = source.images.all().into_iter().flatten().find(|i| i.transformed) {
+        if let Some(image) = source.images.all().into_iter().flatten().find(|image| image.transformed) {
             let place = image.place();
             let what = "the options -s, -o and -t of maps are not supported and were ignored";
             scene.warnings.push(format!("{place}: material {}: {what}", material.name));
@@ -142,24 +143,25 @@ fn warn_of_transforms(scene: &mut Scene, sources: &[Source]) {
     }
 }
 
-/// The images that the materials of a scene need, each once in each role.
+/// The images that the materials of a scene need, each listed once for each role.
 #[derive(Default)]
 struct Requests {
     list: Vec<Request>,
-    /// For each request, the statement that made it first.
+    /// The first statement that made each request, in the order of the list.
     statements: Vec<ImageStatement>,
     /// Index of each request in the list.
     index: HashMap<Request, usize>,
-    /// The path of each name that was looked up, by the folder of the MTL file and the name.
+    /// The path of each image that was looked up, by the folder of the MTL file and the name in it.
     found: HashMap<(PathBuf, String), PathBuf>,
 }
 
 impl Requests {
-    /// Requests the images of a material, in the order of [`MaterialImages::all`]. Returns the index of each request, and `None` where
-    /// the material has no such image.
+    /// Requests the images of a material. Returns the index of each request, in the order of [`MaterialImages::all`],
+    /// and `None` where the material has no such image.
     fn add_all(&mut self, source: &Source) -> [Option<usize>; 7] {
         let is_metallic = source.reading.as_ref().is_some_and(|reading| reading.is_metallic);
         let level = if is_metallic { ImageRole::Data } else { ImageRole::Reflectivity };
+        // The bits of the multiplier make requests with different multipliers differ.
         let normal = source.images.normal.as_ref().map_or(0, |image| image.multiplier.to_bits());
         let roles = [
             ImageRole::Albedo,
@@ -177,12 +179,12 @@ impl Requests {
         })
     }
 
-    /// The index of the request for an image in a role, which is added to the list if it is new.
+    /// Returns the index of the request for an image in a role, which is added to the list if it is new.
     fn add(&mut self, statement: &ImageStatement, role: ImageRole) -> usize {
         let folder = statement.mtl_path.parent().unwrap_or(Path::new(""));
         let key = (folder.to_owned(), statement.name.clone());
         let path = self.found.entry(key).or_insert_with(|| {
-            // If the image is missing, a path that does not exist takes its place.
+            // If the image is not found, the request gets the path as written, at which there is no file.
             resolve(folder, &statement.name).unwrap_or_else(|| folder.join(forward_slashes(&statement.name)))
         });
         let request = Request { path: path.clone(), role };
@@ -193,16 +195,17 @@ impl Requests {
         })
     }
 
-    /// The requests, each with a flag that says whether its image still fits into [`MAX_TEXELS`] with sides of at most `side`.
+    /// Returns the requests, each with true if its image still fits into [`MAX_TEXELS`]. Texels are added up in the
+    /// order of the list, with sides of at most `side` texels.
     fn within_budget(&self, side: u32) -> Vec<(&Request, bool)> {
         let mut texels = 0;
-        let with_size = self.list.iter().map(|request| {
+        let with_flags = self.list.iter().map(|request| {
             if let Ok((width, height)) = image::image_dimensions(&request.path) {
                 texels += texture::texels_within(width, height, side);
             }
             (request, texels <= MAX_TEXELS)
         });
-        with_size.collect()
+        with_flags.collect()
     }
 }
 
@@ -211,12 +214,14 @@ struct LoadedImage {
     path: PathBuf,
     /// The image or its generated replacement; `None` if a number takes its place.
     texture: Option<Texture>,
-    /// Why the requested image is not used, and `instead` names the replacement.
+    /// Why the requested image is not used; `None` if it is used.
     problem: Option<String>,
+    /// What replaces the image, in words.
     instead: &'static str,
 }
 
-/// Decodes the image of a request, unless it does not fit into the texels of a scene, and else finds a replacement.
+/// Decodes the image of a request, or finds a replacement if the image cannot be used. `fits` is false if the image
+/// would exceed the texels of a scene.
 fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
     let Request { path, role } = request.clone();
     let problem = if !path.is_file() {
@@ -229,7 +234,7 @@ fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
             Err(error) => format!("cannot be used ({error})"),
         }
     };
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let texture = match role {
         ImageRole::Albedo => pattern::by_name(&name, pattern::Role::Albedo),
         ImageRole::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
@@ -258,38 +263,41 @@ fn decode(path: &Path, role: ImageRole, side: u32) -> Result<Texture> {
     })
 }
 
-/// A file name without quotation marks, with slashes in the place of backslashes.
+/// Returns a file name without quotation marks, with each backslash replaced by a slash.
 fn forward_slashes(name: &str) -> String {
     name.trim_matches('"').replace('\\', "/")
 }
 
-/// Finds the file that a name refers to, starting from `folder`. Backslashes and slashes separate folders. If the name does not
-/// exist as written, case is ignored. If its folders do not exist, as with a path from the author's own machine, only the last
-/// component is looked up.
+/// Finds the file that a name refers to, starting from `folder`. Backslashes and slashes separate folders. If no file
+/// has the name as written, case is ignored. If the name is not found with its folders, for example because it is a
+/// path on the author's machine, only its last component is looked up.
 pub(crate) fn resolve(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = forward_slashes(name);
-    let last = name.rsplit('/').next().unwrap_or(&name);
-    find(folder, &name).or_else(|| find(folder, last))
+    let last_component = name.rsplit('/').next().unwrap_or(&name);
+    find(folder, &name).or_else(|| find(folder, last_component))
 }
 
+/// Finds a file by its name with folders, as written or else with case ignored in components that do not exist as
+/// written.
 fn find(folder: &Path, name: &str) -> Option<PathBuf> {
     let exact = folder.join(name);
     if exact.is_file() {
         return Some(exact);
     }
     let mut found = if name.starts_with('/') { PathBuf::from("/") } else { folder.to_owned() };
-    for component in name.split('/').filter(|c| !c.is_empty()) {
+    for component in name.split('/').filter(|component| !component.is_empty()) {
         let next = found.join(component);
         found = if next.exists() { next } else { entry_ignoring_case(&found, component)? };
     }
     found.is_file().then_some(found)
 }
 
+/// Returns the path of an entry of a folder whose name differs from `name` at most in case.
 fn entry_ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let wanted = name.to_lowercase();
     let entries = std::fs::read_dir(folder).ok()?.flatten();
-    let matching = entries.filter(|e| e.file_name().to_string_lossy().to_lowercase() == wanted);
-    // The order of a folder's entries is arbitrary, so that the first by name is taken.
-    matching.map(|e| e.path()).min()
+    let matching = entries.filter(|entry| entry.file_name().to_string_lossy().to_lowercase() == wanted);
+    // The first by name is taken, since the order of a folder's entries is arbitrary.
+    matching.map(|entry| entry.path()).min()
 }

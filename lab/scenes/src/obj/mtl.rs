@@ -1,7 +1,7 @@
 //! Reads materials from MTL files.
 //!
-//! tobj's own reader panics on a `Kd` with one number and keeps the options of maps in the file name. This
-//! module therefore reads the few statements that matter itself, with line numbers:
+//! The reader of the crate tobj panics on a `Kd` with one number, and takes the options of maps as part of the file
+//! name. This module therefore reads the few statements that matter itself, with line numbers:
 //!
 //! | statement | meaning |
 //! |---|---|
@@ -31,30 +31,37 @@ use std::path::{Path, PathBuf};
 use laws::{Exporter, Law};
 use maps::image_statement;
 
-/// One `newmtl` block.
+/// A material: the statements of one `newmtl` block.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Definition {
+    /// The law by which the numbers are read, once it was chosen.
     law: Law,
-    /// The colours of `Kd`, `Ks`, `Ke` and `Ka`.
+    /// The colour of `Kd`.
     diffuse: Option<Vec3>,
+    /// The colour of `Ks`.
     specular: Option<Vec3>,
+    /// The colour of `Ke`.
     emission: Option<Vec3>,
+    /// The colour of `Ka`.
     ambient: Option<Vec3>,
-    /// The numbers of `Ns`, `Pr` and `Pm`.
+    /// The number of `Ns`.
     exponent: Option<f32>,
+    /// The number of `Pr`.
     roughness: Option<f32>,
+    /// The number of `Pm`.
     metalness: Option<f32>,
     /// The index of refraction (`Ni`).
     ior: Option<f32>,
     /// The model of illumination (`illum`).
     model: Option<u32>,
     images: MaterialImages,
-    /// The images of `map_Ns` and `refl`, whose meaning the law decides.
+    /// The image of `map_Ns`, whose meaning the law decides.
     exponent_image: Option<ImageStatement>,
+    /// The image of `refl`, whose meaning the law decides.
     reflection_image: Option<ImageStatement>,
-    /// Place of a positive `Tf` that filters no colour, which Blender writes for transparent surfaces.
+    /// File and line of a positive `Tf` that filters no colour, which Blender writes for transparent surfaces.
     transmission: Option<String>,
-    /// Warnings about dropped statements, with the file and line of the first one.
+    /// Warnings about dropped statements, one for each kind, with the file and line of the first statement.
     dropped: BTreeMap<&'static str, String>,
 }
 
@@ -64,14 +71,14 @@ impl Definition {
         warnings.extend(self.dropped.iter().map(|(sentence, place)| format!("{place}: {sentence}")));
     }
 
-    /// The images that the material names.
+    /// Returns the images that the material names.
     pub(super) fn images(&self) -> MaterialImages {
         self.images.clone()
     }
 }
 
-/// Reads the files that the `mtllib` statements of the OBJ file at `obj_path` name. A missing file adds a
-/// warning.
+/// Reads the MTL files that the `mtllib` statements of the OBJ file at `obj_path` name. `statements` are their lines
+/// and texts. A file that is named twice is read once, and a missing file adds a warning.
 pub(super) fn read_libraries(
     obj_path: &Path,
     statements: &[(usize, String)],
@@ -99,21 +106,23 @@ pub(super) fn read_libraries(
             }
         }
     }
-    let bare = definitions.named.keys().map(|name| (without_comment(name).to_owned(), name.clone()));
-    definitions.bare = bare.collect();
+    let bare_names = definitions.named.keys().map(|name| (without_comment(name).to_owned(), name.clone()));
+    definitions.bare = bare_names.collect();
     Ok(definitions)
 }
 
-/// Finds the files that a statement names, each with its path if it exists. The longest run of words that names a file is one
-/// name; a blank after a backslash always belongs to a name.
+/// Finds the files that an `mtllib` statement names, and returns each name with its path, or `None` if there is no such
+/// file. The longest run of words that names an existing file is one name; a blank after a backslash always belongs to
+/// a name.
 fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>)> {
     /// Greatest number of words in a name that is searched for, unless the whole statement is a name.
     const MOST_WORDS: usize = 16;
-    let found = |name: &str| Some((name.to_owned(), Some(resolve(folder, name)?)));
-    if let Some(whole) = spellings(statement).iter().find_map(|name| found(name)) {
+    // A name with its path, if the file exists.
+    let existing = |name: &str| Some((name.to_owned(), Some(resolve(folder, name)?)));
+    if let Some(whole) = spellings(statement).iter().find_map(|name| existing(name)) {
         return vec![whole];
     }
-    // No name contains a line end, which therefore marks a blank that belongs to a name.
+    // A blank that belongs to a name is replaced by a line end, which no name contains, while the words are split.
     let marked = without_comment(statement).replace("\\ ", "\n");
     let words: Vec<String> =
         marked.split([' ', '\t']).filter(|word| !word.is_empty()).map(|word| word.replace('\n', " ")).collect();
@@ -121,7 +130,7 @@ fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>
     let mut rest = &words[..];
     while let Some(first) = rest.first() {
         let mut counts = (1..=rest.len().min(MOST_WORDS)).rev();
-        let longest = counts.find_map(|count| Some((count, found(&rest[..count].join(" "))?)));
+        let longest = counts.find_map(|count| Some((count, existing(&rest[..count].join(" "))?)));
         let (count, name) = longest.unwrap_or_else(|| (1, (first.clone(), None)));
         names.push(name);
         rest = &rest[count..];
@@ -132,18 +141,20 @@ fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>
 /// The materials of the MTL files of an OBJ file.
 #[derive(Default)]
 pub(super) struct Definitions {
+    /// The materials by their names as written.
     named: HashMap<String, Definition>,
-    /// Names without comments, with the names as written.
+    /// The names as written, by the names without comments.
     bare: HashMap<String, String>,
 }
 
 impl Definitions {
-    /// Whether the MTL files define no material.
+    /// Returns true if the MTL files define no material.
     pub(super) fn is_empty(&self) -> bool {
         self.named.is_empty()
     }
 
-    /// The material of a name, with or without a comment after it, which some programs write. A name itself may contain a `#`.
+    /// Returns the material of a name. In the OBJ and in the MTL file, some programs write a comment after the name,
+    /// which is ignored if the names differ otherwise. A name itself may contain a `#`.
     pub(super) fn get(&self, name: &str) -> Option<&Definition> {
         let bare = without_comment(name);
         let named = |name: &str| self.named.get(name);
@@ -151,37 +162,39 @@ impl Definitions {
     }
 }
 
-/// A statement without its comment, if a blank precedes the comment.
+/// Returns a statement without its comment. A comment begins with a `#` after a blank.
 fn without_comment(statement: &str) -> &str {
-    let behind_blank = |(offset, _): &(usize, &str)| statement[..*offset].ends_with(char::is_whitespace);
-    let comment = statement.match_indices('#').find(behind_blank);
+    let follows_blank = |(offset, _): &(usize, &str)| statement[..*offset].ends_with(char::is_whitespace);
+    let comment = statement.match_indices('#').find(follows_blank);
     comment.map_or(statement, |(offset, _)| &statement[..offset]).trim_end()
 }
 
-/// The ways to read the rest of a statement as one file name, each once: unchanged and without a comment, then both with each
-/// backslash before a blank removed.
+/// Returns the ways to read the rest of a statement as one file name, without repetitions: unchanged, without a
+/// comment, and then the same two with each backslash before a blank removed.
 fn spellings(statement: &str) -> Vec<Cow<'_, str>> {
     let plain = [statement, without_comment(statement)];
     let escaped = plain.map(|text| Cow::Owned(text.replace("\\ ", " ")));
     distinct(plain.map(Cow::Borrowed).into_iter().chain(escaped))
 }
 
-/// The distinct items, in order.
-fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
-    let mut found = Vec::new();
-    for one in all {
-        if !found.contains(&one) {
-            found.push(one);
+/// Returns the items without repetitions, in their order.
+fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
+    let mut distinct = Vec::new();
+    for item in items {
+        if !distinct.contains(&item) {
+            distinct.push(item);
         }
     }
-    found
+    distinct
 }
 
-/// Adds the materials of one MTL file; if a name occurs twice, the last definition is used.
+/// Reads the materials in the text of one MTL file, and adds them to `definitions`. If a name occurs twice, the last
+/// definition is used.
 fn read(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) -> Result<()> {
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut current: Option<(String, Definition)> = None;
     let mut exporter = Exporter::default();
+    // A material whose statements are complete, with its law chosen.
     let settled = |current: Option<(String, Definition)>, exporter| {
         current.map(|(name, mut definition)| {
             definition.settle(exporter);
@@ -219,7 +232,8 @@ impl std::fmt::Display for Place<'_> {
     }
 }
 
-/// Reads a statement of a material into its definition. `keyword` is in small letters, and `rest` is the text after it.
+/// Reads a statement of a material into its definition. `keyword` is in small letters, and `rest` is the text after the
+/// keyword.
 fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<()> {
     let image = || image_statement(place, rest);
     match keyword {
@@ -235,7 +249,7 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
         "map_ke" => definition.images.emission = image(),
         "map_pr" => definition.images.roughness = image(),
         "map_pm" => definition.images.metalness = image(),
-        "tf" if first_number(rest).is_some_and(|v| v > 0.0) && lost_meaning(keyword, rest).is_none() => {
+        "tf" if first_number(rest).is_some_and(|number| number > 0.0) && lost_meaning(keyword, rest).is_none() => {
             definition.transmission = Some(place.to_string());
         }
         "map_ns" => definition.exponent_image = definition.exponent_image.take().or_else(image),
@@ -253,15 +267,17 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
     Ok(())
 }
 
-/// Says what is lost because a statement is not read. `None` if nothing is lost, for example if the statement has the default
-/// value.
+/// Returns the warning about a statement that is not read, or `None` if nothing is lost, for example because the
+/// statement has the default value.
 fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
     let numbers = || rest.split_whitespace().map_while(|word| word.parse::<f32>().ok());
-    let is_not = |usual: f32| numbers().any(|v| v != usual);
+    let is_not = |default: f32| numbers().any(|number| number != default);
     // The option -halo precedes the number.
     let opacity = rest.strip_prefix("-halo").unwrap_or(rest).split_whitespace().next();
     match keyword {
-        "d" if opacity.and_then(|word| word.parse::<f32>().ok()).is_some_and(|v| v < 1.0) => Some(TRANSPARENCY),
+        "d" if opacity.and_then(|word| word.parse::<f32>().ok()).is_some_and(|number| number < 1.0) => {
+            Some(TRANSPARENCY)
+        }
         "tr" if is_not(0.0) => Some(TRANSPARENCY),
         "tf" if is_not(1.0) => Some(TRANSPARENCY),
         "ps" | "pc" | "aniso" if is_not(0.0) => {
@@ -273,6 +289,7 @@ fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
     }
 }
 
+/// The warning about transparency.
 const TRANSPARENCY: &str = "transparency (d, Tr, Tf) is not supported; the surface is opaque where it has no map_d";
 
 impl Definition {
@@ -281,21 +298,21 @@ impl Definition {
         self.drop_at(&place.to_string(), sentence);
     }
 
-    /// Notes a warning as [`Self::drop_kind`] does, with the place as text.
+    /// Notes a warning like [`Self::drop_kind`], with the place as text.
     fn drop_at(&mut self, place: &str, sentence: &'static str) {
         self.dropped.entry(sentence).or_insert_with(|| place.to_owned());
     }
 }
 
-/// The first number of a statement; `None` if there is no number, or it is not finite.
+/// Returns the number in the first word of a statement; `None` if it is no number, or not finite.
 fn first_number(rest: &str) -> Option<f32> {
     rest.split_whitespace().next()?.parse().ok().filter(|v: &f32| v.is_finite())
 }
 
-/// The colour of a statement: three numbers, or one for all channels; `None` if there are no numbers.
+/// Returns the colour of a statement: three finite numbers, or one for all channels; `None` for anything else.
 fn stated_colour(rest: &str) -> Option<Vec3> {
     let number = |word: &str| word.parse().ok().filter(|v: &f32| v.is_finite());
-    let words: Vec<&str> = rest.split_whitespace().take_while(|w| !w.starts_with('#')).take(3).collect();
+    let words: Vec<&str> = rest.split_whitespace().take_while(|word| !word.starts_with('#')).take(3).collect();
     let numbers: Vec<f32> = words.iter().map_while(|word| number(word)).collect();
     match numbers[..] {
         [r, g, b] => Some(Vec3::new(r, g, b)),
@@ -304,9 +321,10 @@ fn stated_colour(rest: &str) -> Option<Vec3> {
     }
 }
 
+/// The warning about a number that cannot be used.
 const NO_NUMBER: &str = "a statement with a number that is not finite was ignored";
 
-/// The first number of a statement; `None`, with a warning, if there is no number.
+/// Returns the first number of a statement; `None`, with a warning, if there is no finite number.
 fn finite_number(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
     let number = first_number(rest);
     if number.is_none() {
@@ -315,7 +333,7 @@ fn finite_number(place: &Place, rest: &str, definition: &mut Definition) -> Opti
     number
 }
 
-/// The colour of a statement; `None`, with a warning, if there is no colour.
+/// Returns the colour of a statement; `None`, with a warning, if there is no colour.
 fn usable_colour(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
     let colour = stated_colour(rest);
     if colour.is_none() {
@@ -324,8 +342,8 @@ fn usable_colour(place: &Place, rest: &str, definition: &mut Definition) -> Opti
     colour
 }
 
-/// The number that the first word of a statement states; `None`, with a warning, if it is not finite. A word that is no number is an
-/// error.
+/// Returns the number that the first word of a statement states; `None`, with a warning, if it is not finite. A word
+/// that is no number is an error.
 fn number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<f32>> {
     let word = rest.split_whitespace().next().unwrap_or("");
     let stated = stated_number(word).ok_or_else(|| {
@@ -339,16 +357,16 @@ fn number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition)
     Ok(number)
 }
 
-/// A colour given as three numbers, or as one number for all three channels; `None` for numbers that are not finite, and for
-/// spectral curves and CIE XYZ, which are not supported.
+/// Returns a colour given as three numbers, or as one number for all three channels. The result is `None`, with a
+/// warning, for numbers that are not finite, and for spectral curves and CIE XYZ, which are not supported.
 fn colour(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<Vec3>> {
-    let words: Vec<&str> = rest.split_whitespace().take_while(|w| !w.starts_with('#')).collect();
+    let words: Vec<&str> = rest.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
     if matches!(words.first(), Some(&("spectral" | "xyz"))) {
         definition.drop_kind(place, "colours as spectral curves or CIE XYZ are not supported and were ignored");
         return Ok(None);
     }
     let numbers: Vec<Option<f32>> =
-        words.iter().take(3).map(|w| number(place, keyword, w, definition)).collect::<Result<_>>()?;
+        words.iter().take(3).map(|word| number(place, keyword, word, definition)).collect::<Result<_>>()?;
     match numbers[..] {
         [r, g, b] => Ok(r.zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b))),
         [grey] => Ok(grey.map(Vec3::splat)),

@@ -10,14 +10,14 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
 
-/// A part that is being built. A vertex whose normal is zero has no normal yet.
+/// A part of a mesh while it is built. A vertex whose normal is zero has no normal yet.
 struct GroupPart {
     part: MeshPart,
     /// Smoothing group of each triangle.
     smoothing: Vec<u32>,
 }
 
-/// Builds the parts of the file at `path`; errors and warnings name that path.
+/// Builds the parts of the file at `path` from its normalised statements. Errors and warnings name that path.
 pub(super) fn build(
     path: &Path,
     statements: Statements,
@@ -25,56 +25,58 @@ pub(super) fn build(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<MeshPart>> {
     let Statements { vertices, faces, material_names, smoothing, .. } = statements;
-    let materials: Vec<_> =
-        (0..material_names.len()).map(|i| tobj::Material { name: i.to_string(), ..Default::default() }).collect();
-    let by_name = materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i));
+    // The statements name materials by their indices; tobj gets a library with these names.
+    let materials: Vec<_> = (0..material_names.len())
+        .map(|index| tobj::Material { name: index.to_string(), ..Default::default() })
+        .collect();
+    let by_name = materials.iter().enumerate().map(|(index, material)| (material.name.clone(), index));
     let library = Ok((materials.clone(), by_name.collect()));
-    let how = tobj::LoadOptions { single_index: true, ..Default::default() };
-    let (models, _) = tobj::load_obj_buf(&mut vertices.as_bytes().chain(faces.as_bytes()), &how, |_| library.clone())
-        .map_err(|e| Error::malformed(path, None, format!("cannot be read: {e}")))?;
+    let tobj_options = tobj::LoadOptions { single_index: true, ..Default::default() };
+    let (models, _) =
+        tobj::load_obj_buf(&mut vertices.as_bytes().chain(faces.as_bytes()), &tobj_options, |_| library.clone())
+            .map_err(|e| Error::malformed(path, None, format!("cannot be read: {e}")))?;
     drop((vertices, faces));
 
     let mut smoothing = smoothing.into_iter();
     let mut parts = Vec::new();
     let mut without_area = 0;
-    for tobj::Model { mesh, name } in models.into_iter().filter(|m| !m.mesh.indices.is_empty()) {
+    for tobj::Model { mesh, name } in models.into_iter().filter(|model| !model.mesh.indices.is_empty()) {
         let corners = world_vertices(path, &mesh, options)?;
         let material = mesh.material_id.unwrap_or_default();
         let part = MeshPart { name, material, triangles: Vec::new(), has_tangents: false };
         let mut part = GroupPart { part, smoothing: Vec::new() };
         let mut start = 0;
-        // tobj lists no numbers of corners if all faces of a group are triangles.
-        let uniform = mesh.face_arities.is_empty().then_some(3);
-        let arities = mesh.face_arities.iter().map(|&n| n as usize);
-        let faces = uniform.map_or(0, |n| mesh.indices.len() / n);
-        for arity in arities.chain(std::iter::repeat_n(3, faces)) {
+        // tobj lists no numbers of corners (arities) if all faces of a group are triangles.
+        let triangles = if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 };
+        let arities = mesh.face_arities.iter().map(|&arity| arity as usize);
+        for arity in arities.chain(std::iter::repeat_n(3, triangles)) {
             let polygon: Vec<Vertex> =
-                mesh.indices[start..start + arity].iter().map(|&i| corners[i as usize]).collect();
+                mesh.indices[start..start + arity].iter().map(|&index| corners[index as usize]).collect();
             start += arity;
             without_area += part.push(&polygon, smoothing.next().unwrap_or(0), options.handedness);
         }
         parts.push(part);
     }
-    if parts.iter().all(|p| p.part.triangles.is_empty()) {
+    if parts.iter().all(|group| group.part.triangles.is_empty()) {
         return Err(Error::malformed(path, None, "no face of this file has an area"));
     }
     if without_area > 0 {
         let (plural, were) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
         warnings.push(format!("{}: {without_area} {plural} without area {were} left out", path.display()));
     }
-    parts.retain(|p| !p.part.triangles.is_empty());
+    parts.retain(|group| !group.part.triangles.is_empty());
     fill_normals(&mut parts);
-    Ok(parts.into_iter().map(|p| p.part).collect())
+    Ok(parts.into_iter().map(|group| group.part).collect())
 }
 
-/// The vertices of a group in world space. A normal that is missing or has no length becomes zero.
+/// Returns the vertices of a group in world space, in metres. A normal that is missing or has no length becomes zero.
 fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Result<Vec<Vertex>> {
     let mirror = match options.handedness {
         Handedness::Right => Vec3::new(1.0, 1.0, -1.0),
         Handedness::Left => Vec3::ONE,
     };
     // Adding zero turns −0 into 0, so that welding finds equal bits.
-    let to_world = |v: &[f32], factor: Vec3| Vec3::new(v[0], v[1], v[2]) * factor + Vec3::ZERO;
+    let to_world = |xyz: &[f32], factor: Vec3| Vec3::new(xyz[0], xyz[1], xyz[2]) * factor + Vec3::ZERO;
     let positions = mesh.positions.chunks_exact(3);
     let attributes = mesh.normals.chunks_exact(3).zip(mesh.texcoords.chunks_exact(2));
     let vertices = positions.zip(attributes).map(|(position, (normal, uv))| {
@@ -93,18 +95,19 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
 }
 
 impl GroupPart {
-    /// Adds the triangles of a polygon, each with reversed winding if its stated normals point behind it. Returns the
-    /// number of triangles without area, which are left out.
+    /// Adds the triangles of a polygon. The winding of a triangle is reversed if its stated normals point behind it.
+    /// Triangles without area are left out, and their number is returned. `smoothing` is the smoothing group of the
+    /// polygon.
     fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
         let mut without_area = 0;
         let positions: Vec<DVec3> = polygon.iter().map(position).collect();
         for [a, b, c] in triangulate(&positions) {
             let (b, c) = if handedness == Handedness::Right { (c, b) } else { (b, c) };
             let mut triangle = [polygon[a], polygon[b], polygon[c]];
-            let edges = [1, 2, 0].map(|i| position(&triangle[i]) - position(&triangle[(i + 2) % 3]));
-            let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
+            let edges = [1, 2, 0].map(|end| position(&triangle[end]) - position(&triangle[(end + 2) % 3]));
+            let longest_squared = edges.iter().map(|edge| edge.length_squared()).fold(0.0, f64::max);
             let cross = twice_area(&triangle);
-            if cross.length() <= 1e-7 * longest {
+            if cross.length() <= 1e-7 * longest_squared {
                 without_area += 1;
                 continue;
             }
@@ -120,16 +123,17 @@ impl GroupPart {
 
 /// Gives every vertex that lacks a normal the normal of its smoothing group or of its face.
 ///
-/// Within a group, faces are weighted by their angle at the vertex; weights by area would depend on the diagonal that splits a
-/// quad.
+/// Within a group, a vertex gets the mean of the normals of the faces at its position. Faces are weighted by their
+/// angle at the vertex; weights by area would depend on the diagonal that splits a quad.
 fn fill_normals(parts: &mut [GroupPart]) {
     let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
+    // The weighted sums of normals, by the bits of the position and the smoothing group; group 0 is none.
     let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
     for part in parts.iter() {
-        for (triangle, &group) in part.part.triangles.iter().zip(&part.smoothing).filter(|(_, g)| **g != 0) {
+        for (triangle, &group) in part.part.triangles.iter().zip(&part.smoothing).filter(|(_, group)| **group != 0) {
             let face = twice_area(triangle).normalize();
-            for (i, vertex) in triangle.iter().enumerate().filter(|(_, v)| v.normal == [0.0; 3]) {
-                *smooth.entry(key(vertex, group)).or_default() += angle(triangle, i) * face;
+            for (corner, vertex) in triangle.iter().enumerate().filter(|(_, vertex)| vertex.normal == [0.0; 3]) {
+                *smooth.entry(key(vertex, group)).or_default() += angle(triangle, corner) * face;
             }
         }
     }
@@ -137,18 +141,21 @@ fn fill_normals(parts: &mut [GroupPart]) {
         for (triangle, &group) in part.part.triangles.iter_mut().zip(&part.smoothing) {
             let face = twice_area(triangle).normalize();
             let stated = *triangle;
+            // Sets the normals that the file does not state, as `normal_of` gives them.
             let fill = |triangle: &mut Triangle, normal_of: &dyn Fn(&Vertex) -> DVec3| {
-                for (vertex, stated) in triangle.iter_mut().zip(&stated).filter(|(_, v)| v.normal == [0.0; 3]) {
+                for (vertex, stated) in triangle.iter_mut().zip(&stated).filter(|(_, vertex)| vertex.normal == [0.0; 3])
+                {
                     // Adding zero turns −0 into 0, so that welding finds equal bits.
                     vertex.normal = (normal_of(stated).as_vec3().normalize() + Vec3::ZERO).to_array();
                 }
             };
             fill(triangle, &|vertex| {
-                let mean = smooth.get(&key(vertex, group)).map_or(face, |n| n.normalize_or_zero());
+                let mean = smooth.get(&key(vertex, group)).map_or(face, |sum| sum.normalize_or_zero());
                 // At a sharp fold, the mean may point behind the face.
                 if mean.dot(face) > 0.0 { mean } else { face }
             });
-            // If stated normals lean behind the face, a mean along the face could make all three together point to its back.
+            // If stated normals lean behind the face, the sum with a mean normal that is almost perpendicular to the
+            // face may point to its back.
             if normals_point_behind(triangle, face) {
                 fill(triangle, &|_| face);
             }
@@ -156,25 +163,26 @@ fn fill_normals(parts: &mut [GroupPart]) {
     }
 }
 
-/// The position of a vertex, in 64 bits.
+/// Returns the position of a vertex, in 64 bits.
 fn position(vertex: &Vertex) -> DVec3 {
     Vec3::from(vertex.position).as_dvec3()
 }
 
-/// (b − a) × (c − a): the face's normal, scaled to twice the triangle's area.
+/// Returns (b − a) × (c − a), the normal of the face with twice the triangle's area as its length.
 fn twice_area(triangle: &Triangle) -> DVec3 {
     let [a, b, c] = triangle.each_ref().map(position);
     (b - a).cross(c - a)
 }
 
-/// The angle at a corner, in radians.
+/// Returns the angle of a triangle at a corner (0, 1 or 2), in radians.
 fn angle(triangle: &Triangle, corner: usize) -> f64 {
-    let [apex, next, last] = [0, 1, 2].map(|i| position(&triangle[(corner + i) % 3]));
+    let [apex, next, last] = [0, 1, 2].map(|offset| position(&triangle[(corner + offset) % 3]));
     (next - apex).angle_between(last - apex)
 }
 
-/// Cuts a polygon into n − 2 triangles of the same orientation: as a fan if it is convex, and by cutting off ears otherwise. If
-/// a polygon crosses itself, the remainder is cut as a fan.
+/// Cuts a polygon of n corners into n − 2 triangles of the same orientation, given as indices of corners. A convex
+/// polygon becomes a fan. From other polygons ears are cut off: triangles at a corner that contain no other corner. If
+/// no ear is left, because the polygon crosses itself, the remainder becomes a fan.
 fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
     let fan = |corners: &[usize]| -> Vec<[usize; 3]> {
         corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]).collect()
@@ -184,6 +192,7 @@ fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
         return fan(&corners);
     }
     let flat = project(polygon);
+    // Positive if the corners a, b and c turn to the left, and negative if they turn to the right.
     let turn = |a: usize, b: usize, c: usize| {
         #[cfg(test)]
         tests::TURNS.set(tests::TURNS.get() + 1);
@@ -194,17 +203,17 @@ fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
         return fan(&corners);
     }
     let mut triangles = Vec::with_capacity(n - 2);
-    let is_ear = |corners: &[usize], i: usize| {
+    let is_ear = |corners: &[usize], tip: usize| {
         let n = corners.len();
-        let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
-        let inside = |p: usize| {
-            let apart = [a, b, c].iter().all(|&q| flat[q] != flat[p]);
-            apart && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0
+        let [a, b, c] = [corners[(tip + n - 1) % n], corners[tip], corners[(tip + 1) % n]];
+        let is_inside = |other: usize| {
+            let is_apart = [a, b, c].iter().all(|&corner| flat[corner] != flat[other]);
+            is_apart && turn(a, b, other) >= 0.0 && turn(b, c, other) >= 0.0 && turn(c, a, other) >= 0.0
         };
-        turn(a, b, c) > 0.0 && !corners.iter().any(|&p| inside(p))
+        turn(a, b, c) > 0.0 && !corners.iter().any(|&other| is_inside(other))
     };
-    // In a polygon that does not cross itself, cutting off an ear can change only whether its two neighbours are ears. The work
-    // therefore grows with the square of the number of corners.
+    // In a polygon that does not cross itself, cutting off an ear can change only whether its two neighbours are ears.
+    // The work therefore grows with the square of the number of corners.
     let mut ears: Vec<bool> = (0..n).map(|i| is_ear(&corners, i)).collect();
     while corners.len() > 3 {
         let Some(ear) = ears.iter().position(|&ear| ear) else { break };
@@ -220,13 +229,14 @@ fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
     triangles
 }
 
-/// Projects the polygon to its own plane (with Newell's normal), counter-clockwise.
+/// Projects the polygon to its own plane, whose normal is that of Newell's method. The projected corners run
+/// counter-clockwise.
 fn project(polygon: &[DVec3]) -> Vec<DVec2> {
     let next = polygon.iter().cycle().skip(1);
     let normal: DVec3 = polygon.iter().zip(next).map(|(a, b)| (a - polygon[0]).cross(b - polygon[0])).sum();
     let normal = normal.try_normalize().unwrap_or(DVec3::Z);
     let (x, y) = normal.any_orthonormal_pair();
-    polygon.iter().map(|p| DVec2::new((p - polygon[0]).dot(x), (p - polygon[0]).dot(y))).collect()
+    polygon.iter().map(|corner| DVec2::new((corner - polygon[0]).dot(x), (corner - polygon[0]).dot(y))).collect()
 }
 
 #[cfg(test)]
@@ -235,13 +245,13 @@ mod tests {
     use std::cell::Cell;
 
     thread_local! {
-        /// Number of times that a cut computed the turn of three corners.
+        /// Number of times that [`triangulate`] computed the turn of three corners.
         pub static TURNS: Cell<u64> = const { Cell::new(0) };
     }
 
-    /// Tests a triangle with two stated normals that lean behind the face by 111 degrees, which an author may want. The mean at
-    /// the third corner, with two other faces, is almost perpendicular to the face, and all three together would point away by
-    /// 126 degrees.
+    /// Tests a triangle with two stated normals at 111 degrees from the face's normal, which an author may want. The
+    /// mean normal at the third corner, to which two other faces contribute, is almost perpendicular to that of the
+    /// face. The sum of the three normals would be at 126 degrees from it.
     #[test]
     fn means_do_not_turn_a_face_to_its_back() {
         let corner =
@@ -250,8 +260,8 @@ mod tests {
         let shared = [0.0, 1.0, 0.0];
         let triangles = vec![
             [corner([0.0; 3], lean), corner(shared, none), corner([1.0, 1.0, -0.5], lean)],
-            // A face in the same plane, with reversed winding and an angle of a little less than 90 degrees at the shared
-            // corner.
+            // A face in the same plane, with reversed winding and an angle of a little less than 90 degrees at the
+            // shared corner.
             [corner(shared, none), corner([0.1, 0.0, -0.05], none), corner([1.0, 1.0, -0.5], none)],
             // A face perpendicular to both.
             [corner(shared, none), corner([0.447, 1.0, 0.894], none), corner([0.0, 2.0, 0.0], none)],
@@ -266,12 +276,12 @@ mod tests {
         assert!(Vec3::from(triangle[1].normal).as_dvec3().dot(face) > 0.999, "{triangle:?}");
     }
 
-    /// The sum of the areas of triangles, and their area with signs; both are equal if all triangles are oriented
-    /// alike.
+    /// Returns the sum of the areas of triangles, and the same with signs; the two are equal if all triangles have the
+    /// same orientation.
     fn area(polygon: &[DVec3], triangles: &[[usize; 3]]) -> (f64, f64) {
-        let cross = |t: &[usize; 3]| (polygon[t[1]] - polygon[t[0]]).cross(polygon[t[2]] - polygon[t[0]]);
+        let cross = |&[a, b, c]: &[usize; 3]| (polygon[b] - polygon[a]).cross(polygon[c] - polygon[a]);
         let sum: DVec3 = triangles.iter().map(cross).sum();
-        (0.5 * triangles.iter().map(|t| cross(t).length()).sum::<f64>(), 0.5 * sum.length())
+        (0.5 * triangles.iter().map(|triangle| cross(triangle).length()).sum::<f64>(), 0.5 * sum.length())
     }
 
     #[test]
@@ -289,20 +299,21 @@ mod tests {
     fn a_dart_is_cut_along_its_inner_diagonal() {
         let dart = [[0.0, 0.0], [2.0, 1.0], [4.0, 0.0], [2.0, 4.0]];
         for start in 0..4 {
-            let polygon: Vec<_> = (0..4).map(|i| dart[(i + start) % 4]).map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
+            let polygon: Vec<_> =
+                (0..4).map(|corner| dart[(corner + start) % 4]).map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
             let (unsigned, signed) = area(&polygon, &triangulate(&polygon));
             assert!((unsigned - signed).abs() < 1e-9, "start {start}: {unsigned} {signed}");
         }
     }
 
-    /// A spiral of two arms, which has few ears at any time.
+    /// Makes a spiral of two arms, which has few ears at any time.
     fn spiral(corners: usize) -> Vec<DVec3> {
-        let arm = |k: usize, radius: f64| {
-            let angle = k as f64 * 0.2;
+        let arm = |corner: usize, radius: f64| {
+            let angle = corner as f64 * 0.2;
             DVec3::new(angle.cos(), angle.sin(), 0.0) * (radius + 0.3 * angle)
         };
         let half = corners / 2;
-        (0..half).map(|k| arm(k, 1.0)).chain((0..half).rev().map(|k| arm(k, 1.5))).collect()
+        (0..half).map(|corner| arm(corner, 1.0)).chain((0..half).rev().map(|corner| arm(corner, 1.5))).collect()
     }
 
     #[test]

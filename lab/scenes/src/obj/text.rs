@@ -1,9 +1,9 @@
 //! Checks the statements of an OBJ file and rewrites them into a form that tobj reads reliably.
 //!
-//! tobj reports no line numbers, accepts numbers that are not finite, loses track of corners that lack a texture coordinate or
-//! normal, and fails on short texture coordinates and on vertex colours. tobj therefore gets a plain file: three numbers per
-//! vertex, absolute indices that exist, and, where a corner lacks an attribute, the index of a NaN entry (which no file can
-//! contain itself).
+//! The crate tobj reports no line numbers, and accepts numbers that are not finite. It confuses corners that lack a
+//! texture coordinate or normal, and fails on short texture coordinates and on vertex colours. tobj therefore gets a
+//! plain text: three numbers per vertex, absolute indices that exist, and, where a corner lacks an attribute, the index
+//! of a NaN entry. No file can contain such an entry itself, since numbers that are not finite are replaced.
 
 use crate::far_away::far_origin;
 use glam::DVec3;
@@ -40,7 +40,7 @@ pub(super) struct Statements {
     pub smoothing: Vec<u32>,
 }
 
-/// Results of a first reading of a file, which the second reading needs.
+/// What a first reading of a file finds and a second reading needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FirstReading {
     /// Upper bounds of the numbers of vertices, texture coordinates and normals.
@@ -49,9 +49,12 @@ struct FirstReading {
     origin: DVec3,
 }
 
-/// Normalises the text of the file at `path`; errors and warnings name that path. `origin` is subtracted from every vertex, in
-/// units of the file. If `origin` is `None`, and the vertices are too far from the file's origin for their size,
-/// `origin` becomes the centre of the vertices.
+/// Normalises the text of the file at `path`; errors and warnings name that path. `origin`, in units of the file, is
+/// subtracted from every vertex. If `origin` is `None`, it becomes the centre of the vertices if these are too far from
+/// the file's origin for their size, else zero. `scale` is the number of metres in a unit of the file.
+///
+/// The text is read a second time if the vertices must be moved, or if faces refer to texture coordinates or normals
+/// that are not there.
 pub(super) fn normalise(
     path: &Path,
     text: &str,
@@ -70,7 +73,7 @@ pub(super) fn normalise(
     let mut known = FirstReading { counts: [usize::MAX; 3], origin: origin.unwrap_or(DVec3::ZERO) };
     let mut scan = read(known)?;
     let scale = f64::from(scale);
-    let far = far_origin(scan.bounds.map(|v| v * scale)).filter(|_| origin.is_none());
+    let far = far_origin(scan.bounds.map(|corner| corner * scale)).filter(|_| origin.is_none());
     if let Some(far) = &far {
         warnings.push(format!("{}: {}", path.display(), far.sentence()));
         known.origin = far.centre / scale;
@@ -78,14 +81,14 @@ pub(super) fn normalise(
     *origin = Some(known.origin);
     let strays = scan.has_strays();
     if far.is_some() || strays {
-        known.counts = scan.counters.each_ref().map(|c| c.count);
+        known.counts = scan.counters.each_ref().map(|counter| counter.count);
         scan = read(known)?;
     }
     scan.finish(warnings)
 }
 
-/// The lines with their numbers. A line that ends in a backslash is joined with the next, except for statements
-/// that end in a name, because a name may end in a backslash.
+/// Returns the lines with their numbers, from 1 on. A line that ends in a backslash is joined with the next one. This
+/// is done only for statements of numbers, since a name may end in a backslash.
 fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut lines = text.split(separator).enumerate();
@@ -94,7 +97,7 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
         let mut statement = Cow::Borrowed(first.trim());
         if matches!(statement.split_whitespace().next(), Some("v" | "vt" | "vn" | "f" | "V" | "VT" | "VN" | "F")) {
             while let Some(head) = statement.strip_suffix('\\') {
-                let next = lines.next().map_or("", |(_, l)| l.trim());
+                let next = lines.next().map_or("", |(_, line)| line.trim());
                 statement = Cow::Owned(format!("{head} {next}"));
             }
         }
@@ -102,9 +105,10 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// One of the three lists that faces refer to.
+/// What was counted of one of the three lists that faces refer to.
 #[derive(Debug, Default)]
 struct Counter {
+    /// Number of entries so far.
     count: usize,
     /// The highest index that a face uses, and the line of the face.
     highest: (usize, usize),
@@ -130,7 +134,7 @@ struct Scan<'a> {
     dropped: BTreeMap<&'static str, usize>,
 }
 
-/// The three lists that faces refer to, in the order of the counters, in the words of errors.
+/// The names, for errors, of the entries of the three lists that faces refer to, in the order of the counters.
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Statements of free-form curves and surfaces, which have no corners.
@@ -139,11 +143,11 @@ const FREE_FORM: [&str; 21] = [
     "bzp", "bsp", "cdc", "cdp", "res", "mg",
 ];
 
-/// Statements about how other programs draw.
+/// Statements that tell other programs how to draw, which are ignored without a warning.
 const HINTS: [&str; 9] = ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "call"];
 
 impl<'a> Scan<'a> {
-    /// A reading before its first statement, whose output begins with the NaN entries.
+    /// Makes a reading before its first statement. Its output begins with the NaN entries.
     fn new(path: &'a Path, known: FirstReading) -> Self {
         let out = Statements {
             vertices: "vt NaN NaN\nvn NaN NaN NaN\n".into(),
@@ -157,18 +161,18 @@ impl<'a> Scan<'a> {
         Self { path, known, line: 0, out, counters, bounds, triangles: 0, smoothing: 0, materials, dropped }
     }
 
-    /// An error at the current line.
+    /// Makes an error at the current line.
     fn error(&self, message: impl Into<String>) -> Error {
         Error::malformed(self.path, Some(self.line), message)
     }
 
-    /// Notes a dropped statement; the user is told once about each kind.
+    /// Notes a warning about a dropped statement, unless the file has the same warning already.
     fn drop_kind(&mut self, sentence: &'static str) {
         let line = self.line;
         self.dropped.entry(sentence).or_insert(line);
     }
 
-    /// Reads one statement, and appends it in plain form to the output.
+    /// Reads one statement, and adds it in plain form to the output.
     fn statement(&mut self, statement: &str) -> Result<()> {
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
         let keyword = keyword.to_ascii_lowercase();
@@ -199,7 +203,7 @@ impl<'a> Scan<'a> {
     /// least `needed` numbers. The first `kept` numbers are kept, and missing ones become 0. Further numbers (weights,
     /// colours) are ignored.
     fn numbers(&mut self, kind: usize, rest: &str, needed: usize, kept: usize) -> Result<()> {
-        let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
+        let mut words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
         let mut stated = ["0"; 3];
         let mut numbers = [0.0_f64; 3];
         for i in 0..kept {
@@ -217,12 +221,14 @@ impl<'a> Scan<'a> {
         if kind == 0 && words.count() >= 3 {
             self.drop_kind("colours of vertices are not supported and were ignored");
         }
-        let is_finite = |v: &f64| (*v as f32).is_finite();
-        match numbers.iter().position(|v| !is_finite(v)) {
-            // Without all of its three numbers, a vertex has no place. Other missing numbers can be replaced.
-            Some(i) if kind == 0 => {
-                let message =
-                    format!("the position of a vertex is not a number: {:?} is not finite", printable_name(stated[i]));
+        let is_finite = |number: &f64| (*number as f32).is_finite();
+        match numbers.iter().position(|number| !is_finite(number)) {
+            // A vertex needs all of its three numbers, but texture coordinates and normals can be replaced.
+            Some(index) if kind == 0 => {
+                let message = format!(
+                    "the position of a vertex is not a number: {:?} is not finite",
+                    printable_name(stated[index])
+                );
                 return Err(self.error(message));
             }
             Some(_) => {
@@ -243,7 +249,7 @@ impl<'a> Scan<'a> {
     }
 
     /// Writes a statement with its numbers as stated; `kind` is an index into [`KINDS`]. A vertex also widens the
-    /// bounds, and if the scene is moved, the origin is subtracted from the vertex.
+    /// bounds. If the scene is moved, the origin is subtracted from the vertex, whose values are `numbers`.
     fn write_numbers(&mut self, kind: usize, stated: &[&str], numbers: DVec3) {
         self.out.vertices.push_str(["v", "vt", "vn"][kind]);
         if kind == 0 {
@@ -262,16 +268,16 @@ impl<'a> Scan<'a> {
         self.out.vertices.push('\n');
     }
 
-    /// Reads a face, and writes it with absolute indices; a face of one or two corners is dropped.
+    /// Reads a face, and writes it with absolute indices. A face of one or two corners is dropped.
     fn face(&mut self, rest: &str) -> Result<()> {
         if self.out.material_names.is_empty() {
             self.use_material(NO_MATERIAL);
         }
         let mut face = String::with_capacity(rest.len() + 16);
         let mut corners = 0;
-        for word in rest.split_whitespace().take_while(|w| !w.starts_with('#')) {
+        for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
             let [v, vt, vn] = self.corner(word)?;
-            // Texture coordinates and normals are numbered after the NaN entry, which stands for a missing attribute.
+            // The NaN entry, which stands for a missing attribute, has the number 1, so that all others move by one.
             let _ = write!(face, " {v}/{}/{}", vt + 1, vn + 1);
             corners += 1;
         }
@@ -295,7 +301,8 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// The absolute indices of a corner, counted from 1; 0 for a missing texture coordinate or normal.
+    /// Returns the absolute indices of a corner's vertex, texture coordinate and normal, counted from 1; 0 for a
+    /// missing texture coordinate or normal. `word` is the corner as the file writes it, such as `1/2/3`.
     fn corner(&mut self, word: &str) -> Result<[usize; 3]> {
         let mut indices = [0; 3];
         for (kind, index) in word.split('/').enumerate() {
@@ -329,7 +336,8 @@ impl<'a> Scan<'a> {
         Ok(indices)
     }
 
-    /// The error about an index that a face states and that a list of `count` entries does not have.
+    /// Makes the error about an index that a face states in a list of only `count` entries; `kind` is an index into
+    /// [`KINDS`].
     fn out_of_range(&self, kind: usize, stated: i64, count: usize) -> Error {
         let name = KINDS[kind];
         self.error(format!("a face refers to {name} {stated}, but there are {count}"))
@@ -346,18 +354,20 @@ impl<'a> Scan<'a> {
         let _ = writeln!(self.out.faces, "usemtl {index}");
     }
 
-    /// Whether faces refer to texture coordinates or normals that the file lacks.
+    /// Returns true if faces refer to texture coordinates or normals that the file lacks.
     fn has_strays(&self) -> bool {
-        self.counters[1..].iter().any(|c| c.highest.0 > c.count)
+        self.counters[1..].iter().any(|&Counter { count, highest: (index, _) }| index > count)
     }
 
-    /// Ends the reading: checks the indices of vertices, adds the warnings, and returns the plain statements.
+    /// Ends the reading: refuses a face with a vertex that the file lacks, and a file without faces. Adds the warnings,
+    /// and returns the statements in plain form.
     fn finish(mut self, warnings: &mut Vec<String>) -> Result<Statements> {
         let Counter { count, highest: (index, line) } = self.counters[0];
         if index > count {
             self.line = line;
             return Err(self.out_of_range(0, index as i64, count));
         }
+        // `smoothing` has an entry for each face.
         if self.out.smoothing.is_empty() {
             return Err(Error::malformed(self.path, None, "there are no faces in this file"));
         }
@@ -367,8 +377,8 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// The number that a word states, which need not be finite; `None` if the word is no number. Words by which Windows prints what is
-/// not finite, such as `-1.#IND` and `1.#INF`, give NaN.
+/// Returns the number that a word states, which need not be finite; `None` if the word is no number. The result is NaN
+/// for words such as `-1.#IND` and `1.#INF`, by which Windows prints numbers that are not finite.
 pub(super) fn stated_number(word: &str) -> Option<f64> {
     let number = word.parse().ok();
     number.or_else(|| {

@@ -1,5 +1,5 @@
-//! The section of a scene file with the captures ([`crate::capture`]), and the list of a folder of captures, which has
-//! this section alone ([`crate::capture_file`]).
+//! Reads and writes the `[[capture]]` tables ([`crate::capture`]) of scene files and of the list in a folder of
+//! captures ([`crate::capture_file`]).
 
 use crate::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
 use crate::obj::Handedness;
@@ -20,8 +20,8 @@ struct ListOfCaptures {
     capture: Vec<Spanned<CaptureSection>>,
 }
 
-/// Reads the captures of a file with at least one `[[capture]]` table, all with one near plane. `bounds` before the tables is a
-/// box outside of which there is no surface; the default is [`Aabb::ALL`].
+/// Reads the list of a folder of captures: at least one `[[capture]]` table, all with one near plane. Returns the
+/// captures and the `bounds` of the list, a box outside of which there is no surface; the default is [`Aabb::ALL`].
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line if known, for any other fault.
@@ -33,18 +33,20 @@ pub(crate) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
     let Some(first) = captures.first() else {
         return Err(Error::malformed(path, None, "it lists no captures"));
     };
-    if let Some((other, section)) = captures.iter().zip(&list.capture).find(|(c, _)| c.near_m != first.near_m) {
+    if let Some((other, section)) =
+        captures.iter().zip(&list.capture).find(|(capture, _)| capture.near_m != first.near_m)
+    {
         let message = format!(
             "all captures of a folder have one near plane: this one has {} m, the first has {} m",
             other.near_m, first.near_m
         );
         return Err(source.error(section.span(), message));
     }
-    let between = |given: &Spanned<[[f32; 3]; 2]>| {
+    let checked = |given: &Spanned<[[f32; 3]; 2]>| {
         let message = "bounds must be the least and the greatest corner of a box, of finite numbers";
         Aabb::between(*given.get_ref()).ok_or_else(|| source.error(given.span(), message))
     };
-    let bounds = list.bounds.as_ref().map_or(Ok(Aabb::ALL), between)?;
+    let bounds = list.bounds.as_ref().map_or(Ok(Aabb::ALL), checked)?;
     Ok((captures, bounds))
 }
 
@@ -57,26 +59,28 @@ pub(super) struct CaptureSection {
     near: Option<Spanned<f32>>,
 }
 
-/// The text of a scene file with other captures: its `[[capture]]` tables are replaced by tables of `captures` at the end, in
-/// the coordinates of the file. The other text is not changed. `path` names the file in errors.
+/// Returns the text of a scene file with other captures. Its `[[capture]]` tables are removed, and tables of
+/// `captures`, in the coordinates of the file, follow at the end. The other text is not changed. `path` names the file
+/// in errors.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the text is no TOML, is the list of a folder of captures, or has captures in another form than
-/// tables.
+/// [`Error::Malformed`] if the text is no TOML, is the list of a folder of captures, or states captures in another form
+/// than `[[capture]]` tables.
 pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<String> {
     let source = SourceText { path, text };
-    // The contents of a text apart from its captures, which must be the same before and after the replacement.
-    let rest = |text: &str| {
+    // Everything in a text but its captures, which must be the same before and after the replacement.
+    let without_captures = |text: &str| {
         let mut table: toml::Table = toml::from_str(text)?;
         table.remove("capture");
         Ok(table)
     };
-    let before = rest(text).map_err(|e| source.syntax_error(&e))?;
+    let before = without_captures(text).map_err(|e| source.syntax_error(&e))?;
     if before.contains_key("bounds") {
         let message =
             "it is the list of a folder of captures, whose images stay where they were captured; name another file";
         return Err(Error::malformed(path, None, message));
     }
+    // Lines are kept unless they belong to a [[capture]] table, which ends where the next table begins.
     let mut is_capture = false;
     let mut kept = String::new();
     for line in text.lines() {
@@ -89,25 +93,29 @@ pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<St
         }
     }
     let coordinates = coordinates(&before);
-    let tables = captures.iter().map(|c| coordinates.capture(*c).to_toml()).collect::<Vec<_>>().join("\n");
-    let made = if kept.trim().is_empty() { tables } else { format!("{}\n\n{tables}", kept.trim_end()) };
-    if rest(&made).ok() != Some(before) {
+    let tables = captures.iter().map(|capture| coordinates.capture(*capture).to_toml()).collect::<Vec<_>>().join("\n");
+    let new_text = if kept.trim().is_empty() { tables } else { format!("{}\n\n{tables}", kept.trim_end()) };
+    if without_captures(&new_text).ok() != Some(before) {
         let message = "it names captures by other tables than [[capture]], which cannot be replaced";
         return Err(Error::malformed(path, None, message));
     }
-    Ok(made)
+    Ok(new_text)
 }
 
-/// The coordinates of the places in a scene file, whose other contents may be faulty.
+/// Returns the coordinates of the positions in a scene file. Its other contents may be faulty.
 fn coordinates(file: &toml::Table) -> Handedness {
-    let said = |key: &str| file.get(key).and_then(|value| value.clone().try_into().ok());
+    let stated = |key: &str| file.get(key).and_then(|value| value.clone().try_into().ok());
     let meshes = file.get("mesh").and_then(toml::Value::as_array).into_iter().flatten();
     let mut files = meshes.filter_map(|mesh| mesh.get("file").and_then(toml::Value::as_str));
-    Handedness::of_places(said("coordinates"), said("handedness"), files.any(|name| !gltf::is_named(Path::new(name))))
+    Handedness::of_places(
+        stated("coordinates"),
+        stated("handedness"),
+        files.any(|name| !gltf::is_named(Path::new(name))),
+    )
 }
 
 impl SourceText<'_> {
-    /// The captures, in the order of the file.
+    /// Reads and checks `[[capture]]` tables, in the order of the file. Lengths are multiplied by `extra_scale`.
     pub(super) fn captures(&self, sections: &[Spanned<CaptureSection>], extra_scale: f32) -> Result<Vec<Capture>> {
         let mut captures: Vec<Capture> = Vec::new();
         for section in sections {
@@ -116,7 +124,9 @@ impl SourceText<'_> {
             if captures.len() == MAX_CAPTURES {
                 return Err(self.error(section.span(), format!("a scene has at most {MAX_CAPTURES} captures")));
             }
-            if let Some(first) = captures.first().map(|c| c.resolution).filter(|r| *r != capture.resolution) {
+            if let Some(first) =
+                captures.first().map(|first| first.resolution).filter(|first| *first != capture.resolution)
+            {
                 let message = format!(
                     "all captures of a scene have one resolution: this one has {}, the first has {first}",
                     capture.resolution
@@ -128,14 +138,14 @@ impl SourceText<'_> {
         Ok(captures)
     }
 
-    /// Checks one `[[capture]]` table, whose lengths are multiplied by `extra_scale`.
+    /// Reads and checks one `[[capture]]` table, whose lengths are multiplied by `extra_scale`.
     fn capture(&self, section: &CaptureSection, extra_scale: f32) -> Result<Capture> {
         let resolution = match &section.resolution {
             Some(given) if !(1..=MAX_RESOLUTION).contains(given.get_ref()) => {
                 let message = format!("resolution must lie in 1 to {MAX_RESOLUTION}, but is {}", given.get_ref());
                 return Err(self.error(given.span(), message));
             }
-            given => given.as_ref().map_or(Capture::RESOLUTION, |r| *r.get_ref()),
+            given => given.as_ref().map_or(Capture::RESOLUTION, |resolution| *resolution.get_ref()),
         };
         let mut near_m = Capture::NEAR_M * extra_scale;
         if let Some(near) = &section.near {

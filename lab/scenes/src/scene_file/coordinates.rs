@@ -1,28 +1,30 @@
-//! The coordinates in which a file states places, directions and paths, and their conversion to the program's own left-handed
-//! coordinates. The conversion back is the same, since it negates z.
+//! Converts positions, directions and paths between the coordinates in which a file states them and the program's own
+//! left-handed coordinates. The conversion negates z or does nothing, so that it is the same in both directions.
 
 use crate::obj::Handedness;
 use crate::{Aabb, AreaLight, AreaShape, Capture, Impostor, Light, Probe, View};
 use glam::Vec3;
 
 impl Handedness {
-    /// The coordinates of the places in a scene file. The file's own statement comes first, then the handedness of its OBJ
-    /// files; the default is right-handed, as in glTF.
+    /// Returns the coordinates of the positions in a scene file. They are `said`, the value of the key `coordinates`,
+    /// if the file has this key; else `of_obj`, the stated handedness of its OBJ files, if it has any. The default is
+    /// right-handed, as in glTF.
     pub(super) fn of_places(said: Option<Self>, of_obj: Option<Self>, has_obj: bool) -> Self {
         said.or(of_obj.filter(|_| has_obj)).unwrap_or_default()
     }
 
-    /// Converts a place or a direction from these coordinates to the program's own, or back.
+    /// Converts a position or a direction from these coordinates to the program's own, or back.
     #[must_use]
     pub fn mirrored(self, vector: Vec3) -> Vec3 {
         match self {
             Self::Left => vector,
-            // 0 − z is used instead of −z, so that 0 is written without a sign.
+            // The difference 0 − z is never −0, which would be written with its sign.
             Self::Right => vector.with_z(0.0 - vector.z),
         }
     }
 
-    /// The angle of a turn about a mirrored axis, which has the opposite sign in mirrored coordinates.
+    /// Converts the angle of a turn about an axis that [`Self::mirrored`] converts: in right-handed coordinates its
+    /// sign changes.
     pub(super) fn turn(self, angle: f32) -> f32 {
         match self {
             Self::Left => angle,
@@ -30,7 +32,7 @@ impl Handedness {
         }
     }
 
-    /// The key of these coordinates, as written in a scene file.
+    /// Returns the line of a scene file that states these coordinates.
     pub(super) fn key(self) -> &'static str {
         match self {
             Self::Left => "coordinates = \"left\"",
@@ -55,8 +57,9 @@ impl Handedness {
 
     /// Converts a probe with its box to the program's coordinates, or back.
     pub(super) fn probe(self, probe: Probe) -> Probe {
-        let [a, b] = [probe.bounds.min, probe.bounds.max].map(|corner| self.mirrored(corner));
-        Probe { position: self.mirrored(probe.position), bounds: Aabb { min: a.min(b), max: a.max(b) }, ..probe }
+        let [first, second] = [probe.bounds.min, probe.bounds.max].map(|corner| self.mirrored(corner));
+        let bounds = Aabb { min: first.min(second), max: first.max(second) };
+        Probe { position: self.mirrored(probe.position), bounds, ..probe }
     }
 
     /// Converts an impostor to the program's coordinates, or back.
@@ -74,27 +77,31 @@ impl Handedness {
 
     /// Converts an area light to the program's coordinates, or back.
     pub(super) fn area_light(self, light: AreaLight) -> AreaLight {
-        let to = |vector: Vec3| self.mirrored(vector);
+        let converted = |vector: Vec3| self.mirrored(vector);
         let shape = match light.shape {
-            AreaShape::Sphere { centre, radius } => AreaShape::Sphere { centre: to(centre), radius },
-            AreaShape::Capsule { a, b, radius } => AreaShape::Capsule { a: to(a), b: to(b), radius },
-            AreaShape::Cylinder { a, b, radius } => AreaShape::Cylinder { a: to(a), b: to(b), radius },
+            AreaShape::Sphere { centre, radius } => AreaShape::Sphere { centre: converted(centre), radius },
+            AreaShape::Capsule { a, b, radius } => AreaShape::Capsule { a: converted(a), b: converted(b), radius },
+            AreaShape::Cylinder { a, b, radius } => AreaShape::Cylinder { a: converted(a), b: converted(b), radius },
             AreaShape::Rectangle { centre, half_u, half_v } => {
-                // The light shines to the side of half_u × half_v, which mirroring alone would reverse.
-                AreaShape::Rectangle { centre: to(centre), half_u: to(half_u), half_v: self.turned(to(half_v)) }
+                // The light shines to the side of half_u × half_v. Mirroring reverses this side, so that half_v is
+                // reversed, too.
+                let half_v = self.turned(converted(half_v));
+                AreaShape::Rectangle { centre: converted(centre), half_u: converted(half_u), half_v }
             }
             AreaShape::Cuboid { centre, half_u, half_v, half_w } => {
-                AreaShape::Cuboid { centre: to(centre), half_u: to(half_u), half_v: to(half_v), half_w }
+                let [centre, half_u, half_v] = [centre, half_u, half_v].map(converted);
+                AreaShape::Cuboid { centre, half_u, half_v, half_w }
             }
         };
         AreaLight { shape, ..light }
     }
 
-    /// The opposite of a vector in mirrored coordinates; otherwise the vector itself.
-    fn turned(self, vector: Vec3) -> Vec3 {
+    /// Reverses an edge of a rectangle in right-handed coordinates, in which [`Self::mirrored`] turns the front of the
+    /// rectangle into its back. In left-handed coordinates, returns the edge itself.
+    fn turned(self, edge: Vec3) -> Vec3 {
         match self {
-            Self::Left => vector,
-            Self::Right => -vector,
+            Self::Left => edge,
+            Self::Right => -edge,
         }
     }
 }

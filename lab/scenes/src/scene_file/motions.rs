@@ -1,4 +1,4 @@
-//! Motions in a scene file: a mesh is moved and turned from key frame to key frame.
+//! Reads the motions of a scene file, which move and turn meshes from key frame to key frame.
 
 use crate::motion::{Changes, Interpolation, Keys, Motion, Mover, MovingNode, Rest};
 use crate::obj::Handedness;
@@ -10,7 +10,7 @@ use ssct_ground::Result;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// Greatest turn, exclusive, from one key frame to the next, since turns go the shorter way.
+/// Turns from one key frame to the next must be less than this, since the interpolation goes the shorter way around.
 const HALF_TURN_DEG: f32 = 180.0;
 
 /// A `[motion.NAME]` section.
@@ -37,8 +37,8 @@ struct KeySection {
 }
 
 impl SourceText<'_> {
-    /// The motion of a section, in a scene whose meshes are loaded. Places of the section are in `coordinates`, and are
-    /// multiplied by `extra_scale`.
+    /// Reads and checks the motion `name` of a section, in a scene whose meshes are loaded. Positions and offsets of
+    /// the section are in `coordinates`, and are multiplied by `extra_scale`.
     ///
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) with file and line.
@@ -50,13 +50,13 @@ impl SourceText<'_> {
         (extra_scale, coordinates): (f32, Handedness),
     ) -> Result<Motion> {
         let MotionSection { mesh, pivot, axis, key } = section;
-        let moved = || scene.meshes.iter().filter(|m| m.name == *mesh.get_ref());
-        if moved().next().is_none() {
+        let moved_meshes = || scene.meshes.iter().filter(|candidate| candidate.name == *mesh.get_ref());
+        if moved_meshes().next().is_none() {
             return Err(
                 self.error(mesh.span(), format!("motion {name} moves {:?}, and no mesh has this name", mesh.get_ref()))
             );
         }
-        let bounds = moved().fold(Aabb::default(), |all, m| all.union(m.bounds));
+        let bounds = moved_meshes().fold(Aabb::default(), |bounds, mesh| bounds.union(mesh.bounds));
         let pivot = match pivot {
             Some(pivot) => coordinates.mirrored(self.place("pivot", pivot, extra_scale)?),
             None => 0.5 * (bounds.min + bounds.max),
@@ -72,7 +72,10 @@ impl SourceText<'_> {
         let mut frames: Vec<(f32, Vec3, f32)> = Vec::new();
         for section in key {
             let KeySection { time, offset, turn_deg } = section.get_ref();
-            let offset = offset.as_ref().map(|o| self.place("offset", o, extra_scale)).transpose()?.unwrap_or_default();
+            let offset = match offset {
+                Some(offset) => self.place("offset", offset, extra_scale)?,
+                None => Vec3::ZERO,
+            };
             let degrees = turn_deg.unwrap_or(0.0);
             if frames.last().is_some_and(|(.., before)| (degrees - before).abs() >= HALF_TURN_DEG) {
                 let message = "turn_deg must change by less than 180 from one key frame to the next";
@@ -85,10 +88,11 @@ impl SourceText<'_> {
         let turn = |degrees: f32| Quat::from_axis_angle(axis, coordinates.turn(degrees.to_radians())).to_array();
         let turns = frames.iter().map(|(.., degrees)| turn(*degrees)).collect();
         let span = key.first().map_or(mesh.span(), Spanned::span);
-        let wrong = |why: &str| self.error(span.clone(), format!("motion {name} {why}"));
+        let wrong = |clause: &str| self.error(span.clone(), format!("motion {name} {clause}"));
         let offsets = Keys::new(times.clone(), offsets, Interpolation::Linear).map_err(wrong)?;
         let turns = Keys::new(times, turns, Interpolation::Linear).map_err(wrong)?;
-        // The pivot is moved to the origin, the meshes are turned there, and then moved to the pivot plus the offset.
+        // The inner node moves the pivot to the origin. The outer node turns the meshes there, and moves them to the
+        // pivot plus the offset.
         let nodes = vec![
             MovingNode {
                 rest: Rest::Parts(DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE),

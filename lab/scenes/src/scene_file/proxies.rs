@@ -1,4 +1,4 @@
-//! The sections of a scene file that define probes, impostors and area lights ([`crate::proxies`]).
+//! Reads the sections of a scene file that define probes, impostors and area lights ([`crate::proxies`]).
 
 use crate::source_text::SourceText;
 use crate::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Probe, Texture, obj};
@@ -9,10 +9,10 @@ use ssct_ground::Result;
 use std::path::Path;
 use toml::Spanned;
 
-/// Two halves of a rectangle count as orthogonal if the cosine of the angle between them is at most this.
+/// Greatest cosine of the angle between the two half vectors of a rectangle, which must be orthogonal.
 const ORTHOGONAL: f32 = 1e-3;
 
-/// A `[[probe]]` section: a place, and the corners of the box for the correction of parallax.
+/// A `[[probe]]` section: a position, and the corners of the box for the correction of parallax.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ProbeSection {
@@ -34,6 +34,7 @@ pub(super) struct ImpostorSection {
     half_v: Spanned<[f32; 3]>,
 }
 
+/// The shape of an area light.
 #[derive(Deserialize, Clone, Copy)]
 #[serde(rename_all = "lowercase")]
 enum AreaKind {
@@ -60,7 +61,7 @@ pub(super) struct AreaLightSection {
 }
 
 impl SourceText<'_> {
-    /// Checks a probe, whose place must lie in its box.
+    /// Reads and checks a probe, whose position must lie in its box.
     pub(super) fn probe(&self, section: &ProbeSection) -> Result<Probe> {
         let (min, max) = (self.vector("min", &section.min)?, self.vector("max", &section.max)?);
         if !min.cmplt(max).all() {
@@ -73,7 +74,7 @@ impl SourceText<'_> {
         Ok(Probe { name: section.name.clone(), position, bounds: Aabb { min, max } })
     }
 
-    /// Reads an impostor and its image. The caller sets the impostor's texture index.
+    /// Reads an impostor and its image. The impostor's texture index is 0; the caller sets it.
     pub(super) fn impostor(&self, section: &ImpostorSection) -> Result<(Impostor, Texture)> {
         let centre = self.vector("centre", &section.centre)?;
         let [half_u, half_v] = self.halves(&section.half_u, &section.half_v)?;
@@ -87,7 +88,7 @@ impl SourceText<'_> {
         Ok((Impostor { name, centre, half_u, half_v, texture: 0 }, texture))
     }
 
-    /// Checks an area light, which must have the keys of its kind and no others.
+    /// Reads and checks an area light, which must have the keys of its kind and no others.
     pub(super) fn area_light(&self, section: &Spanned<AreaLightSection>) -> Result<AreaLight> {
         let AreaLightSection { kind, radiance, centre, radius, a, b, half_u, half_v, half_w } = section.get_ref();
         let span = radiance.span();
@@ -117,20 +118,20 @@ impl SourceText<'_> {
                 AreaShape::Rectangle { centre, half_u, half_v }
             }
             _ => {
-                let has = match kind {
+                let keys = match kind {
                     AreaKind::Sphere => "a sphere has a centre and a radius",
                     AreaKind::Capsule => "a capsule has a, b and a radius",
                     AreaKind::Rectangle => "a rectangle has a centre, half_u and half_v",
                     AreaKind::Cuboid => "a cuboid has a centre, half_u, half_v and the length half_w",
                     AreaKind::Cylinder => "a cylinder has a, b and a radius",
                 };
-                return Err(self.error(section.span(), format!("{has} beside its radiance, and no other key")));
+                return Err(self.error(section.span(), format!("{keys} beside its radiance, and no other key")));
             }
         };
         Ok(AreaLight { shape, radiance })
     }
 
-    /// The two half vectors of a rectangle, which must not be zero and must be orthogonal.
+    /// Reads the two half vectors of a rectangle, which must not be zero and must be orthogonal.
     fn halves(&self, half_u: &Spanned<[f32; 3]>, half_v: &Spanned<[f32; 3]>) -> Result<[Vec3; 2]> {
         let (u, v) = (self.vector("half_u", half_u)?, self.vector("half_v", half_v)?);
         for (what, vector, source) in [("half_u", u, half_u), ("half_v", v, half_v)] {

@@ -1,5 +1,5 @@
-//! Warnings about views of a scene file that see almost nothing: a view stands outside of a room, sees no surface, or
-//! sees one flat surface alone. The usual reason is that the places are in other coordinates than the file says.
+//! Finds views of a scene file that see almost nothing: a view stands outside of a room, sees no surface, or sees only
+//! one flat surface. The usual reason is that positions are in other coordinates than the file says.
 
 use crate::obj::Handedness;
 use crate::{Camera, Scene, Vertex, View};
@@ -7,49 +7,52 @@ use glam::Vec3;
 use ssct_geometry::viewpoint::{self, Hit, Ray};
 use ssct_ground::math::frustum::Frustum;
 
-/// Numbers of rays of a view, across and down.
+/// Number of columns of rays that are traced for a view.
 const ACROSS: u32 = 9;
+/// Number of rays in a column.
 const DOWN: u32 = 5;
 
-/// Greatest distance of surfaces from a plane in which they lie, as a share of the scene's diagonal.
+/// Greatest distance from a plane at which points count as lying in it, as a share of the scene's diagonal.
 const ONE_PLANE: f32 = 1e-3;
 
 /// Least cosine of the angle between normals that count as equal.
 const ALIKE: f32 = 0.9999;
 
-/// The warnings about the first `count` views of a scene, without the file's name. `unsaid` are the coordinates in which places
-/// are read if the file does not name any.
+/// Returns the warnings about the first `count` views of a scene, without the file's name. `unsaid` are the coordinates
+/// in which positions were read if the file names none, and `None` if it names them.
 pub(super) fn warnings(scene: &Scene, count: usize, unsaid: Option<Handedness>) -> Vec<String> {
     let views = &scene.views[..count.min(scene.views.len())];
-    let found = wrong(scene, views).into_iter().zip(views);
-    let warning = |(what, view): (Option<&str>, &View)| {
-        Some(format!("[view.{}] {}{}", view.name, what?, unsaid.map_or(String::new(), hint)))
+    let faults = wrong(scene, views).into_iter().zip(views);
+    let warning = |(fault, view): (Option<&str>, &View)| {
+        Some(format!("[view.{}] {}{}", view.name, fault?, unsaid.map_or(String::new(), hint)))
     };
-    found.filter_map(warning).collect()
+    faults.filter_map(warning).collect()
 }
 
-/// The fault of each view of a scene, as the end of a sentence: the view sees nothing, only one flat surface, or a room from
-/// outside. `None` for a view without a fault.
+/// Returns the fault of each view of a scene, as the end of a sentence: it sees nothing, only one flat surface, or a
+/// room from outside. The result is `None` for a view without a fault.
 pub fn wrong(scene: &Scene, views: &[View]) -> Vec<Option<&'static str>> {
     let bounds = scene.bounds();
     let diagonal = (bounds.max - bounds.min).length();
     let is_outside = |eye: Vec3| !(eye.cmpge(bounds.min).all() && eye.cmple(bounds.max).all());
     let is_room = views.iter().any(|view| is_outside(view.eye)) && viewpoint::is_enclosed(scene);
-    // A room without a front wall, or a court from above, shows the fronts of its surfaces.
+    // A view from outside is right if it sees fronts of surfaces: in a room without a front wall, or in a court from
+    // above.
     let sees_a_front = |view: &View| {
         let ray = Ray { origin: view.eye, direction: view.look_at - view.eye };
         viewpoint::first_hits(scene, &[ray]).iter().any(|hit| hit.facing)
     };
-    let judged = |view: &View| {
+    let fault = |view: &View| {
         if is_room && is_outside(view.eye) && !sees_a_front(view) {
             return Some("stands outside of the room and sees no front of its walls");
         }
         next_to_nothing(scene, view, ONE_PLANE * diagonal)
     };
-    views.iter().map(judged).collect()
+    views.iter().map(fault).collect()
 }
 
-/// The end of a warning about a view of a file that does not name its coordinates.
+/// Returns the end of a warning about a file that does not name its coordinates: how positions were read, and how to
+/// change it.
 fn hint(read_as: Handedness) -> String {
     let (word, other) = match read_as {
         Handedness::Left => ("left", Handedness::Right),
@@ -58,41 +61,44 @@ fn hint(read_as: Handedness) -> String {
     format!("; the file's places are read as {word}-handed: if they are not, write {}", other.key())
 }
 
-/// The fault of a view that sees nothing, or one flat surface alone; `None` for any other view. `tolerance` is the greatest
-/// distance of points from their plane, in metres.
+/// Returns the fault of a view that sees nothing, or only one flat surface; `None` for any other view. `tolerance` is
+/// the greatest distance from a plane, in metres, at which points count as lying in it.
 fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'static str> {
     let camera = view.camera(scene, [16, 9]);
     let frustum = Frustum::new(&(camera.view_to_clip() * camera.world_to_view));
     if !scene.meshes.iter().any(|mesh| frustum.may_see(mesh.bounds.min, mesh.bounds.max)) {
         return Some("sees no surface of the scene");
     }
+    // A point and the normal of the first surface that a ray hits.
     let mut plane = None;
     // Rays are traced column by column, since most views show more than one surface in the first column.
     for column in rays(&camera).chunks(DOWN as usize) {
         for (ray, hit) in column.iter().zip(viewpoint::first_hits(scene, column)) {
+            // A view with a ray that hits nothing has no fault: this ray sees the sky.
             let (point, normal) = (place(ray, &hit)?, hit.normal.normalize_or_zero());
-            let (first, across) = *plane.get_or_insert((point, normal));
-            if normal.dot(across).abs() < ALIKE || (point - first).dot(across).abs() > tolerance {
+            let (plane_point, plane_normal) = *plane.get_or_insert((point, normal));
+            let distance = (point - plane_point).dot(plane_normal).abs();
+            if normal.dot(plane_normal).abs() < ALIKE || distance > tolerance {
                 return None;
             }
         }
     }
-    let (first, across): (Vec3, Vec3) = plane?;
-    // A scene of one flat surface has nothing else to show.
-    let is_off = |v: &Vertex| (Vec3::from(v.position) - first).dot(across).abs() > tolerance;
-    scene.meshes.iter().flat_map(|m| &m.vertices).any(is_off).then_some("sees nothing but one flat surface")
+    let (plane_point, plane_normal): (Vec3, Vec3) = plane?;
+    // If all of the scene lies in one plane, the view cannot see more.
+    let is_off = |v: &Vertex| (Vec3::from(v.position) - plane_point).dot(plane_normal).abs() > tolerance;
+    scene.meshes.iter().flat_map(|mesh| &mesh.vertices).any(is_off).then_some("sees nothing but one flat surface")
 }
 
-/// The point where a ray meets a surface; `None` if the ray meets none.
+/// Returns the point where a ray hits a surface; `None` if it hits none.
 fn place(ray: &Ray, hit: &Hit) -> Option<Vec3> {
     hit.distance.is_finite().then(|| ray.origin + hit.distance * ray.direction)
 }
 
-/// Rays from the near plane through the whole picture, column by column.
+/// Returns rays that begin on the near plane and cover the whole picture, column by column.
 fn rays(camera: &Camera) -> Vec<Ray> {
     let to_world = (camera.view_to_clip() * camera.world_to_view).as_dmat4().inverse();
     let pixels = (0..ACROSS).flat_map(|x| (0..DOWN).map(move |y| (x, y)));
-    let ndc = |n: u32, count: u32| f64::from(2 * n + 1) / f64::from(count) - 1.0;
+    let ndc = |number: u32, count: u32| f64::from(2 * number + 1) / f64::from(count) - 1.0;
     let ray = |(x, y): (u32, u32)| {
         let [from, to] = [0.0, 0.5]
             .map(|depth| to_world.project_point3(glam::DVec3::new(ndc(x, ACROSS), ndc(y, DOWN), depth)).as_vec3());

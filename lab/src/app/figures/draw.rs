@@ -29,7 +29,7 @@ fn pictures(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Resu
     Ok(arguments.iter().map(|a| workshop.picture(a)).collect::<crate::error::Result<_>>()?)
 }
 
-/// Pictures in rows of two.
+/// Arranges pictures in rows of two.
 fn rows(pictures: Vec<Rgb>) -> Vec<Vec<Rgb>> {
     pictures.chunks(2).map(<[Rgb]>::to_vec).collect()
 }
@@ -60,7 +60,7 @@ pub fn with_difference(workshop: &mut FigureRenderer, arguments: &[String]) -> a
 /// Schmidt's figure 39: the parts of the last render that are enlarged.
 const DETAILS: [Part; 2] = [[0.1, 0.6, 0.25, 0.25], [0.55, 0.6, 0.25, 0.25]];
 
-/// Renders, with enlarged parts of the last one below.
+/// Places the renders in rows of two. Parts of the last render get a frame, and are enlarged in a row below.
 pub fn with_details(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let mut pictures = pictures(workshop, arguments)?;
     let details: Vec<Rgb> = pictures.last().map(|p| DETAILS.map(|d| enlarged(p, d, 4)).to_vec()).unwrap_or_default();
@@ -72,7 +72,7 @@ pub fn with_details(workshop: &mut FigureRenderer, arguments: &[String]) -> anyh
     Ok(FinishedFigure::Picture(sheet(&rows)))
 }
 
-/// The first render, its intermediate images, and its camera.
+/// Makes the first render. Returns the rendered image, its intermediate images, and its camera.
 fn inside(
     workshop: &mut FigureRenderer,
     arguments: &[String],
@@ -83,15 +83,15 @@ fn inside(
     Ok((rendered, all, camera))
 }
 
-/// The intermediate image with a stem.
+/// Returns the pixels of the intermediate image whose stem is `stem`.
 fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
-    let found = all.iter().find(|(s, ..)| s == stem).map(|(.., pixels)| pixels);
+    let found = all.iter().find(|(name, ..)| name == stem).map(|(.., pixels)| pixels);
     found.ok_or_else(|| Error::usage(format!("the frame has no {stem}")))
 }
 
-/// The Hi-Z chain of a frame, read from its intermediate images.
+/// Reads the Hi-Z chain of a frame from its intermediate images, with the finest level first.
 fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
-    let levels = all.iter().filter(|(_, kind, _)| *kind == Content::StandardDepth);
+    let levels = all.iter().filter(|(_, content, _)| *content == Content::StandardDepth);
     levels
         .map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(MinMax::from_texel).collect() })
         .collect()
@@ -113,7 +113,7 @@ pub fn even_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow
     Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Neighbours)))
 }
 
-/// Figure 4.2: a chain of minima over a frame with odd sides, always by two by two texels.
+/// Figure 4.2: a chain of minima over a frame with odd sides, each minimum of two by two texels.
 pub fn undersized_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     let chain = minima(&hi_z(&all));
@@ -130,8 +130,8 @@ pub fn odd_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow:
 /// The numbers of iterations that can still be distinguished in figure 4.6.
 const READABLE: std::ops::RangeInclusive<usize> = 10..=26;
 
-/// Figure 4.6: of all rays with a readable number of iterations, the one that climbs to the highest level and,
-/// among those, changes its level most often.
+/// Figure 4.6: draws the ray that climbs to the highest level, of all rays that hit after a readable number of
+/// iterations. Of several such rays, it is the one that turns most often from going up to going down or back.
 pub fn ray(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, camera) = inside(workshop, arguments)?;
     let chain = hi_z(&all);
@@ -141,7 +141,8 @@ pub fn ray(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Resul
     let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, true));
     let constants = hi_z_constants(&numbers);
     let size = Vec2::new(extent[0] as f32, extent[1] as f32);
-    let traced = |n: usize| -> Option<HiZTrace> {
+    // Traces the reflected ray of pixel n, counted in rows. `None` without a normal, and for a ray towards the camera.
+    let trace_pixel = |n: usize| -> Option<HiZTrace> {
         let (x, y) = (n as u32 % extent[0], n as u32 / extent[0]);
         let normal = Vec3::from_slice(normals.texel(x, y)).try_normalize()?;
         let z = chain.first()?.at_clamped(x, y).min;
@@ -149,33 +150,34 @@ pub fn ray(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Resul
         let v_ss = reflection_ray(&camera, p_ss, normal, numbers.reflection_offset);
         (v_ss.z > numbers.view_direction_epsilon).then(|| trace(&chain, p_ss, v_ss, &constants))
     };
-    let shown = |t: &HiZTrace| t.end == End::Hit && READABLE.contains(&t.steps.len());
+    let is_readable = |t: &HiZTrace| t.end == End::Hit && READABLE.contains(&t.steps.len());
     let turns = |t: &HiZTrace| t.steps.windows(2).filter(|s| s[0].crossed != s[1].crossed).count();
-    let highest = |t: &HiZTrace| t.steps.iter().map(|s| s.level).max();
+    let highest_level = |t: &HiZTrace| t.steps.iter().map(|s| s.level).max();
     let pixels = 0..(extent[0] * extent[1]) as usize;
-    let best = pixels.filter_map(traced).filter(shown).max_by_key(|t| (highest(t), turns(t)));
+    let best = pixels.filter_map(trace_pixel).filter(is_readable).max_by_key(|t| (highest_level(t), turns(t)));
     let Some(best) = best else { anyhow::bail!("no ray of this frame takes a readable number of iterations") };
     Ok(FinishedFigure::Drawing(diagrams::ray(&best, &chain)))
 }
 
-/// Figure 4.7: of all pixels with a Hi-Z hit, the one in the middle of the screen whose cone is about two
-/// fifths of the screen long.
+/// Figure 4.7: draws the cone of one pixel with a Hi-Z hit. The pixel is chosen so that its cone is about two fifths of
+/// the screen long and lies near the middle of the screen.
 pub fn cone(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     let (hits, lit) = (find(&all, "hits")?, find(&all, "color-0")?);
     let roughness =
         f64::from(super::workshop::parse(&arguments[0])?.common.place.roughness.first().copied().unwrap_or(0.0));
     let size = Vec2::new(hits.width as f32, hits.height as f32);
-    let cone = |(n, t): (usize, &[f32])| {
+    // The place of pixel n and that of its hit, as shares of the screen's sides; `None` without a Hi-Z hit.
+    let cone_ends = |(n, texel): (usize, &[f32])| {
         let pixel = Vec2::new((n as u32 % hits.width) as f32, (n as u32 / hits.width) as f32);
-        let (from, hit) = ((pixel + 0.5) / size, Vec2::new(t[0], t[1]));
-        (PathCode::from_channel(t[3]) == Some(PathCode::HiZ)).then_some((from, hit))
+        let (from, hit) = ((pixel + 0.5) / size, Vec2::new(texel[0], texel[1]));
+        (PathCode::from_channel(texel[3]) == Some(PathCode::HiZ)).then_some((from, hit))
     };
     // How far a cone is from the wanted length, 0.4, and, at half weight, from the middle of the screen.
-    let off = |(from, hit): &(Vec2, Vec2)| {
+    let deviation = |(from, hit): &(Vec2, Vec2)| {
         (from.distance(*hit) - 0.4).abs() + 0.5 * from.midpoint(*hit).distance(Vec2::splat(0.5))
     };
-    let best = hits.texels().enumerate().filter_map(cone).min_by(|a, b| off(a).total_cmp(&off(b)));
+    let best = hits.texels().enumerate().filter_map(cone_ends).min_by(|a, b| deviation(a).total_cmp(&deviation(b)));
     let Some((from, hit)) = best else { anyhow::bail!("no ray of this frame hits") };
     // Eq. 4.5, with the half angle of the lobe as this project defines it: half the roughness.
     let theta = 0.5 * roughness;
@@ -188,12 +190,13 @@ pub fn gbuffer(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::R
     Ok(FinishedFigure::Picture(sheet(&gbuffer_pictures::rows(&all, &camera)?)))
 }
 
-/// Schmidt's figure 51: the reflectivity of each render's frame.
+/// Schmidt's figure 51: for each render, a picture of the reflectivity of its pixels.
 pub fn reflectivity(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let one = |a: &String| -> anyhow::Result<Rgb> {
+    let reflectivity_picture = |a: &String| -> anyhow::Result<Rgb> {
         let (mut rendered, _) = workshop.inside(a)?;
         let all = rendered.intermediates.take().unwrap_or_default();
         Ok(gbuffer_pictures::reflectivity(find(&all, "material")?))
     };
-    Ok(FinishedFigure::Picture(sheet(&rows(arguments.iter().map(one).collect::<anyhow::Result<_>>()?))))
+    let pictures = arguments.iter().map(reflectivity_picture).collect::<anyhow::Result<Vec<_>>>()?;
+    Ok(FinishedFigure::Picture(sheet(&rows(pictures))))
 }

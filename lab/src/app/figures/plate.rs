@@ -113,32 +113,33 @@ impl Plate {
         format!("{}-{}", self.source.stem(), self.number)
     }
 
-    /// The arguments of the figure's renders, at its own size or at the wanted size if the figure allows that. With a file, the arguments
-    /// name the file in place of the built-in scene, if the figure prints a scene that a file can hold.
+    /// Returns the arguments of `ssct render` for each of the figure's renders. Their size is `wanted`, if it is given
+    /// and the figure's size is not fixed, or else the figure's own. If a file is given and the figure prints a scene
+    /// that a file can hold, the arguments name the file in place of the built-in scene.
     pub fn arguments(&self, wanted: Option<[u32; 2]>, file: Option<&str>) -> Vec<String> {
         let [width, height] = match self.size {
             Size::Print(own) => wanted.unwrap_or(own),
             Size::Fixed(own) => own,
         };
-        let drawn = |arguments: &str| match (self.prints, file) {
+        let with_file = |arguments: &str| match (self.prints, file) {
             (Some((printed, _)), Some(file)) => {
                 arguments.replace(&format!("--scene {}", printed.stand_in()), &format!("--scene {}", quote_word(file)))
             }
             _ => arguments.to_owned(),
         };
-        self.panels.iter().map(|(_, arguments)| format!("{} --size {width}x{height}", drawn(arguments))).collect()
+        self.panels.iter().map(|(_, arguments)| format!("{} --size {width}x{height}", with_file(arguments))).collect()
     }
 
     /// The differences from print: those of the built-in scene or, if `in_file`, those of a file of the printed scene.
     pub fn differs(&self, in_file: bool) -> &'static str {
         match self.prints {
-            Some((_, there)) if in_file => there,
+            Some((_, differs_in_file)) if in_file => differs_in_file,
             _ => self.differs,
         }
     }
 }
 
-/// A path as one word of a command: a path with white space stands between quotation marks.
+/// Returns a path as one word of a command: between quotation marks if it has white space.
 pub fn quote_word(path: &str) -> String {
     if path.contains(char::is_whitespace) { format!("\"{path}\"") } else { path.to_owned() }
 }

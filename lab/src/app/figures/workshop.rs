@@ -1,5 +1,5 @@
-//! Renders the pictures of figures from the arguments of `ssct render`, and keeps the scene on the device between pictures. A page
-//! therefore prints the very command that made a picture.
+//! Renders the pictures of figures from the arguments of `ssct render`, so that a page can print the command that makes
+//! each picture. The scene stays on the device between pictures.
 
 use crate::app::cli::RenderOptions;
 use crate::app::{reference, render, resolve};
@@ -13,7 +13,7 @@ use ssct::methods::{self, METHODS, Wants};
 use ssct_scenes::{Camera, Scene, library};
 use std::path::Path;
 
-/// A device, and the scene that was used last.
+/// Renders pictures on a device, and keeps the scene that was used last.
 pub struct FigureRenderer<'a> {
     gpu: &'a Gpu,
     loaded: Option<LoadedScene>,
@@ -46,11 +46,13 @@ pub fn parse(arguments: &str) -> Result<RenderOptions> {
 
 /// The words of a command; text between quotation marks is one word.
 fn words(arguments: &str) -> impl Iterator<Item = &str> {
+    // Every second part, beginning with part 1, stood between quotation marks.
     let parts = arguments.split('"').enumerate();
     parts.flat_map(|(n, part)| if n % 2 == 1 { vec![part] } else { part.split_whitespace().collect() })
 }
 
-/// What this program lacks to render with the given arguments: an option, a method or a scene.
+/// Returns the reason why this program cannot render with the given arguments, if it lacks an option, a method or a
+/// scene that they name.
 pub fn lack(arguments: &str) -> Option<String> {
     let options = match parse(arguments) {
         Ok(options) => options,
@@ -65,23 +67,25 @@ pub fn lack(arguments: &str) -> Option<String> {
     (!is_there).then(|| format!("there is no built-in scene {scene}"))
 }
 
+/// The name or the first file of the scene that the options ask for; `rooms` by default.
 fn scene_name(options: &RenderOptions) -> String {
     options.common.place.scene.first().map_or_else(|| "rooms".into(), |p| p.to_string_lossy().into_owned())
 }
 
 impl<'a> FigureRenderer<'a> {
-    /// A workshop without a loaded scene.
+    /// Makes a renderer without a loaded scene.
     pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, loaded: None }
     }
 
-    /// Takes over a scene that is already loaded from a file.
+    /// Puts a scene that was loaded from the file `source` on the device, so that renders of this file need not load
+    /// it.
     pub fn hold(&mut self, source: &str, scene: Scene) -> Result<()> {
         self.loaded = Some(LoadedScene { source: source.to_owned(), stage: Stage::new(self.gpu, &scene)?, scene });
         Ok(())
     }
 
-    /// Renders the picture of an `ssct render`.
+    /// Renders the picture that `ssct render` would make with the given arguments.
     pub fn picture(&mut self, arguments: &str) -> Result<Rgb> {
         let options = parse(arguments)?;
         if render::method_name(&options) == "reference" {
@@ -96,11 +100,13 @@ impl<'a> FigureRenderer<'a> {
         })
     }
 
-    /// Renders the picture of an `ssct render` with all its intermediate images.
+    /// Renders as `ssct render` would with the given arguments; returns the image with all intermediate images, and the
+    /// camera.
     pub fn inside(&mut self, arguments: &str) -> Result<(RenderedImage, Camera)> {
         self.rendered(&parse(arguments)?, true)
     }
 
+    /// Returns the scene that the options name, and loads it unless it was used last.
     fn load(&mut self, options: &RenderOptions) -> Result<&mut LoadedScene> {
         let source = scene_name(options);
         let loaded = match self.loaded.take() {
@@ -113,6 +119,7 @@ impl<'a> FigureRenderer<'a> {
         Ok(self.loaded.insert(loaded))
     }
 
+    /// Renders as the options say. Returns the image and its camera; if `inside` is true, with all intermediate images.
     fn rendered(&mut self, options: &RenderOptions, inside: bool) -> Result<(RenderedImage, Camera)> {
         let common = &options.common;
         let method = methods::find(render::method_name(options))?;

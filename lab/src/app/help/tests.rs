@@ -2,11 +2,13 @@ use super::*;
 use ssct::methods;
 use ssct_ground::parameter::Parameters;
 
-/// A terminal that a reader of the short help has.
+/// Columns of a terminal that every help has to fit.
 const COLUMNS: usize = 80;
+/// Lines of such a terminal.
 const LINES: usize = 45;
 
-/// Every command without subcommands, with its path, but for `view`, whose options and help are those of another program.
+/// Returns every command without subcommands, with its path. `view` is left out, since another program has its options
+/// and help.
 fn leaves(command: &Command) -> Vec<(String, Command)> {
     let mut found = Vec::new();
     for sub in command.get_subcommands().filter(|c| !["help", "view"].contains(&c.get_name())) {
@@ -17,7 +19,7 @@ fn leaves(command: &Command) -> Vec<(String, Command)> {
     found
 }
 
-/// Every command without subcommands, arranged for the short or for the long help.
+/// Returns every command without subcommands, with its path, arranged for the short or for the long help.
 fn all(is_short: bool) -> Vec<(String, Command)> {
     let mut command = arranged_command(is_short).term_width(COLUMNS);
     command.build();
@@ -32,7 +34,7 @@ fn fits(text: &str, what: &str) {
     }
 }
 
-/// The names of options in the order of a help text.
+/// Returns the names of the options that a help text has, in their order there.
 fn options(text: &str) -> Vec<&str> {
     let lines = text.lines().filter(|line| line.starts_with("      --") || line.starts_with("  -"));
     lines.filter_map(|line| line.split_once("--")?.1.split([' ', '[']).next()).collect()
@@ -64,8 +66,8 @@ fn the_short_help_fits_a_screen_with_the_common_options_first() {
         fits(&text, &path);
         assert_eq!(options(&text)[..common.len()], common, "{path}:\n{text}");
         let shown = command.get_arguments().filter(|a| !a.is_positional() && !a.is_hide_set()).count();
-        let (_, under) = text.split_once("\nOptions:\n").expect("options");
-        let lines = under.lines().take_while(|line| !line.is_empty()).count();
+        let (_, options_text) = text.split_once("\nOptions:\n").expect("options");
+        let lines = options_text.lines().take_while(|line| !line.is_empty()).count();
         assert_eq!(lines, shown, "{path}: an option is one line:\n{text}");
         assert!(text.trim_end().ends_with(&format!("ssct {path} --help")), "{path} says where the rest is:\n{text}");
     }
@@ -73,7 +75,7 @@ fn the_short_help_fits_a_screen_with_the_common_options_first() {
 
 #[test]
 fn the_long_help_has_every_option_under_its_heading() {
-    let around = methods::EffectParams::table();
+    let effect_parameters = methods::EffectParams::table();
     for (path, mut command) in all(false) {
         let text = command.render_long_help().to_string();
         let runs_methods = command.get_arguments().any(|a| a.get_id() == "preset");
@@ -86,7 +88,7 @@ fn the_long_help_has_every_option_under_its_heading() {
             }
             let is_known = headings.contains(&heading) || heading.starts_with("Parameters of ");
             assert!(is_known, "{path}: {argument} is under {heading:?}");
-            let Some(row) =
+            let Some((parameter, readers)) =
                 methods::parameters().into_iter().find(|(p, _)| p.typed_name() == argument.get_id().as_str())
             else {
                 continue;
@@ -94,11 +96,11 @@ fn the_long_help_has_every_option_under_its_heading() {
             if !runs_methods {
                 continue;
             }
-            if around.iter().any(|p| p.name == row.0.name) {
+            if effect_parameters.iter().any(|p| p.name == parameter.name) {
                 assert_eq!(heading, METHOD, "{path}: {argument}");
             } else {
                 let names: Vec<_> = heading.trim_start_matches("Parameters of ").split(", ").collect();
-                assert!(row.1.iter().all(|m| names.contains(&m.name)), "{path}: {argument} is under {heading:?}");
+                assert!(readers.iter().all(|m| names.contains(&m.name)), "{path}: {argument} is under {heading:?}");
             }
         }
         let rank = |heading: &&&str| headings.iter().position(|known| known == *heading).unwrap_or(headings.len());

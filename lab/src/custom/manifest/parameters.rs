@@ -7,7 +7,7 @@ use ssct_ground::parameter::{Choice, Domain, Parameter, Preset, Value};
 use toml::Spanned;
 
 impl Manifest {
-    /// The method's own parameters. Their texts live as long as the program.
+    /// Returns the method's own parameters. Their texts live as long as the program.
     ///
     /// # Errors
     /// [`Malformed`](ssct_ground::Error::Malformed) for a default outside of its range and for other faults of a
@@ -16,7 +16,7 @@ impl Manifest {
         self.parameters.iter().map(|(name, section)| self.parameter(name, section)).collect()
     }
 
-    /// Makes and checks one parameter. Its name has underscores in the place of hyphens.
+    /// Makes and checks one parameter. Its name is `name` with underscores in place of hyphens.
     fn parameter(&self, name: &str, section: &Spanned<ParameterSection>) -> Result<Parameter> {
         let span = section.span();
         let declaration = section.get_ref();
@@ -27,6 +27,7 @@ impl Manifest {
         }
         let choices: &'static [Choice] =
             declaration.choices.iter().map(|c| Choice { name: leak(c), help: "" }).collect::<Vec<_>>().leak();
+        // The value of the parameter that a value of the manifest stands for, if it has a type that parameters have.
         let value = |value: &toml::Value| -> Option<Value> {
             Some(match value {
                 toml::Value::Boolean(on) => Value::Switch(*on),
@@ -36,8 +37,9 @@ impl Manifest {
                 _ => return None,
             })
         };
-        let none = "the default must be true, false, a number, or one of the choices; 1.0 is a number, 1 a whole one";
-        let published = value(&declaration.default).ok_or_else(|| wrong(none))?;
+        let wrong_default =
+            "the default must be true, false, a number, or one of the choices; 1.0 is a number, 1 a whole one";
+        let published = value(&declaration.default).ok_or_else(|| wrong(wrong_default))?;
         let domain = match (published, declaration.range) {
             (Value::Switch(_), None) => Domain::Switch,
             (Value::Choice(_), None) => Domain::Choices(choices),

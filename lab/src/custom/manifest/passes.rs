@@ -1,5 +1,5 @@
-//! Checks the passes of a manifest: the targets or threads that each pass runs over, and the meaning of the names in its shader. `bindings`
-//! checks the shader itself.
+//! Checks the passes of a manifest: the targets or threads that each pass runs over, and the meaning of the names in
+//! its shader. The module `bindings` checks the shader itself.
 
 use super::sections::{BufferSection, ImageSection, InputSection, PassSection, PassStage, SamplerName};
 use crate::custom::built_in;
@@ -25,13 +25,17 @@ pub enum LevelOf {
 /// The image or buffer that a name in a shader stands for.
 #[derive(Debug, Clone)]
 pub struct PassInput {
+    /// The image or buffer.
     pub what: InputKind,
+    /// The sampler, if the manifest names one.
     pub sampler: Option<SamplerName>,
+    /// The level of an image.
     pub level: LevelOf,
+    /// The place of the input in the manifest, in bytes.
     span: Range<usize>,
 }
 
-/// An image or a buffer.
+/// An image, or a buffer of the method's own by its name.
 #[derive(Debug, Clone, PartialEq)]
 pub enum InputKind {
     Image(ImageSource),
@@ -41,23 +45,29 @@ pub enum InputKind {
 /// A pass that is checked, except for the text of its shader.
 #[derive(Debug, Clone)]
 pub struct Pass {
+    /// The name of the pass.
     pub name: String,
     /// The file, or the path of a built-in shader.
     pub shader: PathBuf,
-    /// The path at which no file exists; a file there would replace the built-in shader.
+    /// For a built-in shader, the path in the method's folder at which a file would replace it.
     pub awaited: Option<PathBuf>,
+    /// The stage of the shader.
     pub stage: PassStage,
+    /// The macros that are defined for the shader, as `NAME` or `NAME=VALUE`.
     pub defines: Vec<String>,
     /// The image and the level that the pass draws to, for each target.
     pub targets: Vec<(String, LevelOf)>,
+    /// The extent that the pass runs over.
     pub reach: PassDomain,
     /// The first and the last of the levels that the pass is recorded for, one after another.
     pub levels: Option<[u32; 2]>,
     /// True if each level of the pass is recorded right after the same level of the pass before it.
     pub interleaved: bool,
+    /// The images and buffers by their names in the shader.
     pub inputs: BTreeMap<String, PassInput>,
     /// The values by their names in the shader, each with its place in the manifest.
     pub values: BTreeMap<String, (Feed, Range<usize>)>,
+    /// The place of the pass in the manifest, in bytes.
     pub span: Range<usize>,
 }
 
@@ -80,11 +90,12 @@ pub(super) struct KnownNames<'a> {
     pub(super) buffers: &'a BTreeMap<String, BufferSection>,
 }
 
-/// Inputs and values that hold for every pass.
+/// The inputs and the values that a manifest gives to every pass.
 type Shared<'a> = (&'a BTreeMap<String, Spanned<InputSection>>, &'a BTreeMap<String, Spanned<toml::Value>>);
 
 impl KnownNames<'_> {
-    /// Checks a section `[[pass]]`; `wrong` makes an error out of a place in the manifest and a message.
+    /// Checks a section `[[pass]]` and makes a pass of it. `inputs` and `values` are given to every pass, `parameters`
+    /// has the names of the method's parameters, and `wrong` makes an error of a place in the manifest and a message.
     pub(super) fn pass(
         &self,
         folder: &Path,
@@ -100,12 +111,12 @@ impl KnownNames<'_> {
             Some(shader) => (shader, Some(file)),
             None => (file, None),
         };
-        let by_name = match shader.extension().and_then(|e| e.to_str()) {
+        let stage_by_extension = match shader.extension().and_then(|e| e.to_str()) {
             Some("frag" | "fs" | "fsh" | "glslf") => Some(PassStage::Fragment),
             Some("comp" | "cs" | "glslc") => Some(PassStage::Compute),
             _ => None,
         };
-        let Some(stage) = pass.stage.or(by_name) else {
+        let Some(stage) = pass.stage.or(stage_by_extension) else {
             let message = format!("{}: say stage = \"fragment\" or \"compute\"", pass.shader.get_ref().display());
             return Err(wrong(pass.shader.span(), message));
         };
@@ -152,9 +163,9 @@ impl KnownNames<'_> {
         }
         let mut all_values = BTreeMap::new();
         for (name, value) in values.iter().chain(&pass.values) {
-            let given =
+            let feed =
                 Feed::parse(value.get_ref(), parameters).map_err(|m| wrong(value.span(), format!("{name}: {m}")))?;
-            all_values.insert(name.clone(), (given, value.span()));
+            all_values.insert(name.clone(), (feed, value.span()));
         }
         if pass.levels.is_some_and(|[first, last]| first > last || last > 31) {
             return Err(wrong(section.span(), "levels must be the first and the last of some levels up to 31".into()));
@@ -178,7 +189,7 @@ impl KnownNames<'_> {
         })
     }
 
-    /// Checks an input: the name of a buffer, of an image of the method's own, or of another source.
+    /// Checks an input, which is the name of a buffer, of an image of the method's own, or of another source.
     fn input(
         &self,
         section: &Spanned<InputSection>,
@@ -192,13 +203,13 @@ impl KnownNames<'_> {
         if self.buffers.contains_key(text) {
             return Ok(PassInput { what: InputKind::Buffer(text.clone()), sampler, level: LevelOf::All, span });
         }
-        let own = |name: &str| self.images.contains_key(name);
+        let is_own = |name: &str| self.images.contains_key(name);
         // A level may follow the name of one of the method's own images.
         let (name, level) = match text.split_once(':') {
-            Some((name, _)) if own(name) => level_of(text).map_err(|m| wrong(span.clone(), m))?,
+            Some((name, _)) if is_own(name) => level_of(text).map_err(|m| wrong(span.clone(), m))?,
             _ => (text.as_str(), LevelOf::All),
         };
-        let source = ImageSource::parse(name, own).map_err(|m| wrong(span.clone(), m))?;
+        let source = ImageSource::parse(name, is_own).map_err(|m| wrong(span.clone(), m))?;
         Ok(PassInput { what: InputKind::Image(source), sampler, level, span })
     }
 }

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use toml::Spanned;
 
+/// A whole manifest: its keys and its tables.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct Sections {
@@ -36,6 +37,7 @@ pub(super) struct Sections {
     pub(super) output: Spanned<OutputSection>,
 }
 
+/// A table `[parameter.name]`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct ParameterSection {
@@ -51,6 +53,7 @@ pub(super) struct ParameterSection {
     pub(super) sweep: Vec<toml::Value>,
 }
 
+/// A table `[image.name]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct ImageSection {
@@ -96,14 +99,17 @@ impl Clear {
     }
 }
 
+/// The default of `scale`.
 fn one() -> f32 {
     1.0
 }
 
+/// The default of `levels`.
 fn one_level() -> u32 {
     1
 }
 
+/// A table `[buffer.name]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct BufferSection {
@@ -118,6 +124,7 @@ pub struct BufferSection {
     pub fill: Option<u32>,
 }
 
+/// An input: a name, or a name with a sampler.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "an input must be a name, or { image = …, sampler = … }")]
 pub(super) enum InputSection {
@@ -125,6 +132,7 @@ pub(super) enum InputSection {
     With { image: String, sampler: SamplerName },
 }
 
+/// The samplers that a manifest can name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SamplerName {
@@ -133,6 +141,7 @@ pub enum SamplerName {
     Repeat,
 }
 
+/// A table `[[pass]]`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct PassSection {
@@ -162,6 +171,7 @@ pub(super) struct PassSection {
     pub(super) values: BTreeMap<String, Spanned<toml::Value>>,
 }
 
+/// The stage of a pass's shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassStage {
@@ -169,6 +179,7 @@ pub enum PassStage {
     Compute,
 }
 
+/// The table `[output]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct OutputSection {
@@ -185,6 +196,7 @@ pub struct OutputSection {
     pub hits_are: HitEncoding,
 }
 
+/// The meanings that the reflection's fourth channel can have.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Alpha {
@@ -194,6 +206,7 @@ pub enum Alpha {
     None,
 }
 
+/// The encodings that hits can have.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HitEncoding {

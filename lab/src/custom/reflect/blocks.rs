@@ -12,6 +12,7 @@ const MAX_FIELDS: usize = 1 << 12;
 /// A uniform or push-constant block.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BlockLayout {
+    /// The fields in their order.
     pub fields: Vec<BlockField>,
     /// Size in bytes.
     pub size: u32,
@@ -22,8 +23,10 @@ pub struct BlockLayout {
 pub struct BlockField {
     /// The field's name; within structs and arrays of structs, a name such as `lights[1].colour`.
     pub name: String,
+    /// The type of its numbers.
     pub component: Component,
-    /// Number of elements of an array, of columns of a matrix, and of rows or numbers of a vector.
+    /// Number of elements of an array, of columns of a matrix, and of rows of a matrix or numbers of a vector; 1 where
+    /// there is no array, matrix or vector.
     pub shape: [u32; 3],
     /// Offset of each number in bytes: element by element, and column by column.
     pub places: Vec<u32>,
@@ -32,10 +35,11 @@ pub struct BlockField {
 }
 
 impl BlockLayout {
-    /// The layout of a block, from its type; `variable` is the variable of this type.
+    /// Reads the layout of a block from its type; `id` is that of the type, and `variable` that of the block's
+    /// variable.
     ///
     /// # Errors
-    /// A sentence on a block that is too large, or has something else than numbers.
+    /// A sentence on a block that is too large, or has something other than numbers.
     pub(super) fn from_type(code: &SpirvCode, id: u32, variable: u32) -> Result<Self, String> {
         let mut block = Self { fields: Vec::new(), size: 0 };
         let reached = code.reached_members(variable);
@@ -50,33 +54,33 @@ impl BlockLayout {
         Ok(block)
     }
 
-    /// The least size of a storage block in bytes: up to its last member that has a size.
+    /// Returns the least size in bytes of a storage block of the type `id`: up to its last member that has a size.
     pub(super) fn least_bytes(code: &SpirvCode, id: u32) -> u32 {
-        let member = |(m, ty): (u32, &u32)| {
-            let offset = code.member_decoration(id, m, decoration::OFFSET).unwrap_or(0);
+        let end_of_member = |(member, ty): (u32, &u32)| {
+            let offset = code.member_decoration(id, member, decoration::OFFSET).unwrap_or(0);
             let definition = code.definition(*ty);
-            let many = definition.filter(|d| d.opcode == op::TYPE_ARRAY).and_then(|d| code.constant(d.word(2)));
-            match (many, code.decoration(*ty, decoration::ARRAY_STRIDE)) {
-                (Some(many), Some(stride)) => offset.saturating_add(stride.saturating_mul(many)),
+            let count = definition.filter(|d| d.opcode == op::TYPE_ARRAY).and_then(|d| code.constant(d.word(2)));
+            match (count, code.decoration(*ty, decoration::ARRAY_STRIDE)) {
+                (Some(count), Some(stride)) => offset.saturating_add(stride.saturating_mul(count)),
                 _ => offset.saturating_add(code.plain_size(*ty).unwrap_or(0)),
             }
         };
-        (0..).zip(code.members(id)).map(member).max().unwrap_or(0)
+        (0..).zip(code.members(id)).map(end_of_member).max().unwrap_or(0)
     }
 
-    /// Adds a member of a struct. The struct begins at the byte `start` of the block, and `before` stands before the
-    /// member's name.
+    /// Adds the member with the number `member` of the struct type `id`. The struct begins at the byte `start` of the
+    /// block, and `prefix` stands before the member's name.
     fn add_member(
         &mut self,
         code: &SpirvCode,
         (id, member): (u32, u32),
         start: u32,
-        before: &str,
+        prefix: &str,
     ) -> Result<(), String> {
         let value = |what: u32| code.member_decoration(id, member, what);
-        let own = code.member_name(id, member);
+        let own_name = code.member_name(id, member);
         // If the module has no names, the number of the member takes the place of its name.
-        let name = if own.is_empty() { format!("{before}{member}") } else { format!("{before}{own}") };
+        let name = if own_name.is_empty() { format!("{prefix}{member}") } else { format!("{prefix}{own_name}") };
         let offset = start.saturating_add(value(decoration::OFFSET).unwrap_or(0));
         let matrix = (value(decoration::MATRIX_STRIDE).unwrap_or(16), value(decoration::ROW_MAJOR).is_some());
         let ty = code.members(id)[member as usize];
@@ -92,18 +96,19 @@ impl BlockLayout {
         (offset, matrix): (u32, (u32, bool)),
         name: String,
     ) -> Result<(), String> {
+        // The offsets of all elements; each loop goes from an array to its elements, which may be arrays again.
         let mut elements = vec![offset];
         let mut ty = id;
         while let Some(array) = code.definition(ty).filter(|d| d.opcode == op::TYPE_ARRAY) {
-            let many = code.constant(array.word(2)).unwrap_or(0);
+            let count = code.constant(array.word(2)).unwrap_or(0);
             let stride = code.decoration(ty, decoration::ARRAY_STRIDE).unwrap_or(16);
             let last = elements.last().copied().unwrap_or(0);
-            // Damaged code may put all elements at one place, so that their count is bounded, too.
-            let count = (elements.len() as u64).saturating_mul(u64::from(many));
-            if last.saturating_add(stride.saturating_mul(many)) > MAX_BYTES || count > u64::from(MAX_BYTES / 4) {
+            // Damaged code may put all elements at one place, so their number is bounded as well as their size.
+            let total = (elements.len() as u64).saturating_mul(u64::from(count));
+            if last.saturating_add(stride.saturating_mul(count)) > MAX_BYTES || total > u64::from(MAX_BYTES / 4) {
                 return Err(too_large(&name));
             }
-            elements = elements.iter().flat_map(|start| (0..many).map(move |k| start + k * stride)).collect();
+            elements = elements.iter().flat_map(|start| (0..count).map(move |n| start + n * stride)).collect();
             ty = array.word(1);
         }
         if code.members(ty).is_empty() {
@@ -118,21 +123,23 @@ impl BlockLayout {
             self.fields.push(BlockField { name, ..field });
             return Ok(());
         }
-        for (k, start) in elements.iter().enumerate() {
-            let before = if ty == id { format!("{name}.") } else { format!("{name}[{k}].") };
+        for (element, start) in elements.iter().enumerate() {
+            let prefix = if ty == id { format!("{name}.") } else { format!("{name}[{element}].") };
             for member in 0..code.members(ty).len() as u32 {
-                self.add_member(code, (ty, member), *start, &before)?;
+                self.add_member(code, (ty, member), *start, &prefix)?;
             }
         }
         Ok(())
     }
 }
 
+/// Makes the sentence about a field that lies too far from the beginning of its block.
 fn too_large(name: &str) -> String {
     format!("has a block in which {name} lies beyond the {MAX_BYTES} bytes that uniform blocks may have")
 }
 
-/// A field of numbers, whose elements begin at the bytes `elements`; `None` for a type of other things than numbers.
+/// Makes a field, still without a name, of numbers of the type `ty`, whose elements begin at the bytes `elements`. The
+/// matrices in it have a stride in bytes, and may be stored row by row. `None` for a type that has no numbers.
 fn numbers(code: &SpirvCode, ty: u32, elements: &[u32], (stride, is_row_major): (u32, bool)) -> Option<BlockField> {
     let definition = code.definition(ty)?;
     let (columns, vector) = match definition.opcode {
@@ -144,14 +151,15 @@ fn numbers(code: &SpirvCode, ty: u32, elements: &[u32], (stride, is_row_major): 
         return None;
     }
     // The bytes from a column to the next column, and from a row to the next row.
-    let (along, across) = if is_row_major && columns > 1 { (4, stride) } else { (stride, 4) };
-    let within = move |start: u32| {
+    let (to_column, to_row) = if is_row_major && columns > 1 { (4, stride) } else { (stride, 4) };
+    let element_places = move |start: u32| {
         (0..columns).flat_map(move |c| {
-            (0..rows)
-                .map(move |r| start.saturating_add(c.saturating_mul(along)).saturating_add(r.saturating_mul(across)))
+            (0..rows).map(move |r| {
+                start.saturating_add(c.saturating_mul(to_column)).saturating_add(r.saturating_mul(to_row))
+            })
         })
     };
-    let places = elements.iter().flat_map(|start| within(*start)).collect();
+    let places = elements.iter().flat_map(|start| element_places(*start)).collect();
     Some(BlockField {
         name: String::new(),
         component,

@@ -1,4 +1,4 @@
-//! The words of a SPIR-V module, with its types, names and decorations at hand.
+//! Reads the words of a SPIR-V module into tables of its types, names and decorations.
 
 use super::Component;
 use rspirv::spirv::{BuiltIn, ExecutionMode, MAGIC_NUMBER, Op};
@@ -59,10 +59,10 @@ pub(super) mod decoration {
     pub const OFFSET: u32 = Decoration::Offset as u32;
 }
 
-/// The words before the first instruction.
+/// The number of words before the first instruction.
 const HEADER: usize = 5;
 
-/// An instruction: its operands are the words behind the first.
+/// An instruction. Its operands are all its words except the first.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Instruction<'a> {
     pub opcode: u16,
@@ -70,18 +70,18 @@ pub(super) struct Instruction<'a> {
 }
 
 impl<'a> Instruction<'a> {
-    /// An operand; 0 if there are fewer.
+    /// The operand with an index; 0 if there are fewer operands.
     pub fn word(&self, index: usize) -> u32 {
         self.operands.get(index).copied().unwrap_or(0)
     }
 
-    /// The text that begins at an operand.
+    /// The text that begins at the operand with an index, up to its first NUL byte.
     pub fn text(&self, index: usize) -> String {
         let bytes = self.operands.iter().skip(index).flat_map(|w| w.to_le_bytes()).take_while(|b| *b != 0);
         String::from_utf8_lossy(&bytes.collect::<Vec<u8>>()).into_owned()
     }
 
-    /// The operands from an index on; none if there are fewer.
+    /// The operands from an index on; empty if there are fewer.
     fn from(&self, index: usize) -> &'a [u32] {
         self.operands.get(index..).unwrap_or_default()
     }
@@ -155,6 +155,8 @@ impl<'a> SpirvCode<'a> {
         let mut position = HEADER;
         let mut in_function = false;
         while position < words.len() {
+            // The first word of an instruction has its number of words in the upper half, and its opcode in the lower
+            // half.
             let length = (words[position] >> 16) as usize;
             let operands = words.get(position + 1..position + length.max(1))?;
             let instruction = Instruction { opcode: words[position] as u16, operands };
@@ -173,7 +175,7 @@ impl<'a> SpirvCode<'a> {
         Some(code)
     }
 
-    /// Notes an instruction outside of functions.
+    /// Adds an instruction outside of functions to the tables.
     fn note(&mut self, i: Instruction<'a>) {
         match i.opcode {
             op::NAME => {
@@ -189,8 +191,8 @@ impl<'a> SpirvCode<'a> {
                 self.member_decorations.insert((i.word(0), i.word(1), i.word(2)), i.word(3));
             }
             op::TYPE_VOID..=op::TYPE_PIPE => {
-                // A type consists of types before it, nested only so deep, and is defined once. Other types are left out, since reading
-                // them might never end.
+                // Types are taken only if they consist of earlier types, are not nested too deep, and are defined once.
+                // Otherwise following a type to its parts might never end.
                 let depth = self.depth_of(&i).filter(|_| !self.definitions.contains_key(&i.word(0)));
                 if let Some(depth) = depth {
                     self.sizes.extend(self.size_of(&i).map(|size| (i.word(0), size)));
@@ -206,7 +208,8 @@ impl<'a> SpirvCode<'a> {
         }
     }
 
-    /// The depth to which types are nested within a type; `None` if it is too great, or if one of the types is not known.
+    /// Returns how deep types are nested within the type that an instruction defines; `None` if that is too deep, or if
+    /// one of the types is not known.
     fn depth_of(&self, i: &Instruction) -> Option<u32> {
         const MOST: u32 = 64;
         let parts = match i.opcode {
@@ -219,7 +222,7 @@ impl<'a> SpirvCode<'a> {
         (deepest < MOST).then_some(deepest + 1)
     }
 
-    /// The size in bytes of a type without a layout.
+    /// Returns the size in bytes of the type that an instruction defines, without a layout: numbers lie without gaps.
     fn size_of(&self, i: &Instruction) -> Option<u32> {
         let size = |id: u32| self.sizes.get(&id).copied();
         match i.opcode {
@@ -232,7 +235,7 @@ impl<'a> SpirvCode<'a> {
         }
     }
 
-    /// The instructions of a kind.
+    /// Returns the instructions with an opcode.
     pub fn all(&self, opcode: u16) -> impl Iterator<Item = Instruction<'a>> + '_ {
         self.instructions.iter().copied().filter(move |i| i.opcode == opcode)
     }
@@ -267,15 +270,17 @@ impl<'a> SpirvCode<'a> {
         self.used.contains(&id)
     }
 
-    /// The members of a block that functions reach; `None` if a function uses the block as a whole.
+    /// Returns the numbers of a block's members that functions reach; `None` if a function uses the block as a whole.
+    /// `variable` is the id of the block's variable.
     pub fn reached_members(&self, variable: u32) -> Option<HashSet<u32>> {
         let chains = |i: &&Instruction| matches!(i.opcode, op::ACCESS_CHAIN | op::IN_BOUNDS_ACCESS_CHAIN);
         let start = self.instructions.iter().position(|i| i.opcode == op::FUNCTION)?;
         let body = &self.instructions[start..];
-        let others = body.iter().filter(|i| !chains(i)).any(|i| i.pointers().contains(&variable));
+        // Only access chains name a member, as the constant after the variable.
+        let is_used_whole = body.iter().filter(|i| !chains(i)).any(|i| i.pointers().contains(&variable));
         let members = body.iter().filter(chains).filter(|i| i.word(2) == variable);
         let members: Option<HashSet<u32>> = members.map(|i| self.constant(i.word(3))).collect();
-        members.filter(|_| !others)
+        members.filter(|_| !is_used_whole)
     }
 
     /// The type that a pointer's type points to.
@@ -283,18 +288,19 @@ impl<'a> SpirvCode<'a> {
         self.definition(pointer).filter(|d| d.opcode == op::TYPE_POINTER).map(|d| d.word(2))
     }
 
-    /// The value of a constant of 32 bits; of a specialization constant, its default.
+    /// The value of a constant of 32 bits, or the default of a specialization constant.
     pub fn constant(&self, id: u32) -> Option<u32> {
         let definition = self.definition(id)?;
         matches!(definition.opcode, op::CONSTANT | op::SPEC_CONSTANT).then(|| definition.word(2))
     }
 
-    /// The type of an array's elements, and their number; a type that is no array is returned with 1.
+    /// Returns the type of an array's elements, and how many there are in all its dimensions. A type that is no array
+    /// is returned with 1.
     pub fn element(&self, id: u32) -> (u32, u32) {
         match self.definition(id) {
             Some(array) if array.opcode == op::TYPE_ARRAY => {
-                let (inner, many) = self.element(array.word(1));
-                (inner, many.saturating_mul(self.constant(array.word(2)).unwrap_or(1)))
+                let (inner, count) = self.element(array.word(1));
+                (inner, count.saturating_mul(self.constant(array.word(2)).unwrap_or(1)))
             }
             Some(array) if array.opcode == op::TYPE_RUNTIME_ARRAY => (array.word(1), u32::MAX),
             _ => (id, 1),
@@ -309,7 +315,8 @@ impl<'a> SpirvCode<'a> {
         }
     }
 
-    /// The type and the count of the numbers in a scalar or a vector of 32 bits.
+    /// Returns the type and the count of the numbers in a scalar or a vector of 32-bit numbers; `None` for any other
+    /// type.
     pub fn numbers(&self, id: u32) -> Option<(Component, u32)> {
         let definition = self.definition(id)?;
         match definition.opcode {
@@ -337,34 +344,37 @@ impl<'a> SpirvCode<'a> {
     /// True if a variable, or every member of its block, is declared `readonly`.
     pub fn is_read_only(&self, id: u32, block: u32) -> bool {
         let members = self.members(block).len() as u32;
-        let is = |m: u32| self.member_decoration(block, m, decoration::NON_WRITABLE).is_some();
-        (members > 0 && (0..members).all(is)) || self.decoration(id, decoration::NON_WRITABLE).is_some()
+        let is_member_read_only = |m: u32| self.member_decoration(block, m, decoration::NON_WRITABLE).is_some();
+        (members > 0 && (0..members).all(is_member_read_only))
+            || self.decoration(id, decoration::NON_WRITABLE).is_some()
     }
 
-    /// The threads of a workgroup along each axis, by the built-in constant or by the execution mode.
+    /// Returns the threads of a workgroup along each axis: from the built-in constant if there is one, or else from the
+    /// execution mode. 1 along each axis without both.
     pub fn local_size(&self) -> Result<[u32; 3], String> {
         const LOCAL_SIZE: u32 = ExecutionMode::LocalSize as u32;
         const LOCAL_SIZE_ID: u32 = ExecutionMode::LocalSizeId as u32;
         const WORKGROUP_SIZE: u32 = BuiltIn::WorkgroupSize as u32;
         let unknown = || "has a workgroup whose size is no constant".to_owned();
-        let of_ids = |ids: &[u32]| -> Result<[u32; 3], String> {
+        let values_of = |ids: &[u32]| -> Result<[u32; 3], String> {
             let size: Option<Vec<u32>> = ids.iter().take(3).map(|id| self.constant(*id)).collect();
             size.and_then(|size| size.try_into().ok()).ok_or_else(unknown)
         };
         let composites = [op::CONSTANT_COMPOSITE, op::SPEC_CONSTANT_COMPOSITE].into_iter().flat_map(|o| self.all(o));
-        for made in composites {
-            if self.decoration(made.word(1), decoration::BUILT_IN) == Some(WORKGROUP_SIZE) {
-                return of_ids(made.from(2));
+        for composite in composites {
+            if self.decoration(composite.word(1), decoration::BUILT_IN) == Some(WORKGROUP_SIZE) {
+                return values_of(composite.from(2));
             }
         }
         if let Some(mode) = self.all(op::EXECUTION_MODE_ID).find(|m| m.word(1) == LOCAL_SIZE_ID) {
-            return of_ids(mode.from(2));
+            return values_of(mode.from(2));
         }
         let mode = self.all(op::EXECUTION_MODE).find(|m| m.word(1) == LOCAL_SIZE);
         Ok(mode.map_or([1; 3], |m| [m.word(2), m.word(3), m.word(4)]))
     }
 
-    /// The words of the module with new places: each variable of `bindings` has its binding in set 0, and `input` is at location 0.
+    /// Returns the words of the module with other places of variables. `bindings` has the new binding, in set 0, of
+    /// variables by their ids, and the variable with the id `input` is moved to location 0.
     pub fn with_places(&self, bindings: &BTreeMap<u32, u32>, input: Option<u32>) -> Vec<u32> {
         let is_moved = |i: &Instruction| {
             i.opcode == op::DECORATE

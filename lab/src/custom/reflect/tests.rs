@@ -1,4 +1,4 @@
-//! Interfaces of small shaders, and of damaged ones.
+//! Tests the interfaces of small shaders and of damaged code.
 
 use super::*;
 use shaderc::{CompileOptions, Compiler, ShaderKind};
@@ -31,21 +31,21 @@ fn numbers_lie_where_the_layout_says() {
     let interface = fragment(declarations, "vec4(a + g[1].c.x)");
     let layout = block(&interface);
     let field = |name: &str| layout.fields.iter().find(|f| f.name == name).expect(name);
-    let is = |name: &str, component: Component, shape: [u32; 3], places: &[u32]| {
+    let check = |name: &str, component: Component, shape: [u32; 3], places: &[u32]| {
         let found = field(name);
         assert_eq!((found.component, found.shape, &found.places[..]), (component, shape, places), "{name}");
     };
-    is("a", Component::Float, [1, 1, 1], &[0]);
-    is("b", Component::Float, [1, 1, 2], &[8, 12]);
-    is("c", Component::Float, [2, 1, 1], &[16, 32]);
-    is("d", Component::Float, [1, 2, 2], &[48, 52, 64, 68]);
-    is("e", Component::Float, [1, 3, 3], &[80, 84, 88, 96, 100, 104, 112, 116, 120]);
+    check("a", Component::Float, [1, 1, 1], &[0]);
+    check("b", Component::Float, [1, 1, 2], &[8, 12]);
+    check("c", Component::Float, [2, 1, 1], &[16, 32]);
+    check("d", Component::Float, [1, 2, 2], &[48, 52, 64, 68]);
+    check("e", Component::Float, [1, 3, 3], &[80, 84, 88, 96, 100, 104, 112, 116, 120]);
     // Rows of two lie 16 bytes apart.
-    is("f", Component::Float, [1, 2, 3], &[128, 144, 160, 132, 148, 164]);
-    is("g[0].c", Component::Float, [1, 1, 3], &[176, 180, 184]);
-    is("g[1].g", Component::Float, [1, 1, 1], &[204]);
-    is("h", Component::Uint, [1, 1, 1], &[208]);
-    is("i", Component::Int, [4, 1, 1], &[224, 240, 256, 272]);
+    check("f", Component::Float, [1, 2, 3], &[128, 144, 160, 132, 148, 164]);
+    check("g[0].c", Component::Float, [1, 1, 3], &[176, 180, 184]);
+    check("g[1].g", Component::Float, [1, 1, 1], &[204]);
+    check("h", Component::Uint, [1, 1, 1], &[208]);
+    check("i", Component::Int, [4, 1, 1], &[224, 240, 256, 272]);
     assert_eq!(layout.size, 288);
     let read: Vec<&str> = layout.fields.iter().filter(|f| f.is_read).map(|f| f.name.as_str()).collect();
     assert_eq!(read, ["a", "g[0].c", "g[0].g", "g[1].c", "g[1].g"]);
@@ -58,7 +58,7 @@ fn variables_have_bindings_of_their_own() {
     let interface = fragment(declarations, "texture(picture, at) + texture(sky, at.xyx) + b.a");
     let names: Vec<(u32, &str)> = interface.variables.iter().map(|v| (v.binding, v.name.as_str())).collect();
     assert_eq!(names, [(0, "picture"), (1, "sky"), (2, "b")]);
-    // The code says the same.
+    // The code that was written has the new bindings, too.
     let again = reflect(&interface.words, true).expect("an interface");
     let bindings: Vec<(u32, &str)> = again.variables.iter().map(|v| (v.binding, v.name.as_str())).collect();
     assert_eq!(bindings, names);
@@ -92,7 +92,7 @@ fn inputs_outputs_constants_and_workgroups_are_found() {
     assert_eq!(reflect(&words, true).unwrap_err(), "is a compute shader, and the pass is a fragment pass");
 }
 
-/// Code of every kind of declaration.
+/// Returns the code of a shader that has every kind of declaration.
 fn sample() -> Vec<u32> {
     let text = "#version 450\nin vec2 at;\nout vec4 shown;\nstruct L { vec3 c; float g; };\nuniform sampler2D picture;\n\
         layout(std140) uniform B { mat3 e; L g[2]; int i[2][2]; };\nlayout(constant_id = 1) const float k = 1.0;\n\
@@ -105,7 +105,7 @@ fn sample() -> Vec<u32> {
 fn damaged_code_is_an_interface_or_a_sentence() {
     let words = sample();
     assert!(reflect(&words, true).is_ok());
-    // A generator of its own, so that every run damages the same words.
+    // A random generator with a fixed seed, so that every run damages the same words.
     let mut state = 0x2545_f491_u64;
     let mut random = |below: usize| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -129,18 +129,19 @@ fn damaged_code_is_an_interface_or_a_sentence() {
     }
 }
 
-/// A module as a compiler strips it: without the names of variables, blocks and members.
+/// Removes the names of variables, blocks and members from a module, as a compiler does that strips them.
 fn without_names(words: &[u32]) -> Vec<u32> {
     const NAME: u32 = 5;
     const MEMBER_NAME: u32 = 6;
     let mut stripped = words[..5].to_vec();
     let mut rest = &words[5..];
     while let Some(first) = rest.first() {
-        let (instruction, behind) = rest.split_at((first >> 16) as usize);
+        // The first word of an instruction has its length in the upper half, and its opcode in the lower half.
+        let (instruction, next) = rest.split_at((first >> 16) as usize);
         if ![NAME, MEMBER_NAME].contains(&(first & 0xffff)) {
             stripped.extend(instruction);
         }
-        rest = behind;
+        rest = next;
     }
     stripped
 }
@@ -164,8 +165,8 @@ fn a_module_without_names_has_sets_and_bindings() {
     let separate = "#version 450\nlayout(binding = 0) uniform texture2D picture;\nlayout(binding = 1) uniform sampler how;\n\
         layout(location = 0) in vec2 at;\nlayout(location = 0) out vec4 shown;\n\
         void main() { shown = texture(sampler2D(picture, how), at); }\n";
-    let said = reflect(&without_names(&compiled(separate, ShaderKind::Fragment)), true).expect_err("it is refused");
+    let message = reflect(&without_names(&compiled(separate, ShaderKind::Fragment)), true).expect_err("it is refused");
     let expected = "binds 0.0 as a separate image or sampler (the module has no names, and \"0.0\" is set and binding; a compiler \
                     keeps names with -g); use sampler2D and the like, which are both";
-    assert_eq!(said, expected);
+    assert_eq!(message, expected);
 }

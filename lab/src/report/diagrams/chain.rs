@@ -6,10 +6,13 @@ use ssct_truth::reference::{Level, hi_z};
 
 /// Side of a cell in pixels.
 const CELL: f32 = 46.0;
-// In pixels: between two levels, at both sides, above the levels for titles, and below them for notes.
+/// Room between two levels, in pixels.
 const GAP: f32 = 56.0;
+/// Room at both sides of the drawing, in pixels.
 const MARGIN: f32 = 16.0;
+/// Room above the levels, for titles, in pixels.
 const HEAD: f32 = 30.0;
+/// Room below the levels, for notes, in pixels.
 const FOOT: f32 = 92.0;
 /// Side of the square that marks a fetch.
 const MARK: f32 = 9.0;
@@ -24,8 +27,8 @@ pub enum Fetches {
 }
 
 impl Fetches {
-    /// The texels of the level below from which a cell is made. The texel at the edge takes the place of texels beyond
-    /// the edge.
+    /// Returns the four texels, as column and row, of the level below from which the cell at `x`, `y` is made. The
+    /// texel at the edge stands for texels beyond the edge.
     fn texels(self, [x, y]: [u32; 2], below: &Level<f32>) -> [[u32; 2]; 4] {
         let offset = |side| if self == Self::Offset { hi_z::offset(side) } else { 1 };
         let (dx, dy) = (offset(below.width), offset(below.height));
@@ -34,7 +37,7 @@ impl Fetches {
     }
 }
 
-/// The chain of minima over a depth buffer by [`Fetches::Neighbours`], of which the thesis warns.
+/// Makes the chain of minima over a depth buffer by [`Fetches::Neighbours`], against which the thesis warns.
 pub fn undersized(depth: &Level<f32>) -> Vec<Level<f32>> {
     let reduce = |below: &Level<f32>| {
         let (width, height) = below.coarser()?;
@@ -107,25 +110,28 @@ fn column(level: &Level<f32>) -> f32 {
     (level.width as f32 * CELL).max(96.0)
 }
 
-/// A cell's colour: neighbours, also diagonal ones, differ.
+/// Returns the colour of the cell at `x`, `y`. It repeats after three cells, so that all eight neighbours differ from
+/// it.
 fn color([x, y]: [u32; 2]) -> &'static str {
     COLORS[(x % 3 + 3 * (y % 3)) as usize]
 }
 
-/// Draws the frame of a cell, and its true minimum if the cell missed it; returns whether the cell missed it.
+/// Draws the frame of a cell of depth `z`. If the least depth in its area is less than `z`, also draws that depth and
+/// returns true.
 fn cell_of(svg: &mut Svg, corner: Vec2, level: &Level<f32>, cell: [u32; 2], z: f32, finest: &Level<f32>) -> bool {
     let frame = format!(r#"fill="none" stroke="{}" stroke-width="3""#, color(cell));
     svg.rect(corner + 2.0, Vec2::splat(CELL - 4.0), &frame);
-    let truth = least_within(level, cell, finest);
-    if truth < z {
+    let least = least_within(level, cell, finest);
+    if least < z {
         let below = corner + Vec2::new(0.5 * CELL, CELL - 7.0);
-        svg.text(below, 11.0, r##"text-anchor="middle" fill="#c00" font-weight="bold""##, &depth_text(truth));
+        svg.text(below, 11.0, r##"text-anchor="middle" fill="#c00" font-weight="bold""##, &depth_text(least));
     }
-    truth < z
+    least < z
 }
 
-/// The least depth of the finest level in the area of a cell.
+/// Returns the least depth of the finest level in the area of the cell at `x`, `y` of `level`.
 fn least_within(level: &Level<f32>, [x, y]: [u32; 2], finest: &Level<f32>) -> f32 {
+    // The texels of the finest level, `side` long, that cell n of `count` cells covers, if only in part.
     let span = |n: u32, count: u32, side: u32| n * side / count..((n + 1) * side).div_ceil(count);
     let rows = span(y, level.height, finest.height);
     rows.flat_map(|j| span(x, level.width, finest.width).map(move |i| finest.at_clamped(i, j)))
@@ -141,9 +147,10 @@ fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fe
             texels.dedup();
             for [i, j] in texels {
                 read[(j * level.width + i) as usize] = true;
-                // Up to four cells read one texel: each has a corner of its own.
-                let place = Vec2::new((x % 2) as f32, (y % 2) as f32);
-                let mark_corner = corner + CELL * Vec2::new(i as f32, j as f32) + 3.0 + place * (CELL - MARK - 6.0);
+                // Up to four cells read one texel, so each of them has its mark in another corner of the texel.
+                let mark_place = Vec2::new((x % 2) as f32, (y % 2) as f32);
+                let mark_corner =
+                    corner + CELL * Vec2::new(i as f32, j as f32) + 3.0 + mark_place * (CELL - MARK - 6.0);
                 svg.rect(mark_corner, Vec2::splat(MARK), &format!(r#"fill="{}""#, color([x, y])));
             }
         }

@@ -7,10 +7,10 @@ use crate::report::images::Rgb;
 use glam::Vec2;
 use ssct_ground::math::cone::{circles, isosceles_triangle_base};
 
-/// Draws the cone of `count` circles (as published) from a pixel to its hit, both in texture
-/// coordinates, of half angle `theta` in radians, over a picture of the screen.
+/// Draws a cone over a picture of the screen, as SVG: a triangle from a pixel (`from`) to its hit, both in texture
+/// coordinates, with `count` circles, as published. `theta` is the half angle of the cone in radians.
 ///
-/// Texture coordinates have no aspect ratio, so that on a wide screen the circles are ellipses.
+/// Texture coordinates run from 0 to 1 along both sides, so on a wide screen the circles are ellipses.
 pub fn cone(from: Vec2, hit: Vec2, theta: f64, count: usize, picture: &Rgb) -> crate::error::Result<String> {
     let screen = Vec2::new(picture.width as f32, picture.height as f32);
     let mut svg = Svg::new(screen + Vec2::new(0.0, 76.0));
@@ -25,14 +25,14 @@ pub fn cone(from: Vec2, hit: Vec2, theta: f64, count: usize, picture: &Rgb) -> c
     let side = along.perp() * (0.5 * isosceles_triangle_base(length, theta)) as f32;
     let triangle = [from, hit + side, hit - side, from].map(|p| p * screen);
     svg.polyline(triangle.into_iter(), r##"fill="#fff" fill-opacity="0.12" stroke="#fff" stroke-width="2""##);
-    let mut words = Vec::new();
+    let mut level_texts = Vec::new();
     for (n, c) in circles(length, theta, count, false).iter().enumerate() {
         let middle = (from + along * c.distance as f32) * screen;
         let color = COLORS[n % COLORS.len()];
         let attributes = format!(r#"fill="{color}" fill-opacity="0.25" stroke="{color}" stroke-width="2""#);
         svg.circle(middle, screen * c.radius as f32, &attributes);
         let mip = (c.radius * f64::from(screen.max_element())).log2().max(0.0);
-        words.push(format!("{}: level {mip:.1}", n + 1));
+        level_texts.push(format!("{}: level {mip:.1}", n + 1));
         if c.radius * f64::from(screen.y) > 9.0 {
             let attributes = r##"text-anchor="middle" fill="#fff" font-weight="bold""##;
             svg.text(middle + Vec2::new(0.0, 5.0), 14.0, attributes, &(n + 1).to_string());
@@ -44,7 +44,7 @@ pub fn cone(from: Vec2, hit: Vec2, theta: f64, count: usize, picture: &Rgb) -> c
     }
     let angle = format!("Half angle {:.4} rad; circles from the hit (white) to the pixel (dark), by Alg. 5:", theta);
     svg.text(Vec2::new(12.0, screen.y + 22.0), 13.0, "", &angle);
-    for (n, line) in words.chunks(8).enumerate() {
+    for (n, line) in level_texts.chunks(8).enumerate() {
         svg.text(Vec2::new(12.0, screen.y + 42.0 + 18.0 * n as f32), 13.0, "", &line.join("   "));
     }
     Ok(svg.finish())

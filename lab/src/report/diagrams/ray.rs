@@ -7,13 +7,17 @@ use ssct_truth::reference::Level;
 use ssct_truth::reference::hi_z::MinMax;
 use ssct_truth::reference::hi_z_ray_trace::{HiZTrace, Step};
 
-// In pixels: the width of the whole, the height of the profile, and the height of the drawings below the profile.
+/// Width of the whole drawing in pixels.
 const WIDTH: f32 = 900.0;
+/// Height of the profile in pixels.
 const PROFILE: f32 = 330.0;
+/// Height in pixels of the two drawings below the profile.
 const LOWER: f32 = 300.0;
-/// Height between the profile and the drawings below it, for text.
+/// Height in pixels between the profile and the drawings below it, for text.
 const GAP: f32 = 98.0;
+/// Room in pixels at the left of the profile.
 const LEFT: f32 = 66.0;
+/// Room in pixels above the profile.
 const TOP: f32 = 34.0;
 
 /// Draws the traversal of a Hi-Z chain by one ray, as SVG.
@@ -26,11 +30,12 @@ pub fn ray(trace: &HiZTrace, chain: &[Level<MinMax>]) -> String {
     svg.finish()
 }
 
+/// The colour of cells of a level.
 fn color(level: u32) -> &'static str {
     COLORS[level as usize % COLORS.len()]
 }
 
-/// A drawing of depth over the way on the screen.
+/// The mapping of a drawing that shows depth over the way on the screen, which is the distance from the ray's start.
 struct Profile {
     /// The start of the ray: texture coordinates and depth.
     from: Vec3,
@@ -45,6 +50,7 @@ struct Profile {
 }
 
 impl Profile {
+    /// Makes a mapping that has room for the whole ray, and for all depths that the ray and the cells have.
     fn new(trace: &HiZTrace, chain: &[Level<MinMax>]) -> Self {
         let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
         let way = (trace.last() - trace.from).xy() * pixels;
@@ -54,12 +60,12 @@ impl Profile {
         Self { from: trace.from, along: way.normalize_or_zero(), pixels, length: way.length() * 1.04, depth }
     }
 
-    /// The way in pixels from the ray's start to a point of the ray.
+    /// The way in pixels from the ray's start to a point of the ray, which is given by its texture coordinates.
     fn way(&self, uv: Vec2) -> f32 {
         ((uv - self.from.xy()) * self.pixels).dot(self.along)
     }
 
-    /// The point of the drawing for a way in pixels and a depth.
+    /// The point of the drawing, in its pixels, for a way in pixels and a depth.
     fn place(&self, way: f32, depth: f32) -> Vec2 {
         let share = (depth - self.depth[0]) / (self.depth[1] - self.depth[0]);
         Vec2::new(LEFT + way / self.length * (WIDTH - LEFT - 24.0), TOP + PROFILE * (1.0 - share.clamp(0.0, 1.0)))
@@ -102,6 +108,7 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     for step in &trace.steps {
         cell(svg, &p, step);
     }
+    // The ray itself, and a point where each iteration left it.
     let points = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
     svg.polyline(points.map(|r| p.place(p.way(r.xy()), r.z)), r##"fill="none" stroke="#111" stroke-width="1.6""##);
     for (n, step) in trace.steps.iter().enumerate() {
@@ -111,7 +118,7 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
             Vec2::splat(3.2),
             &format!(r##"fill="{}" stroke="#111" stroke-width="0.6""##, color(step.level)),
         );
-        // In a crowd of points, each number would cover that of its neighbour.
+        // A number is left out if its point is so near to the point before that it would cover the number there.
         let crowded = n > 0 && {
             let before = trace.steps[n - 1].ray;
             p.place(p.way(before.xy()), before.z).distance(point) < 9.0
@@ -120,6 +127,7 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
             svg.text(point + Vec2::new(4.0, 13.0), 10.0, "", &(n + 1).to_string());
         }
     }
+    // The depths at the lower and at the upper border.
     for z in p.depth {
         let position = p.place(0.0, z) + Vec2::new(-6.0, if z == p.depth[0] { 0.0 } else { 10.0 });
         svg.text(position, 12.0, r#"text-anchor="end""#, &depth_text(z));

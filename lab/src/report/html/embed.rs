@@ -33,7 +33,7 @@ pub struct PictureFolder {
 }
 
 impl PictureFolder {
-    /// A folder whose pictures do not change.
+    /// Makes the value for a folder. Its pictures must not change as long as the value is used.
     pub fn new(path: &Path) -> Self {
         Self { place: PathInFolder::folder(path), embedded: RefCell::default() }
     }
@@ -43,7 +43,8 @@ impl PictureFolder {
         &self.place
     }
 
-    /// A picture of the folder, by its path there; a picture wider than `most` pixels is scaled down.
+    /// Embeds the picture at the path `file` in the folder, unless it is embedded already. A picture wider than `most`
+    /// pixels is scaled down.
     ///
     /// # Errors
     /// [`Io`](ssct_ground::Error::Io) for a file that cannot be read as a picture.
@@ -57,7 +58,8 @@ impl PictureFolder {
     }
 }
 
-/// A PNG as a JPEG, or unchanged if the JPEG is no smaller; a picture wider than `most` pixels is scaled down.
+/// Embeds a PNG file as a JPEG, or unchanged if the JPEG is no smaller. A picture wider than `most` pixels is scaled
+/// down and is always a JPEG.
 pub fn embed(place: &PathInFolder, most: u32) -> Result<EmbeddedPicture> {
     let png = place.bytes()?;
     let wrong = |e: image::ImageError| Error::io("read", place.path(), std::io::Error::other(e));
@@ -66,29 +68,31 @@ pub fn embed(place: &PathInFolder, most: u32) -> Result<EmbeddedPicture> {
         let height = (u64::from(pixels.height()) * u64::from(most) / u64::from(pixels.width())).max(1) as u32;
         return jpeg(&imageops::resize(&pixels, most, height, imageops::FilterType::Triangle)).map_err(wrong);
     }
-    let made = jpeg(&pixels).map_err(wrong)?;
-    let own = uri("png", &png);
-    Ok(if own.len() <= made.uri.len() { EmbeddedPicture { uri: own, ..made } } else { made })
+    let as_jpeg = jpeg(&pixels).map_err(wrong)?;
+    let png_uri = uri("png", &png);
+    Ok(if png_uri.len() <= as_jpeg.uri.len() { EmbeddedPicture { uri: png_uri, ..as_jpeg } } else { as_jpeg })
 }
 
-/// A picture as a JPEG in a data URI.
+/// Embeds a picture as a JPEG.
 pub fn data_uri(picture: &Rgb) -> Result<EmbeddedPicture> {
     let wrong = |what: &str| Error::usage(format!("a picture of {}x{}: {what}", picture.width, picture.height));
     let pixels = RgbImage::from_raw(picture.width, picture.height, picture.bytes.clone());
     jpeg(&pixels.ok_or_else(|| wrong("its bytes don't fit"))?).map_err(|e| wrong(&e.to_string()))
 }
 
-/// An SVG drawing as a data URI, unchanged; the text of the drawing states its size.
+/// Returns the data URI of an SVG drawing, which is embedded unchanged. The text of the drawing states its size.
 pub fn svg_uri(svg: &[u8]) -> String {
     uri("svg+xml", svg)
 }
 
+/// Encodes a picture as a JPEG in a data URI.
 fn jpeg(pixels: &RgbImage) -> image::ImageResult<EmbeddedPicture> {
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).encode_image(pixels)?;
     Ok(EmbeddedPicture { uri: uri("jpeg", &bytes), width: pixels.width(), height: pixels.height() })
 }
 
+/// Returns the data URI of an image file; `kind` is its format, as in the type `image/png`.
 fn uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:image/{kind};base64,{}", STANDARD.encode(bytes))
 }

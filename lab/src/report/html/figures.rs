@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use ssct::gpu::DeviceInfo;
 use ssct_scenes::inside::PathInFolder;
 
-/// Pixels that an embedded picture is wide at most.
+/// Greatest width of an embedded picture in pixels.
 const WIDEST: u32 = 1600;
 
 /// The whole page.
@@ -64,7 +64,7 @@ pub struct Panel {
 }
 
 impl FiguresPage<'_> {
-    /// The page; its pictures are read from the folder in which the page will lie.
+    /// Returns the page as HTML. Its pictures are read from `folder`, in which the page will lie.
     pub fn render(&self, folder: &PathInFolder) -> Result<String> {
         let parts: Vec<_> = self.groups.iter().map(|g| (g.id.clone(), g.title.as_str())).collect();
         let groups = self.groups.iter().map(|g| group(g, folder)).collect::<Result<Vec<_>>>()?;
@@ -81,6 +81,7 @@ impl FiguresPage<'_> {
     }
 }
 
+/// Returns the part of the page with the figures of a document, below links to them.
 fn group(group: &Group, folder: &PathInFolder) -> Result<Markup> {
     let entries = group.entries.iter().map(|e| entry(e, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! {
@@ -93,6 +94,7 @@ fn group(group: &Group, folder: &PathInFolder) -> Result<Markup> {
     })
 }
 
+/// Returns a figure with the texts about it, or the reason why it was left out in place of the figure.
 fn entry(entry: &Entry, folder: &PathInFolder) -> Result<Markup> {
     let shown = match &entry.file {
         Ok(file) => {
@@ -120,6 +122,7 @@ fn entry(entry: &Entry, folder: &PathInFolder) -> Result<Markup> {
     })
 }
 
+/// Embeds the file of a figure: a drawing unchanged, and a picture at most [`WIDEST`] pixels wide.
 fn picture(entry: &Entry, file: &str, folder: &PathInFolder) -> Result<Markup> {
     let place = folder.join(file);
     if file.ends_with(".svg") {

@@ -1,5 +1,5 @@
-//! Pictures on the page: a strip of pictures, and above the strip two of its pictures with a divider to drag. A script adds the divider;
-//! without the script, and on paper, there is only the strip.
+//! Pictures on the page: a strip of pictures and, above the strip, two of them with a divider to drag. A script adds
+//! the two pictures with the divider; without the script, and on paper, there is only the strip.
 
 use super::embed::PictureFolder;
 use crate::error::Result;
@@ -48,7 +48,7 @@ pub struct Gallery {
     pub compared: [String; 2],
 }
 
-/// A gallery as HTML, to which the script adds the divider.
+/// Returns a gallery as HTML, to which the script adds the two pictures with the divider.
 pub fn gallery(gallery: &Gallery, folder: &PictureFolder) -> Result<Markup> {
     let strips = gallery.strips.iter().map(|s| strip(&gallery.title, s, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! {
@@ -59,24 +59,25 @@ pub fn gallery(gallery: &Gallery, folder: &PictureFolder) -> Result<Markup> {
     })
 }
 
+/// Returns a strip as HTML; `title` is the title of its gallery.
 fn strip(title: &str, strip: &Strip, folder: &PictureFolder) -> Result<Markup> {
     match strip {
         Strip::Plain(pictures) => {
             let figures = figures(title, pictures, folder)?;
             Ok(html! { div.strip { (figures) } })
         }
-        Strip::Beside { title: held, reference, pairs } => {
+        Strip::Beside { title: strip_title, reference, pairs } => {
             let reference = figures(title, [reference], folder)?;
             let figures = figures(title, pairs.iter().flatten(), folder)?;
             Ok(html! {
-                h4 { (held) }
+                h4 { (strip_title) }
                 div.strip.beside style={ "--rows: " (pairs.len()) } { (reference) (figures) }
             })
         }
     }
 }
 
-/// Pictures as HTML figures, in their order.
+/// Returns pictures as HTML figures, in their order; `title` begins the texts for readers who cannot see them.
 pub fn figures<'p>(
     title: &str,
     pictures: impl IntoIterator<Item = &'p Picture>,
@@ -86,6 +87,7 @@ pub fn figures<'p>(
     Ok(html! { @for figure in figures { (figure) } })
 }
 
+/// Returns a picture as an HTML figure: embedded at most [`WIDEST`] pixels wide, and linked to its file.
 fn figure(title: &str, picture: &Picture, folder: &PictureFolder) -> Result<Markup> {
     let embedded = folder.embed(&picture.file, WIDEST)?;
     Ok(html! {

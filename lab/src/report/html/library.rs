@@ -1,5 +1,5 @@
-//! The page of a library: its runs, the changes that each run brought, figures over runs, and two runs side by side that the reader
-//! chooses. The page needs no server.
+//! The page of a library: its runs, the changes that each run brought, figures over runs, and two runs side by side,
+//! which the reader chooses. The page needs no server.
 
 mod data;
 
@@ -52,11 +52,12 @@ const PARTS: [(&str, &str); 5] = [
 /// The characters of a path that a link needs percent-encoded.
 const PATH_ENCODE_SET: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_');
 
-/// The greatest number of places with which all trends are open at first; with more places, the reader opens them.
+/// The greatest number of places for which the page shows all trends at once. With more places, the reader opens the
+/// trends of each.
 const FEW_PLACES: usize = 6;
 
 impl LibraryPage<'_> {
-    /// The whole page.
+    /// Returns the whole page as HTML.
     ///
     /// # Errors
     /// The reason why a plot cannot be drawn.
@@ -106,7 +107,7 @@ impl LibraryPage<'_> {
         }
     }
 
-    /// The row of a run, whose number on the page is `n + 1`.
+    /// Returns the row of the run with the index `n`, whose number on the page is `n + 1`.
     fn run(&self, n: usize, run: &LibraryRun, devices: &[&DeviceInfo]) -> Markup {
         let labels: Vec<_> = run.devices.iter().map(|d| label(devices, d)).collect();
         let definitions: Vec<_> = run.definitions.iter().map(u32::to_string).collect();
@@ -189,9 +190,10 @@ impl LibraryPage<'_> {
         let open = places.len() <= FEW_PLACES;
         let all = devices(&self.library.runs);
         let mut shown = Vec::new();
-        let mut last: Option<&DeviceInfo> = None;
+        let mut last_device: Option<&DeviceInfo> = None;
         for (first, trends) in &places {
-            if last.replace(&first.device) != Some(&first.device) {
+            // The trends of each device stand under a heading with its name.
+            if last_device.replace(&first.device) != Some(&first.device) {
                 shown.push(html! { h3 { (label(&all, &first.device)) ": " (name_among(&first.device, &all)) } });
             }
             shown.push(self.place(first, trends, open)?);
@@ -209,7 +211,8 @@ impl LibraryPage<'_> {
         })
     }
 
-    /// The trends of one place; `open` says whether the reader sees them at first.
+    /// Returns the trends of one place, of which `first` is one. If `open` is true, the reader sees them without
+    /// opening them.
     fn place(&self, first: &Trend, trends: &[&Trend], open: bool) -> Result<Markup, String> {
         let plots = trends.iter().map(|trend| self.trend(trend)).collect::<Result<Vec<_>, _>>()?;
         let runs = trends.iter().map(|t| t.runs.len()).max().unwrap_or(0);
@@ -222,7 +225,7 @@ impl LibraryPage<'_> {
         })
     }
 
-    /// A trend as a plot and as a table.
+    /// Returns a trend as a plot and as a table.
     fn trend(&self, trend: &Trend) -> Result<Markup, String> {
         let title = self.title(trend.quantity);
         let numbers: Vec<usize> = trend.runs.iter().map(|run| run + 1).collect();
@@ -244,7 +247,7 @@ impl LibraryPage<'_> {
         }
     }
 
-    /// The table of a trend: a row for each method, and a column for each run.
+    /// Returns the table of a trend: a header, a row for each method, and a column for each run.
     fn trend_cells(&self, trend: &Trend) -> Vec<Vec<String>> {
         let run = |index: &usize| format!("{}. {}", index + 1, self.library.runs[*index].date);
         let mut cells =
@@ -320,7 +323,7 @@ fn is_changed(total: &TimeComparison) -> bool {
     matches!(total.verdict, Some(Verdict::Faster | Verdict::Slower))
 }
 
-/// A table of times that changed, with the ratio of the later time to the earlier and its interval.
+/// Returns a table of times that changed, with the ratio of the later time to the earlier and its interval.
 fn change_cells(totals: &[&TimeComparison]) -> Vec<Vec<String>> {
     let figures = ["later over earlier", "low", "high", "verdict"];
     let mut cells = vec![[&SUBJECT_COLUMNS[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
@@ -334,7 +337,8 @@ fn change_cells(totals: &[&TimeComparison]) -> Vec<Vec<String>> {
     cells
 }
 
-/// A figure with four significant digits; with an exponent if it is below 0.001 or at least 10,000.
+/// Returns a figure as text with four significant digits, but at most six digits behind the point. A figure below 0.001
+/// or of at least 10,000 is written with an exponent.
 fn figure(value: f64) -> String {
     if value == 0.0 || (1e-3..1e4).contains(&value) {
         let digits = (3 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;

@@ -9,7 +9,7 @@ use crate::study::names::roughness;
 use crate::study::{TimeRecord, table};
 use maud::{Markup, PreEscaped, html};
 
-/// The times of the thesis's table 5.8 beside the times of this device.
+/// Returns the part of the page with the times of the thesis's table 5.8 beside the times of this device.
 pub fn table_5_8(times: &Times) -> Markup {
     html! {
         p {
@@ -28,14 +28,15 @@ pub fn table_5_8(times: &Times) -> Markup {
     }
 }
 
-/// The least and the greatest ratio of the sum of all passes' medians to the frame's median; `None` without records.
+/// Returns the least and the greatest ratio, over the records, of the sum of all passes' medians to the frame's median;
+/// `None` without records.
 fn sum_over_frame(records: &[TimeRecord]) -> Option<(f64, f64)> {
     let ratios: Vec<f64> = records.iter().map(TimeRecord::sum_over_frame).collect();
     let least = ratios.iter().copied().reduce(f64::min)?;
     Some((least, ratios.iter().copied().fold(least, f64::max)))
 }
 
-/// Run time against error, and what the error consists of.
+/// Returns the part of the page on run time against error: plots, tables, and a table of what the error consists of.
 pub fn errors(errors: &Errors) -> Markup {
     html! {
         p { (errors.settings) }
@@ -47,9 +48,9 @@ pub fn errors(errors: &Errors) -> Markup {
     }
 }
 
-/// A plot inside the page, with a text for readers who cannot see the plot.
+/// Puts a plot into the page, with `label` as the text for readers who cannot see the plot.
 pub fn inline_svg(svg: &str, label: &str) -> Markup {
-    // HTML knows the namespace of an svg element, so that the attribute can go.
+    // HTML knows the namespace of an svg element, so the attribute is left out.
     let svg = svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
     let body = svg.strip_prefix("<svg").unwrap_or(&svg);
     html! {
@@ -105,7 +106,7 @@ fn unbroken(cell: &str) -> String {
     cell.replace(' ', "\u{a0}").replace(",\u{a0}", ", ")
 }
 
-/// Every pass of each record, in one table for each record.
+/// Returns a table for each record, with a row for each of its passes.
 pub fn passes(records: &[TimeRecord]) -> Markup {
     html! {
         @for r in records {
@@ -117,13 +118,18 @@ pub fn passes(records: &[TimeRecord]) -> Markup {
     }
 }
 
+/// The title of a record's table: scene, view, size in pixels, roughness and method.
 fn title(r: &TimeRecord) -> String {
-    let h = &r.head;
-    let roughness_text = roughness(h.roughness);
-    format!("{}, {}, {} × {}, roughness {roughness_text}, {}", h.scene, h.view, h.width, h.height, h.method)
+    let head = &r.head;
+    let roughness_text = roughness(head.roughness);
+    format!(
+        "{}, {}, {} × {}, roughness {roughness_text}, {}",
+        head.scene, head.view, head.width, head.height, head.method
+    )
 }
 
-/// Median, minimum, p95 and fragment invocations of every pass.
+/// Returns a table of a record's passes: median, minimum and 95th percentile in milliseconds, the number of samples,
+/// and the number of fragment invocations.
 fn pass_cells(record: &TimeRecord) -> Vec<Vec<String>> {
     let mut cells = vec![["pass", "median ms", "min ms", "p95 ms", "samples", "fragments"].map(str::to_owned).to_vec()];
     for p in &record.passes {

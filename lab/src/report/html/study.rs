@@ -45,10 +45,11 @@ pub struct DevicePart {
 }
 
 impl StudyPage<'_> {
-    /// The whole page.
+    /// Returns the whole page as HTML.
     pub fn render(&self) -> String {
-        let alone = (self.devices.len() == 1).then(|| &self.devices[0].device);
-        let title = |part: &DevicePart| if alone.is_some() { "Results".to_owned() } else { device_name(&part.device) };
+        let only_device = (self.devices.len() == 1).then(|| &self.devices[0].device);
+        let title =
+            |part: &DevicePart| if only_device.is_some() { "Results".to_owned() } else { device_name(&part.device) };
         let titles: Vec<String> = self.devices.iter().map(title).collect();
         let device_ids = titles.iter().enumerate().map(|(n, title)| (format!("device-{}", n + 1), title.as_str()));
         let common = self.common.iter().map(|table| (table.id.to_owned(), table.title.as_str()));
@@ -71,14 +72,15 @@ impl StudyPage<'_> {
             (self.records())
             @if self.devices.iter().any(|part| !part.clips.is_empty()) { script { (PreEscaped(TOGETHER)) } }
         };
-        frame(self.title, &page_header(self.title, alone, self.definitions, self.command, &parts), &body)
+        frame(self.title, &page_header(self.title, only_device, self.definitions, self.command, &parts), &body)
     }
 
     /// Links to the files beside the page, and the meanings of the columns.
     fn records(&self) -> Markup {
         let file = |ending: &str| format!("{}.{ending}", self.kind);
         let entry = |ending: &str, what: &'static str| (file(ending), what);
-        let apart = self.devices.len() > 1;
+        // Several devices share the JSON file alone; each has the other files in its folder.
+        let has_device_folders = self.devices.len() > 1;
         let all = [
             entry("json", "every record"),
             entry("csv", "a row for each record"),
@@ -86,10 +88,12 @@ impl StudyPage<'_> {
         ];
         html! {
             ul {
-                @for (file, what) in all.iter().filter(|(file, _)| !apart || file.ends_with(".json")) {
+                @for (file, what) in all.iter().filter(|(file, _)| !has_device_folders || file.ends_with(".json")) {
                     li { a href=(file) { (file) } ": " (what) }
                 }
-                @for folder in self.folders.iter().filter(|_| !apart) { li { a href=(folder) { (folder) } } }
+                @for folder in self.folders.iter().filter(|_| !has_device_folders) {
+                    li { a href=(folder) { (folder) } }
+                }
             }
             @if !self.meanings.is_empty() {
                 details {
@@ -101,7 +105,7 @@ impl StudyPage<'_> {
     }
 }
 
-/// The clips, the charts and the tables of a device.
+/// Returns the part of the page with the clips, the charts and the tables of a device.
 fn device(part: &DevicePart) -> Markup {
     html! {
         @if let Some(folder) = &part.folder { p { "The files of this device: " a href=(folder) { (folder) } } }
@@ -114,7 +118,7 @@ fn device(part: &DevicePart) -> Markup {
     }
 }
 
-/// Films or pictures that are looked at together.
+/// Returns films or pictures beside each other; a group of films has a button that begins them together.
 fn clips(group: &ClipGroup) -> Markup {
     let is_film = group.clips.iter().all(|clip| clip.file.ends_with(".webp"));
     let what = if is_film { "Film" } else { "Picture" };
@@ -134,8 +138,8 @@ fn clips(group: &ClipGroup) -> Markup {
     }
 }
 
-/// The script that restarts the films of a group together. An animated picture begins anew when it is loaded anew, and the script waits
-/// until all of them are loaded.
+/// The script that restarts the films of a group together. An animated picture begins anew when it is loaded anew, so
+/// the script fetches all files before it shows any of them.
 const TOGETHER: &str = r#"
 for (const button of document.querySelectorAll("button.together")) {
   button.addEventListener("click", async () => {

@@ -45,7 +45,7 @@ pub struct ImageComparison {
     pub flip_picture: Vec<u8>,
 }
 
-/// Compares an image with a reference; `None` if their sizes differ.
+/// Compares an image with a reference, each given with its name; `None` if their sizes differ.
 pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Option<ImageComparison> {
     let ((a_name, a), (b_name, b)) = (reference, test);
     let (width, height) = (a.width, a.height);
@@ -55,9 +55,12 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
     let all = vec![true; a.rgb.len()];
     let flip = FlipMap::new(&display(&a.rgb), &display(&b.rgb), width, height);
     let rmse_map = error_map(&a.rgb, &b.rgb, &all);
-    let greater =
-        |(n, most): (usize, f32), (i, error): (usize, &f32)| if *error > most { (i, *error) } else { (n, most) };
-    let (worst, greatest) = rmse_map.iter().enumerate().fold((0, 0.0), greater);
+    let (mut worst, mut greatest) = (0, 0.0);
+    for (pixel, error) in rmse_map.iter().enumerate() {
+        if *error > greatest {
+            (worst, greatest) = (pixel, *error);
+        }
+    }
     Some(ImageComparison {
         head: CompareHead::new("compare-images", a_name, b_name),
         width,
@@ -72,7 +75,7 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
     })
 }
 
-/// The display image: 3 bytes a pixel.
+/// Converts linear colours to a display image, 3 bytes a pixel.
 pub fn display(color: &[[f32; 3]]) -> Vec<u8> {
     color.iter().flat_map(|c| c.map(display_byte)).collect()
 }

@@ -1,4 +1,4 @@
-//! Comparisons of times as rows of a table: the most important first.
+//! Makes rows of a table of comparisons of times, the most important first.
 
 use super::subject::NOT_SET;
 use super::{Subject, TOTAL, TimeComparison};
@@ -7,21 +7,22 @@ use ssct::methods::{self, MethodInfo};
 use ssct_ground::parameter::{Choices, Preset};
 use ssct_truth::metrics::bootstrap::{MIN_SAMPLES, MOST_FORETOLD, Ratio, Verdict};
 
-/// The names of the columns of [`subject_labels`].
+/// The headers of the texts of [`subject_labels`], in the same order.
 pub const SUBJECT_COLUMNS: [&str; 6] = ["scene view", "size", "roughness", "normals", "method", "preset"];
 
-/// The subject of a comparison, in a few words a column.
+/// Describes the subject of a comparison by a text for each of [`SUBJECT_COLUMNS`].
 pub fn subject_labels(s: &Subject) -> [String; 6] {
-    let own = |name: &str| match s.get(name) {
+    let value_or_own = |name: &str| match s.get(name) {
         "" => NOT_SET.to_owned(),
         value => value.to_owned(),
     };
     let place = format!("{} {}", s.get("scene"), s.get("view"));
     let size = format!("{}x{}", s.get("width"), s.get("height"));
-    [place, size, own("roughness"), own("normal_deviation"), method(s), s.get("preset").to_owned()]
+    let [roughness, normals] = ["roughness", "normal_deviation"].map(value_or_own);
+    [place, size, roughness, normals, method(s), s.get("preset").to_owned()]
 }
 
-/// A method with the parameters that differ from its preset.
+/// Names the method of a subject, and in brackets the parameters that differ from its preset.
 fn method(s: &Subject) -> String {
     let name = s.get("method");
     let preset = Preset::of_name(s.get("preset")).unwrap_or_default();
@@ -31,7 +32,8 @@ fn method(s: &Subject) -> String {
 }
 
 impl TimeComparison {
-    /// The labels of a row: the subject and the pass. A comparison of two settings has their common place and the two settings.
+    /// Returns the labels of a row: one for each of [`SUBJECT_COLUMNS`], and the pass. In a comparison of two settings,
+    /// the settings of A and of B stand in the columns of method and preset.
     pub fn labels(&self) -> [String; 7] {
         let [place, size, roughness, normals, method, preset] = subject_labels(&self.subject);
         let [first, second] = match (&self.setting_a, &self.setting_b) {
@@ -41,8 +43,8 @@ impl TimeComparison {
         [place, size, roughness, normals, first, second, self.pass.clone()]
     }
 
-    /// The verdict in words. An undecided verdict gives the number of samples that would probably decide, and says
-    /// whether the noise floor alone leaves it undecided.
+    /// Returns the verdict as tables show it. If it is undecided, the text gives the number of samples that would
+    /// probably decide, and says whether the noise floor alone leaves it undecided.
     fn shown_verdict(&self) -> String {
         let open = if self.is_open_by_floor() { "UNDECIDED by the floor" } else { "UNDECIDED" };
         match (self.verdict, self.samples_to_decide) {
@@ -52,17 +54,19 @@ impl TimeComparison {
         }
     }
 
-    /// Whether the interval alone would decide, but the noise floor leaves the verdict undecided.
+    /// Whether an undecided verdict would be decided if the noise floor were 0.
     fn is_open_by_floor(&self) -> bool {
         let (Some(ratio), Some(low), Some(high), Some(_)) = (self.ratio, self.low, self.high, self.noise_floor) else {
             return false;
         };
-        let enough = self.samples_a.min(self.samples_b) >= MIN_SAMPLES;
-        enough && Verdict::for_ratio(&Ratio { ratio, low, high }, self.judgement.threshold, 0.0) != Verdict::Undecided
+        let has_enough = self.samples_a.min(self.samples_b) >= MIN_SAMPLES;
+        has_enough
+            && Verdict::for_ratio(&Ratio { ratio, low, high }, self.judgement.threshold, 0.0) != Verdict::Undecided
     }
 
-    /// The sort key of a row in a table. The total comes first, then passes that became faster or slower, by the difference of
-    /// their times. Other counted passes follow by their time, and passes that do not count come last.
+    /// Returns the sort key of a row in a table: the number of its class, and its place in the class. The total comes
+    /// first, then counted passes that became faster or slower, the greatest difference first. Other counted passes and
+    /// then passes that do not count follow, the longest first.
     fn rank(&self) -> (u8, f64) {
         let (a, b) = (self.median_a_ms.unwrap_or(0.0), self.median_b_ms.unwrap_or(0.0));
         let is_decided = matches!(self.verdict, Some(Verdict::Faster | Verdict::Slower));
@@ -75,38 +79,40 @@ impl TimeComparison {
     }
 }
 
-/// A note on the word for a value that is not set, if a row of [`cells`] has it.
+/// Returns a note on the word "own", which stands for a value that no option set; `None` if no row of [`cells`] has the
+/// word.
 pub fn own_note(records: &[TimeComparison]) -> Option<&'static str> {
     let has_own = |r: &TimeComparison| r.only_in.is_none() && subject_labels(&r.subject).iter().any(|s| s == NOT_SET);
     records.iter().any(has_own).then_some("own: each material has its own value, since no option set one.")
 }
 
-/// How much longer the scene passes took in one measurement than in another, as tables show it.
+/// Returns a drift as tables show it, in percent with its sign; a dash if there is none.
 pub fn shown_drift(drift: Option<f64>) -> String {
     drift.map_or_else(|| "-".to_owned(), |drift| format!("{:+.0} %", 100.0 * drift))
 }
 
-/// The records that both sides have, in the order of a table: those of one subject together, the most important first. With
-/// `all`, each group of passes is followed by its parts; otherwise the parts are left out.
+/// Returns the records of passes that both sides have, in the order of a table. Records of one subject and one pair of
+/// settings stay together, the most important first. If `all` is true, each group of passes is followed by its parts;
+/// otherwise the parts are left out.
 pub fn ordered(records: &[TimeComparison], all: bool) -> Vec<&TimeComparison> {
-    let is_one = |a: &&TimeComparison, b: &&TimeComparison| {
+    let is_same_subject = |a: &&TimeComparison, b: &&TimeComparison| {
         a.subject == b.subject && a.setting_a == b.setting_a && a.setting_b == b.setting_b
     };
-    let both: Vec<&TimeComparison> = records.iter().filter(|r| r.only_in.is_none()).collect();
+    let in_both: Vec<&TimeComparison> = records.iter().filter(|r| r.only_in.is_none()).collect();
     let mut rows = Vec::new();
-    for of_one in both.chunk_by(is_one) {
-        let mut first: Vec<_> = of_one.iter().filter(|r| r.part_of.is_none()).collect();
-        first.sort_by(|x, y| x.rank().0.cmp(&y.rank().0).then(x.rank().1.total_cmp(&y.rank().1)));
-        for row in first {
+    for of_subject in in_both.chunk_by(is_same_subject) {
+        let mut wholes: Vec<_> = of_subject.iter().filter(|r| r.part_of.is_none()).collect();
+        wholes.sort_by(|x, y| x.rank().0.cmp(&y.rank().0).then(x.rank().1.total_cmp(&y.rank().1)));
+        for row in wholes {
             rows.push(*row);
             let is_part = |r: &&&TimeComparison| r.part_of.as_ref() == Some(&row.pass) && r.counted == row.counted;
-            rows.extend(of_one.iter().filter(|_| all).filter(is_part));
+            rows.extend(of_subject.iter().filter(|_| all).filter(is_part));
         }
     }
     rows
 }
 
-/// A header, and a line for each of [`ordered`].
+/// Returns the cells of a table: a header, and a line for each record that [`ordered`] returns.
 pub fn cells(records: &[TimeComparison], all: bool) -> Vec<Vec<String>> {
     let has_drift = records.iter().any(|r| r.drift.is_some());
     let figures = ["pass", "A ms", "B ms", "B/A", "low", "high", "floor"];

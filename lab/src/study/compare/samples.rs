@@ -7,7 +7,7 @@ use ssct::gpu::DeviceInfo;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A row of raw samples: the time of one pass in one frame.
+/// A raw sample: the time of one pass in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeSample {
     /// Subject of the frame; successive rows of one subject share it.
@@ -36,79 +36,84 @@ pub struct Run {
 }
 
 impl Run {
-    /// The names of the settings that the run's file gives for a method's frames; `None` if it has no frames of the method.
+    /// Returns the names of the settings that the run's file gives for a method's frames; `None` if it has no frames of
+    /// the method.
     fn stated_names(&self, method: &str) -> Option<BTreeSet<&String>> {
-        let is_of = |s: &&TimeSample| s.subject.get("method") == method;
+        let is_of_method = |s: &&TimeSample| s.subject.get("method") == method;
         self.samples
             .iter()
-            .any(|s| is_of(&s))
-            .then(|| self.samples.iter().filter(is_of).flat_map(|s| s.subject.0.keys()).collect())
+            .any(|s| is_of_method(&s))
+            .then(|| self.samples.iter().filter(is_of_method).flat_map(|s| s.subject.0.keys()).collect())
     }
 
-    /// The run's samples; each method keeps only the settings that another run's file gives for it, too.
+    /// Returns a copy of the run's samples, whose subjects have only settings that the file of the run `other` gives
+    /// for the same method, too. The subjects of methods that `other` lacks keep all settings.
     fn with_common_names(&self, other: &Self) -> Vec<TimeSample> {
-        let mut known: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
+        let mut names_in_other: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
         let mut samples = self.samples.clone();
-        // Rows that follow each other share their subject, so that the last subject and its shortened copy are kept.
+        // Samples that follow each other often share a subject: the last subject and its shortened copy are kept.
         let mut last: Option<[Arc<Subject>; 2]> = None;
         for s in &mut samples {
-            let stripped = match &last {
+            let shortened = match &last {
                 Some([from, to]) if Arc::ptr_eq(from, &s.subject) => Arc::clone(to),
                 _ => {
                     let method = s.subject.get("method").to_owned();
-                    match known.entry(method).or_insert_with_key(|method| other.stated_names(method)) {
+                    match names_in_other.entry(method).or_insert_with_key(|method| other.stated_names(method)) {
                         None => Arc::clone(&s.subject),
-                        Some(told) => {
-                            let values = s.subject.0.iter().filter(|(name, _)| told.contains(name));
+                        Some(names) => {
+                            let values = s.subject.0.iter().filter(|(name, _)| names.contains(name));
                             Arc::new(Subject(values.map(|(name, text)| (name.clone(), text.clone())).collect()))
                         }
                     }
                 }
             };
-            last = Some([std::mem::replace(&mut s.subject, Arc::clone(&stripped)), stripped]);
+            last = Some([std::mem::replace(&mut s.subject, Arc::clone(&shortened)), shortened]);
         }
         samples
     }
 
-    /// The names of settings that another run's file gives, and this run's file does not, for methods that both runs have.
+    /// Returns the names of settings that the file of the run `other` gives, and this run's file does not, for methods
+    /// that both runs have.
     pub(super) fn missing_settings(&self, other: &Self) -> BTreeSet<String> {
         let methods: BTreeSet<&str> = self.samples.iter().map(|s| s.subject.get("method")).collect();
-        let lacking = |method: &&str| {
-            let (mine, theirs) = (self.stated_names(method)?, other.stated_names(method)?);
-            Some(theirs.difference(&mine).map(|name| (*name).clone()).collect::<Vec<_>>())
+        let missing = |method: &&str| {
+            let (names, names_in_other) = (self.stated_names(method)?, other.stated_names(method)?);
+            Some(names_in_other.difference(&names).map(|name| (*name).clone()).collect::<Vec<_>>())
         };
-        methods.iter().filter_map(lacking).flatten().collect()
+        methods.iter().filter_map(missing).flatten().collect()
     }
 }
 
 /// The samples of one pass, of a group of passes, or of the total.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Samples {
+    /// Label of the pass, name of the group, or [`TOTAL`].
     pub(super) pass: String,
     /// The group that the pass is a part of.
     pub(super) part_of: Option<String>,
     pub(super) counted: bool,
     /// Number of the frame of each sample.
     pub(super) numbers: Vec<u64>,
+    /// Milliseconds of each sample.
     pub(super) ms: Vec<f64>,
     pub(super) noise_floor: Option<f64>,
 }
 
 impl Samples {
-    /// Whether a row belongs to these samples.
+    /// Whether a row of a frame is a sample of this pass, group or total.
     fn has_row(&self, row: &Row) -> bool {
         self.pass == row.pass && self.part_of.as_deref() == row.part_of && self.counted == row.counted
     }
 
-    /// The pass's time and the time of `other` in each frame whose number both have.
+    /// Returns the time of these samples and that of `other`, in milliseconds, for each frame number that both have.
     pub(super) fn paired_times(&self, other: &Self) -> Vec<[f64; 2]> {
-        let theirs: BTreeMap<u64, f64> = other.numbers.iter().copied().zip(other.ms.iter().copied()).collect();
-        let mine = self.numbers.iter().zip(&self.ms);
-        mine.filter_map(|(number, ms)| Some([*ms, *theirs.get(number)?])).collect()
+        let other_ms: BTreeMap<u64, f64> = other.numbers.iter().copied().zip(other.ms.iter().copied()).collect();
+        let own = self.numbers.iter().zip(&self.ms);
+        own.filter_map(|(number, ms)| Some([*ms, *other_ms.get(number)?])).collect()
     }
 }
 
-/// A pass, a group or the total in one frame.
+/// A row of a frame: the time of a pass, of a group of passes, or of the total.
 struct Row<'r> {
     pass: &'r str,
     part_of: Option<&'r str>,
@@ -120,26 +125,26 @@ struct Row<'r> {
 /// All samples of one subject: its passes in order, each group before its parts, and the total last.
 pub(super) type Group = (Subject, Vec<Samples>);
 
-/// Samples by subject and pass, both in order of appearance. Rows of one subject and sample number
-/// that follow each other are one frame.
+/// Groups samples by subject and pass, both in the order in which they first appear. Samples of one subject with one
+/// frame number that follow each other are one frame.
 pub(super) fn groups(samples: &[TimeSample]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for frame in samples.chunk_by(|a, b| a.sample == b.sample && a.subject == b.subject) {
         let Some(first) = frame.first() else { continue };
-        let place = groups.iter().rposition(|(s, _)| *s == *first.subject).unwrap_or_else(|| {
+        let group_index = groups.iter().rposition(|(subject, _)| *subject == *first.subject).unwrap_or_else(|| {
             groups.push(((*first.subject).clone(), Vec::new()));
             groups.len() - 1
         });
-        let passes = &mut groups[place].1;
+        let passes = &mut groups[group_index].1;
         for row in rows(frame) {
-            let known = passes.iter().position(|s| s.has_row(&row)).unwrap_or_else(|| {
+            let pass_index = passes.iter().position(|s| s.has_row(&row)).unwrap_or_else(|| {
                 let (pass, part_of) = (row.pass.to_owned(), row.part_of.map(str::to_owned));
                 let (counted, noise_floor) = (row.counted, row.noise_floor);
                 passes.push(Samples { pass, part_of, counted, numbers: Vec::new(), ms: Vec::new(), noise_floor });
                 passes.len() - 1
             });
-            passes[known].numbers.push(first.sample);
-            passes[known].ms.push(row.ms);
+            passes[pass_index].numbers.push(first.sample);
+            passes[pass_index].ms.push(row.ms);
         }
     }
     for (_, passes) in &mut groups {
@@ -148,12 +153,14 @@ pub(super) fn groups(samples: &[TimeSample]) -> Vec<Group> {
     groups
 }
 
-/// The groups of two runs, by the settings that the files of both give for each method.
+/// Groups the samples of each of two runs, by the settings that both files give for a method; other settings are left
+/// out.
 pub(super) fn groups_of_both(a: &Run, b: &Run) -> [Vec<Group>; 2] {
     [(a, b), (b, a)].map(|(run, other)| groups(&run.with_common_names(other)))
 }
 
-/// The rows of a frame: passes, groups of passes, and the sum of the counted passes.
+/// Makes the rows of a frame from the samples of its passes. Each group of passes has a row before its first part, and
+/// the sum of the counted passes comes last.
 fn rows(frame: &[TimeSample]) -> Vec<Row<'_>> {
     let mut rows: Vec<Row> = Vec::new();
     for sample in frame {
@@ -173,11 +180,12 @@ fn rows(frame: &[TimeSample]) -> Vec<Row<'_>> {
     rows
 }
 
-/// A sum of passes. Its noise floor is the greatest that it can be: the sum of the parts' noise floors in milliseconds,
-/// divided by the sum of their times.
+/// Makes the row of a sum of passes under the name `pass`. Its noise floor is the greatest that it can be: the sum of
+/// the parts' noise floors in milliseconds, divided by the sum of their times. It is `None` if a part has none.
 fn sum<'r>(pass: &'r str, parts: impl Iterator<Item = &'r TimeSample> + Clone) -> Row<'r> {
     let ms: f64 = parts.clone().map(|s| s.ms).sum();
-    let strays: Option<f64> = parts.clone().map(|s| Some(s.floors[0]? * s.ms)).sum();
+    let floor_ms: Option<f64> = parts.clone().map(|s| Some(s.floors[0]? * s.ms)).sum();
     let counted = parts.clone().all(|s| s.counted);
-    Row { pass, part_of: None, counted, ms, noise_floor: strays.map(|strays| if ms > 0.0 { strays / ms } else { 0.0 }) }
+    let noise_floor = floor_ms.map(|floor_ms| if ms > 0.0 { floor_ms / ms } else { 0.0 });
+    Row { pass, part_of: None, counted, ms, noise_floor }
 }

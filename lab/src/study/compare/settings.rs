@@ -10,8 +10,9 @@ use ssct_ground::parameter::{Choices, Preset};
 use std::collections::BTreeSet;
 use std::str::FromStr;
 
-/// Selects a setting of a run by a method and options as typed on the command line: `ssct --iterations 64`. Options that are
-/// not named may have any value, if only one setting of each place fits.
+/// Selects a setting of a run by a method and options, written as on the command line: `ssct --iterations 64`. Options
+/// that are not named may have any value; of several such settings at one place, the one nearest to the preset is
+/// meant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Selection {
     text: String,
@@ -19,19 +20,24 @@ pub struct Selection {
     values: Vec<(String, String)>,
 }
 
-/// Options of a lens, and the columns of the samples with their values.
+/// The options of a lens whose columns in the samples have other names: the option and its column.
 const LENS: [(&str, &str); 4] =
     [("fov", "fov_degrees"), ("near", "near_m"), ("far", "far_m"), ("orthographic_height", "orthographic_height_m")];
 
-/// The column of the samples with the value of an option.
+/// Returns the name of the column of the samples that has the values of an option.
 fn column(option: &str) -> String {
     let name = option.replace('-', "_");
-    LENS.iter().find(|(typed, _)| *typed == name).map_or_else(|| name.clone(), |(_, column)| (*column).to_owned())
+    match LENS.iter().find(|(lens_option, _)| *lens_option == name) {
+        Some((_, column)) => (*column).to_owned(),
+        None => name,
+    }
 }
 
 impl FromStr for Selection {
     type Err = String;
 
+    /// Reads a method, if the text begins with one, and then options. A value follows its option after a space or after
+    /// `=`; an option without a value is a switch, and is taken as on.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut values: Vec<(String, String)> = Vec::new();
         let mut words = text.split_whitespace().peekable();
@@ -59,7 +65,7 @@ impl FromStr for Selection {
     }
 }
 
-/// Whether a recorded value equals a typed one.
+/// Whether the recorded value of a sample equals the value that a user typed. Numbers are compared as numbers.
 fn is_value(recorded: &str, typed: &str) -> bool {
     let numbers = recorded.parse::<f64>().ok().zip(typed.parse::<f64>().ok());
     match (recorded, typed) {
@@ -69,9 +75,9 @@ fn is_value(recorded: &str, typed: &str) -> bool {
 }
 
 impl Selection {
-    /// Whether the selection names a value, given by the column of the samples.
-    fn names(&self, name: &str) -> bool {
-        self.values.iter().any(|(known, _)| known == name)
+    /// Whether the selection names a value of a column of the samples.
+    fn names(&self, column: &str) -> bool {
+        self.values.iter().any(|(named, _)| named == column)
     }
 
     /// Whether a subject has every value that the selection names.
@@ -79,19 +85,20 @@ impl Selection {
         self.values.iter().all(|(name, typed)| is_value(subject.get(name), typed))
     }
 
-    /// The number of parameters of a subject that the selection does not name and that differ from their preset.
+    /// Counts the parameters of a subject that differ from their preset and that the selection does not name. A preset
+    /// other than the default counts as one more, unless the selection names the preset.
     fn unnamed(&self, subject: &Subject) -> usize {
         let preset = Preset::of_name(subject.get("preset")).unwrap_or_default();
         let rows = methods::find(subject.get("method")).map_or_else(|_| Vec::new(), MethodInfo::reads);
-        let other = rows.iter().filter(|row| differing(row, preset, subject.get(row.name)).is_some());
-        let is_author = !self.names("preset") && preset != Preset::default();
-        other.filter(|row| !self.names(row.name)).count() + usize::from(is_author)
+        let changed = rows.iter().filter(|row| differing(row, preset, subject.get(row.name)).is_some());
+        let has_other_preset = !self.names("preset") && preset != Preset::default();
+        changed.filter(|row| !self.names(row.name)).count() + usize::from(has_other_preset)
     }
 
-    /// The groups of a run that fit the selection.
+    /// Returns those groups of `all`, the groups of a run, that fit the selection.
     ///
     /// # Errors
-    /// A sentence, if no group fits, or if no sample of the run has an option.
+    /// A sentence, if no group fits, or if no sample of the run has a value for a named option.
     fn groups_in<'g>(&self, run: &Run, all: &'g [Group]) -> Result<Vec<&'g Group>, String> {
         let known: BTreeSet<&str> = all.iter().flat_map(|(s, _)| s.0.keys()).map(String::as_str).collect();
         if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains(name.as_str())) {
@@ -105,7 +112,8 @@ impl Selection {
         Ok(found)
     }
 
-    /// The methods of some groups, and their values of the options that the selection names.
+    /// Returns a text for the method and for each option that the selection names, with the values that the groups
+    /// have, such as "iterations 64, 1024".
     fn values_in(&self, all: &[Group]) -> Vec<String> {
         let names: BTreeSet<&str> = self.values.iter().map(|(name, _)| name.as_str()).chain(["method"]).collect();
         let shown = |name: &str| {
@@ -115,16 +123,16 @@ impl Selection {
         names.into_iter().map(shown).collect()
     }
 
-    /// Picks one of the groups that were measured at one place: the one that differs from the preset in the fewest parameters, not
-    /// counting those that the selection names.
+    /// Picks one of the groups that fit the selection at one place: the group that differs from the preset in the
+    /// fewest parameters, not counting those that the selection names.
     ///
     /// # Errors
-    /// A sentence with two of the groups, if several fit.
+    /// A sentence that names two of the groups, if several differ in equally few.
     fn one<'g>(&self, fitting: &[&'g Group]) -> Result<&'g Group, String> {
         let least = fitting.iter().map(|(subject, _)| self.unnamed(subject)).min();
-        let meant: Vec<&Group> =
+        let nearest_to_preset: Vec<&Group> =
             fitting.iter().copied().filter(|(subject, _)| Some(self.unnamed(subject)) == least).collect();
-        match meant[..] {
+        match nearest_to_preset[..] {
             [one] => Ok(one),
             [(first, _), (second, _), ..] => Err(format!(
                 "{:?} means several settings, such as \"{}\" and \"{}\"",
@@ -137,33 +145,34 @@ impl Selection {
     }
 }
 
-/// The place of a measurement, without the values that a selection names.
+/// Returns the values of a subject's place, without those that one of the two selections names.
 fn place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
-    let is_free = |name: &&str| !chosen.iter().any(|selection| selection.names(name));
-    PLACE.into_iter().filter(is_free).map(|name| subject.get(name).to_owned()).collect()
+    let is_unnamed = |name: &&str| !chosen.iter().any(|selection| selection.names(name));
+    PLACE.into_iter().filter(is_unnamed).map(|name| subject.get(name).to_owned()).collect()
 }
 
-/// Compares a setting of A with one of B at every place where both were timed. If A and B are one run and the settings
-/// have the same place, their frames are compared turn by turn. `threshold` is the change of a time that counts, as a
-/// share, at least 0 and below 1.
+/// Compares a setting of A with a setting of B at every place where both were timed; `chosen` selects the two settings.
+/// If A and B are one run and the settings have the same place, their frames are compared turn by turn. `threshold` is
+/// the change of a time that counts, as a share, at least 0 and below 1.
 ///
 /// # Errors
 /// A sentence, if a selection fits no setting or several, or if no place has both settings.
 pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Result<Vec<TimeComparison>, String> {
     let comparison = Comparison::new(a, b, threshold);
     let [groups_a, groups_b] = groups_of_both(a, b);
-    let named = |side: &str, e: String| format!("--{side} {e}");
-    let of_a = chosen[0].groups_in(a, &groups_a).map_err(|e| named("a", e))?;
-    let of_b = chosen[1].groups_in(b, &groups_b).map_err(|e| named("b", e))?;
+    let with_option = |side: &str, e: String| format!("--{side} {e}");
+    let fitting_a = chosen[0].groups_in(a, &groups_a).map_err(|e| with_option("a", e))?;
+    let fitting_b = chosen[1].groups_in(b, &groups_b).map_err(|e| with_option("b", e))?;
     let mut records = Vec::new();
-    for here in distinct(of_a.iter().map(|(subject, _)| place(subject, chosen))) {
+    for here in distinct(fitting_a.iter().map(|(subject, _)| place(subject, chosen))) {
         let is_here = |group: &&&Group| place(&group.0, chosen) == here;
-        let [fit_a, fit_b] = [&of_a, &of_b].map(|all| all.iter().filter(is_here).copied().collect::<Vec<_>>());
-        if fit_b.is_empty() {
+        let [here_in_a, here_in_b] =
+            [&fitting_a, &fitting_b].map(|all| all.iter().filter(is_here).copied().collect::<Vec<_>>());
+        if here_in_b.is_empty() {
             continue;
         }
-        let one_a = chosen[0].one(&fit_a).map_err(|e| named("a", e))?;
-        let one_b = chosen[1].one(&fit_b).map_err(|e| named("b", e))?;
+        let one_a = chosen[0].one(&here_in_a).map_err(|e| with_option("a", e))?;
+        let one_b = chosen[1].one(&here_in_b).map_err(|e| with_option("b", e))?;
         let in_turn = std::ptr::eq(a, b) && one_a.0.place() == one_b.0.place();
         records.extend(pair(&comparison, [one_a, one_b], in_turn));
     }
@@ -173,26 +182,28 @@ pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Re
     Ok(records)
 }
 
-/// The records of two settings, with the values in which the settings differ.
+/// Makes the records that compare two settings, each named by its method and the values in which it differs from the
+/// other. `paired` says that frames with the same number were timed in turn.
 fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeComparison> {
     let records = comparison.records(&a.0.common(&b.0), [&a.1, &b.1], paired).into_iter();
     let [setting_a, setting_b] = [a.0.difference_from(&b.0, ""), b.0.difference_from(&a.0, "")];
-    let same = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
-    let warnings = same.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
+    let same_warning = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
+    let warnings = same_warning.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
     let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
     let is_same_work = a.0.is_same_work(&b.0);
-    let with = |record: TimeComparison| TimeComparison {
+    let with_settings = |record: TimeComparison| TimeComparison {
         drift: record.drift.filter(|_| is_same_work),
         warning: warning.clone(),
         setting_a: Some(setting_a.clone()),
         setting_b: Some(setting_b.clone()),
         ..record
     };
-    records.map(with).collect()
+    records.map(with_settings).collect()
 }
 
-/// Compares settings of one run that were timed in turn, each with the first, turn by turn. Each element of `series` has the
-/// samples of one subject. `threshold` is the change of a time that counts, as a share, at least 0 and below 1.
+/// Compares settings of one run that were timed in turn: each setting with the first, turn by turn. Each element of
+/// `series` has the samples of one setting. `threshold` is the change of a time that counts, as a share, at least 0 and
+/// below 1.
 pub fn in_turns(run: &Run, series: &[Vec<TimeSample>], threshold: f64) -> Vec<TimeComparison> {
     let all: Vec<Vec<Group>> = series.iter().map(|samples| groups(samples)).collect();
     let comparison = Comparison::new(run, run, threshold);

@@ -1,5 +1,4 @@
-//! The subject of a frame: the scene, view, method and settings that the frame was drawn with. Also finds how two
-//! subjects differ.
+//! Subjects: the scene, view, method and settings that a frame was drawn with; and the differences of two subjects.
 
 use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
@@ -10,13 +9,13 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Subject(pub BTreeMap<String, String>);
 
-/// The values in which two subjects must be equal before their differences are listed.
+/// Names of the values in which two subjects must be equal before their differences are listed.
 const LIKE: [&str; 3] = ["scene", "view", "method"];
 
-/// Names of the values that decide how much work the scene passes do.
+/// Names of the values that decide how much work the passes that draw the scene do.
 const WORK: [&str; 8] = ["scene", "view", "width", "height", "fov_degrees", "near_m", "far_m", "orthographic_height_m"];
 
-/// Names of values that belong to the place of a measurement: methods and their parameters are compared within one place.
+/// Names of the values that are the place of a measurement. Methods and their parameters are compared within one place.
 pub(super) const PLACE: [&str; 11] = [
     "scene",
     "view",
@@ -35,12 +34,12 @@ pub(super) const PLACE: [&str; 11] = [
 pub(super) const NOT_SET: &str = "own";
 
 impl Subject {
-    /// A value as its file has it; empty if it is null or not known.
+    /// Returns the value with a name as its file has it; empty if it is null or missing.
     pub fn get(&self, name: &str) -> &str {
         self.0.get(name).map_or("", String::as_str)
     }
 
-    /// The values that belong to the place of the measurement, in the order of `PLACE`.
+    /// Returns the values of the measurement's place, in the order of `PLACE`.
     pub fn place(&self) -> [&str; PLACE.len()] {
         PLACE.map(|name| self.get(name))
     }
@@ -61,23 +60,24 @@ impl Subject {
         names.into_iter().map(String::as_str).filter(|name| self.get(name) != other.get(name)).collect()
     }
 
-    /// The differences of two subjects, as "cone_samples 7 in A, 3 in B".
+    /// Describes each difference of this subject, as A, from the subject `b`, as B: "cone_samples 7 in A, 3 in B".
     pub(super) fn differences(&self, b: &Self) -> Vec<String> {
         let value = |subject: &Self, name: &str| match subject.get(name) {
             "" => "not set".to_owned(),
             value => value.to_owned(),
         };
-        let said = |name: &str| format!("{name} {} in A, {} in B", value(self, name), value(b, name));
-        self.differing(b).into_iter().map(said).collect()
+        let difference = |name: &str| format!("{name} {} in A, {} in B", value(self, name), value(b, name));
+        self.differing(b).into_iter().map(difference).collect()
     }
 
-    /// The values that two subjects have in common.
+    /// Returns a subject with the values that are equal in both subjects.
     pub(super) fn common(&self, other: &Self) -> Self {
         let same = self.0.iter().filter(|(name, value)| other.0.get(*name) == Some(*value));
         Self(same.map(|(name, value)| (name.clone(), value.clone())).collect())
     }
 
-    /// The method, and each value in which the subject differs from another one, as options that begin with `mark`.
+    /// Returns the subject's method, followed by each value in which the subject differs from `other`, as an option and
+    /// its value. An option begins with `mark`, which is "--" for text that a user can type, or empty.
     pub(super) fn difference_from(&self, other: &Self, mark: &str) -> String {
         let option = |name: &str| {
             let value = match self.get(name) {
@@ -87,14 +87,15 @@ impl Subject {
             format!(" {mark}{} {value}", name.replace('_', "-"))
         };
         let method = self.get("method").to_owned();
-        // A parameter that only one of the two methods has is implied by the method's name.
-        let is_set = |name: &str| !self.get(name).is_empty() && !other.get(name).is_empty();
-        let own = |name: &&str| *name != "method" && (is_set(name) || PLACE.contains(name));
-        self.differing(other).into_iter().filter(own).map(option).fold(method, |words, option| words + &option)
+        // A parameter that only one of the two methods has is implied by the method's name. The values in PLACE
+        // belong to no method, and are named even if one subject does not set them.
+        let is_set_in_both = |name: &str| !self.get(name).is_empty() && !other.get(name).is_empty();
+        let is_named = |name: &&str| *name != "method" && (is_set_in_both(name) || PLACE.contains(name));
+        self.differing(other).into_iter().filter(is_named).map(option).fold(method, |words, option| words + &option)
     }
 }
 
-/// Serializes each value by its form: a number, a truth value, null if empty, otherwise text.
+/// Serializes each value as what its text looks like: a number, a truth value, null if empty, otherwise text.
 impl Serialize for Subject {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let value = |text: &str| match text {

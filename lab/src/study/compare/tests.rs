@@ -1,9 +1,9 @@
-//! Comparisons of small made-up runs and images.
+//! Tests of comparisons, with small runs and images that are made up.
 
 use super::*;
 use std::sync::Arc;
 
-/// The time of a pass in a frame of a method. All rows have the same scene, view and settings.
+/// Makes the sample of a pass in the frame with number `sample`. All samples have the same scene, view and settings.
 fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
     let set = [
         ("scene", "rooms"),
@@ -19,7 +19,8 @@ fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSam
     TimeSample { subject: Arc::new(subject), sample, pass: pass.into(), counted, ms, floors: [None; 2] }
 }
 
-/// Six frames of a method: an uncounted pass and two counted ones.
+/// Makes a run of six frames of a method, with an uncounted pass and two counted passes; `scale` multiplies the time of
+/// the pass `trace`.
 fn run(method: &str, scale: f64) -> Run {
     let frame = |n| {
         [("lit", false, 5.0), ("trace", true, 2.0 * scale), ("composite", true, 1.0)]
@@ -28,6 +29,7 @@ fn run(method: &str, scale: f64) -> Run {
     Run { name: method.into(), device: None, samples: (0..6).flat_map(frame).collect() }
 }
 
+/// Tests the ratios of passes and of the total, where one pass takes twice as long in B.
 #[test]
 fn totals_are_sums_of_counted_passes_frame_by_frame() {
     let records = times(&run("ssct", 1.0), &run("ssct", 2.0), 0.05);
@@ -61,11 +63,12 @@ fn nothing_within_the_noise_floor_is_faster_or_slower() {
     assert_eq!(verdicts([None, None]), [slower, slower]);
     assert_eq!(verdicts([Some(0.3), Some(0.1)]), [open, slower]);
     assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, open]);
-    let told = cells(&times(&run("ssct", 1.0), &with_floor(1.2, [Some(0.3), None]), 0.05), false);
-    let row = told.iter().find(|row| row.iter().any(|cell| cell == "trace")).expect("the pass");
-    assert!(row.last().is_some_and(|said| said.starts_with("UNDECIDED by the floor, n ")), "{row:?}");
+    let table = cells(&times(&run("ssct", 1.0), &with_floor(1.2, [Some(0.3), None]), 0.05), false);
+    let row = table.iter().find(|row| row.iter().any(|cell| cell == "trace")).expect("the pass");
+    assert!(row.last().is_some_and(|verdict| verdict.starts_with("UNDECIDED by the floor, n ")), "{row:?}");
 }
 
+/// Tests that passes of different methods are not compared, and that each names the run that has it.
 #[test]
 fn what_one_run_lacks_is_listed_without_a_verdict() {
     let records = times(&run("ssct", 1.0), &run("hzct", 1.0), 0.05);
@@ -75,7 +78,7 @@ fn what_one_run_lacks_is_listed_without_a_verdict() {
     assert!(records.iter().all(|r| r.verdict.is_none() && r.ratio.is_none()));
 }
 
-/// Tests that samples of one subject are put together, and that fewer than five samples decide nothing.
+/// Tests that all samples of one subject count as one series, and that fewer than five samples decide nothing.
 #[test]
 fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
     let mut twice = run("ssct", 1.0);
@@ -88,6 +91,7 @@ fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
     assert!(records.iter().all(|r| r.samples_b == 4 && r.verdict == Some(Verdict::Undecided)));
 }
 
+/// Tests that frames with different settings are not compared, and that the difference is named.
 #[test]
 fn a_setting_that_differs_is_another_subject_and_is_named() {
     let plain = run("ssct", 1.0);
@@ -111,6 +115,7 @@ fn a_setting_that_differs_is_another_subject_and_is_named() {
     }
 }
 
+/// Tests that a setting which one file lacks is ignored with a warning that names the file and the setting.
 #[test]
 fn what_one_file_does_not_say_is_left_out_of_account_with_a_warning() {
     let plain = run("ssct", 1.0);
@@ -133,6 +138,7 @@ fn what_one_file_does_not_say_is_left_out_of_account_with_a_warning() {
     assert_eq!(times(&plain, &both, 0.05).iter().filter(|r| r.only_in.is_none()).count(), 4);
 }
 
+/// Tests the warnings about two devices, and about a device that is not known.
 #[test]
 fn devices_that_differ_or_are_not_known_warn() {
     let device = |name: &str| {
@@ -158,7 +164,7 @@ fn images_are_held_against_the_first() {
     assert_eq!(images(("a", &flat(0.5)), ("b", &wide)), None);
 }
 
-/// Samples with one value of their subject changed.
+/// Sets the value with a name in the subject of every sample of a run.
 fn with(mut run: Run, name: &str, value: &str) -> Run {
     for s in &mut run.samples {
         Arc::make_mut(&mut s.subject).0.insert(name.into(), value.into());
@@ -166,8 +172,8 @@ fn with(mut run: Run, name: &str, value: &str) -> Run {
     run
 }
 
-/// A run of two settings in turn, the second of which takes a fifth longer; a load doubles the times of both in each third
-/// turn.
+/// Makes a run of two settings that were timed in turn. All passes of the second take a fifth longer; in each third
+/// turn, a load on the machine doubles the times of both.
 fn two_settings() -> Run {
     let loaded = |mut run: Run, factor: f64| {
         for s in &mut run.samples {
@@ -180,11 +186,13 @@ fn two_settings() -> Run {
     Run { samples: [first.samples, second.samples].concat(), ..run("ssct", 1.0) }
 }
 
-/// Reads a selection.
+/// Reads a selection from a text, which must be right.
 fn selection(text: &str) -> Selection {
     text.parse().expect(text)
 }
 
+/// Tests that the load in every third turn does not widen the interval of a ratio within one run, but that it does
+/// between two runs.
 #[test]
 fn settings_of_one_run_are_compared_turn_by_turn() {
     let run = two_settings();
@@ -205,6 +213,7 @@ fn settings_of_one_run_are_compared_turn_by_turn() {
     assert!(apart.iter().all(|r| !r.paired && r.high.is_some_and(|high| high > 2.0)), "{apart:?}");
 }
 
+/// Tests which setting a selection means, and the messages where it means none or several.
 #[test]
 fn a_selection_means_one_setting_or_says_why_not() {
     // The selection `ssct` means the preset's own value of an option that it does not name.
@@ -212,19 +221,20 @@ fn a_selection_means_one_setting_or_says_why_not() {
     let [plain, few] = ["ssct", "ssct --iterations 64"].map(selection);
     let records = settings(&run, &run, [&plain, &few], 0.05).expect("both are there");
     assert_eq!(records[0].setting_a.as_deref(), Some("ssct iterations 1024"));
-    let said = |a: &str, run: &Run| settings(run, run, [&selection(a), &plain], 0.05).expect_err(a);
-    assert!(said("hzct", &run).contains("--a \"hzct\": ssct has no such setting; it has method ssct"));
-    assert!(said("ssct --iterations 65", &run).contains("it has iterations 1024, 64; method ssct"));
-    assert!(said("ssct --iteration 64", &run).contains("have no iteration"));
-    let odd = |n: &str| with(two_settings(), "cone_samples", n).samples;
-    let several = Run { samples: [odd("3"), odd("5")].concat(), ..two_settings() };
-    let wrong = said("ssct --iterations 64", &several);
+    let error_of = |a: &str, run: &Run| settings(run, run, [&selection(a), &plain], 0.05).expect_err(a);
+    assert!(error_of("hzct", &run).contains("--a \"hzct\": ssct has no such setting; it has method ssct"));
+    assert!(error_of("ssct --iterations 65", &run).contains("it has iterations 1024, 64; method ssct"));
+    assert!(error_of("ssct --iteration 64", &run).contains("have no iteration"));
+    let with_samples = |cone_samples: &str| with(two_settings(), "cone_samples", cone_samples).samples;
+    let several = Run { samples: [with_samples("3"), with_samples("5")].concat(), ..two_settings() };
+    let wrong = error_of("ssct --iterations 64", &several);
     assert!(wrong.contains("\"ssct --cone-samples 3\" and \"ssct --cone-samples 5\""), "{wrong}");
     for (text, why) in [("", "neither a method"), ("ssct 64", "no option stands before"), ("ssct -- 3", "no option")] {
         assert!(text.parse::<Selection>().expect_err(text).contains(why), "{text}");
     }
 }
 
+/// Tests selections that name a value of the place, such as the roughness.
 #[test]
 fn settings_may_differ_in_their_place_where_it_is_named() {
     let [smooth, rough] = ["0", "0.1"].map(|r| with(run("ssct", 1.0), "roughness", r).samples);
@@ -238,7 +248,7 @@ fn settings_may_differ_in_their_place_where_it_is_named() {
     assert_eq!(settings(&both, &both, [&any, &any], 0.05).expect("both are there").len(), 8);
 }
 
-/// Tests that the levels of a chain are added up, and that tables put the total and changed passes first.
+/// Tests that the times of a chain's levels are added up, and that tables put the total and changed passes first.
 #[test]
 fn passes_of_one_chain_are_a_group_and_what_matters_stands_first() {
     let levels = |name: &str, trace: f64| {
@@ -257,6 +267,7 @@ fn passes_of_one_chain_are_a_group_and_what_matters_stands_first() {
     assert_eq!(shown(true), ["total", "trace", "copy", "hi-z", "hi-z/1", "hi-z/2", "lit"]);
 }
 
+/// Tests that an undecided verdict, of a pass whose times vary by 30 %, gives a number of samples.
 #[test]
 fn an_open_verdict_says_how_many_samples_would_decide() {
     let mut wide = run("ssct", 1.0);
@@ -306,6 +317,7 @@ fn sides_of_different_moments_carry_their_drift() {
     assert!(in_turn.iter().all(|r| r.drift.is_some_and(|drift| drift.abs() < 0.5)), "in turn, too: {in_turn:?}");
 }
 
+/// Tests that settings of different sizes have no drift, since their scene passes do different work.
 #[test]
 fn settings_of_different_sizes_have_no_drift() {
     let [small, large] = ["16", "32"].map(|width| with(with(run("ssct", 1.0), "width", width), "height", "8"));
@@ -315,6 +327,7 @@ fn settings_of_different_sizes_have_no_drift() {
     assert!(records.iter().all(|r| r.drift.is_none()), "scene passes of two sizes are not the same work");
 }
 
+/// Tests that two runs with equal samples give no warning if different settings of them are compared.
 #[test]
 fn a_copy_of_a_run_is_compared_without_a_warning_where_the_settings_differ() {
     let (turns, copy) = (two_settings(), two_settings());
@@ -323,6 +336,7 @@ fn a_copy_of_a_run_is_compared_without_a_warning_where_the_settings_differ() {
     assert!(!records[0].warning.clone().unwrap_or_default().contains("one run"), "{:?}", records[0].warning);
 }
 
+/// Tests that a selection finds the column of a lens's option.
 #[test]
 fn options_of_a_lens_have_the_names_of_the_command_line() {
     let wide = with(run("ssct", 1.0), "fov_degrees", "90");

@@ -12,9 +12,9 @@ use ssct::methods::setup::HistoryUse;
 use ssct_ground::math::random::Stream;
 use ssct_scenes::{GBufferData, Scene, View};
 
-/// A complaint.
+/// A complaint, with a case that shows it.
 pub struct Complaint {
-    /// Name of the complaint's case.
+    /// Name of the case.
     pub name: &'static str,
     /// The complaint, in one sentence.
     pub complaint: &'static str,
@@ -22,17 +22,17 @@ pub struct Complaint {
     pub measured: &'static str,
     /// Greatest number that counts as good.
     pub at_most: f64,
-    /// Makes the scene and frames, at a size in pixels.
+    /// Makes the scene and the frames of the case, at a size in pixels.
     pub take: fn([u32; 2]) -> CaseInput,
     /// Computes the number of a variant, given by its index; `None` if the variant shows too little to be judged.
     pub number: fn(&[SeenFrame], usize) -> Option<f64>,
-    /// Whether the frames are a film, instead of a view under several settings.
+    /// Whether the frames follow each other in a film. Otherwise they show one view under several settings.
     pub is_film: bool,
 }
 
-/// Rays a pixel of the true reflection in mirrors.
+/// Rays a pixel of the true reflection in cases with mirrors.
 const MIRROR_RAYS: u32 = 16;
-/// Rays a pixel of the true reflection in glossy surfaces.
+/// Rays a pixel of the true reflection in cases with glossy surfaces.
 const GLOSS_RAYS: u32 = 96;
 
 /// Number of frames of a film.
@@ -235,47 +235,49 @@ pub const COMPLAINTS: &[Complaint] = &[
     },
 ];
 
-/// The first view of a scene.
+/// Returns the first view of a scene.
 fn first_view(scene: &Scene) -> View {
     scene.views.first().cloned().unwrap_or_default()
 }
 
-/// A number of equal frames of a scene from its first view.
+/// Makes a number of equal frames of a scene from its first view. `size` is in pixels, and `rays` is the number of rays
+/// a pixel of the true reflection.
 fn repeated(scene: Scene, size: [u32; 2], rays: u32, frames: usize) -> CaseInput {
     let frames = vec![Frame::still(&first_view(&scene), size); frames];
     CaseInput { scene, frames, set: |setup| setup, bounces: 1, rays, spoil: None }
 }
 
-/// One frame of a scene from its first view.
+/// Makes one frame of a scene from its first view.
 fn still(scene: Scene, size: [u32; 2], rays: u32) -> CaseInput {
     repeated(scene, size, rays, 1)
 }
 
-/// A film of a scene, in which `change` modifies each frame by its number.
+/// Makes a film of a scene; `change` modifies each frame according to its number, which is counted from 0.
 fn motion(scene: Scene, size: [u32; 2], rays: u32, change: fn(f32, &mut Frame)) -> CaseInput {
-    let mut take = repeated(scene, size, rays, FRAMES);
-    take.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n as f32, frame));
-    take
+    let mut input = repeated(scene, size, rays, FRAMES);
+    input.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n as f32, frame));
+    input
 }
 
-/// A film with a camera that turns slowly.
+/// Makes a film of a scene with a camera that turns slowly.
 fn pan(scene: Scene, size: [u32; 2]) -> CaseInput {
     motion(scene, size, MIRROR_RAYS, |n, frame| frame.view.look_at.x += 0.012 * n)
 }
 
-/// Turns the history on, which averages over frames.
-fn with_history(take: CaseInput) -> CaseInput {
-    CaseInput { set: |setup| setup.with(|p: &mut EffectParams| p.history = HistoryUse::On), ..take }
+/// Replaces the change of the methods' setup in a case by one that turns the history on.
+fn with_history(input: CaseInput) -> CaseInput {
+    CaseInput { set: |setup| setup.with(|p: &mut EffectParams| p.history = HistoryUse::On), ..input }
 }
 
-/// Frames of a scene of mirrors, in which `change` modifies each frame by its number.
+/// Makes `N` frames of a scene of mirrors; `change` modifies each frame according to its number, which is counted from
+/// 0.
 fn settings<const N: usize>(scene: Scene, size: [u32; 2], change: impl Fn(usize, &mut Frame)) -> CaseInput {
-    let mut take = repeated(scene, size, MIRROR_RAYS, N);
-    take.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n, frame));
-    take
+    let mut input = repeated(scene, size, MIRROR_RAYS, N);
+    input.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n, frame));
+    input
 }
 
-/// Frames with ratios of the far to the near plane from a thousand to a thousand million.
+/// Makes frames whose far plane is a thousand to a thousand million times as far away as the near plane.
 fn planes(size: [u32; 2]) -> CaseInput {
     const PLANES: [[f32; 2]; 4] = [[0.1, 100.0], [0.1, 10_000.0], [0.01, 100_000.0], [0.001, 1_000_000.0]];
     settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| {
@@ -284,46 +286,49 @@ fn planes(size: [u32; 2]) -> CaseInput {
     })
 }
 
-/// Frames whose size is a power of two, and frames of other sizes.
+/// Makes a frame whose sides are powers of two, frames that are a pixel smaller and larger, and one that lies between
+/// powers.
 fn sizes(size: [u32; 2]) -> CaseInput {
     let height = 1_i32 << size[1].ilog2();
     let width = 2 * height;
-    let all = [[0, 0], [-1, -1], [1, 1], [height / 2 + 1, height / 4 + 1]]
-        .map(|[x, y]| [width + x, height + y].map(|v: i32| v as u32));
-    settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| frame.extent = all[n])
+    let extents = [[0, 0], [-1, -1], [1, 1], [height / 2 + 1, height / 4 + 1]]
+        .map(|[more_width, more_height]| [width + more_width, height + more_height].map(|side: i32| side as u32));
+    settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| frame.extent = extents[n])
 }
 
-/// Frames of a camera that moves away.
+/// Makes frames of a camera that moves back from one frame to the next.
 fn distances(size: [u32; 2]) -> CaseInput {
     const BACK_M: [f32; 4] = [0.0, 4.0, 12.0, 28.0];
     settings::<4>(scenes::pillar(), size, |n, frame| frame.view.eye.z -= BACK_M[n])
 }
 
-/// A film with a camera at rest and another size of the image in each frame.
+/// Makes a film of glossy surfaces, with a history, a camera at rest, and another size of the image in each frame.
 fn resolutions(size: [u32; 2]) -> CaseInput {
     const SHARES: [f32; FRAMES] = [1.0, 0.9, 0.8, 0.95, 0.7, 0.85, 1.0, 0.75];
-    let take = settings::<FRAMES>(scenes::blocks("blocks", 0.15), size, |n, frame| {
+    let input = settings::<FRAMES>(scenes::blocks("blocks", 0.15), size, |n, frame| {
         frame.extent = size.map(|side| (side as f32 * SHARES[n]) as u32);
     });
-    with_history(CaseInput { rays: GLOSS_RAYS, ..take })
+    with_history(CaseInput { rays: GLOSS_RAYS, ..input })
 }
 
-/// Whether a pixel shows the metal's reflection, without an edge.
+/// Whether a pixel reflects the metal, and its neighbours do, too.
 fn on_metal(seen: &SeenFrame, pixel: usize) -> bool {
     inner(seen, pixel) && seen.ends[pixel] == "metal"
 }
 
-/// Percentage of the thing's colour that is left in the last frame, at pixels whose mirror ray met the thing in an earlier
-/// frame and does not now.
+/// Computes how much of the moving block's red is left in the last frame, in percent. The pixels that count are those
+/// whose mirror ray met the block, the mesh "thing", in an earlier frame and does not in the last. `None` without
+/// frames.
 fn ghost(all: &[SeenFrame], variant: usize) -> Option<f64> {
     let (last, earlier) = all.split_last()?;
-    let was_there = |i: &usize| earlier.iter().any(|seen| seen.ends[*i] == "thing");
-    let left = last.pixels(|seen, i| inner(seen, i) && seen.ends[i] != "thing").filter(was_there);
-    Some(excess(last, variant, left, scenes::RED))
+    let was_met = |i: &usize| earlier.iter().any(|seen| seen.ends[*i] == "thing");
+    let left_pixels = last.pixels(|seen, i| inner(seen, i) && seen.ends[i] != "thing").filter(was_met);
+    Some(excess(last, variant, left_pixels, scenes::RED))
 }
 
-/// Replaces the colour of some pixels that do not reflect by NaN; the pixels differ from frame to frame.
+/// Replaces the colour of some pixels that do not reflect by NaN, in the G-buffer of the frame with number `frame`.
 fn spoil_by_nan(data: &mut GBufferData, frame: usize) {
+    // Every 211th pixel is tried, and the choice moves on by 37 pixels in each frame.
     for i in (0..data.depth.len()).filter(|i| (i + 37 * frame).is_multiple_of(211)) {
         if !data.reflects(i) {
             data.color[i] = Vec3::NAN;
@@ -331,13 +336,17 @@ fn spoil_by_nan(data: &mut GBufferData, frame: usize) {
     }
 }
 
-/// Place of the pane along the view, in metres, with its sides and its opacity.
+/// The plane of the pane: world z, in metres.
 const PANE_Z: f64 = 3.0;
+/// World x of the left and the right side of the pane, in metres.
 const PANE_X: [f64; 2] = [-1.0, 1.0];
+/// World y of the lower and the upper side of the pane, in metres.
 const PANE_Y: [f64; 2] = [0.2, 2.6];
+/// Opacity of the pane.
 const PANE_COVERS: f32 = 0.6;
 
-/// Blends a pane over the colour behind it, as renderers do that draw transparent surfaces last.
+/// Blends the red of a pane over the colour of each pixel that is seen through it, as renderers do that draw
+/// transparent surfaces last. Depth and normals stay as they are.
 fn blend_pane(data: &mut GBufferData, _: usize) {
     let clip_to_view = data.view_to_clip().inverse();
     let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
@@ -346,6 +355,7 @@ fn blend_pane(data: &mut GBufferData, _: usize) {
         let [x, y] = [i as u32 % data.width, i as u32 / data.width].map(|v| f64::from(v) + 0.5);
         let depth = f64::from(data.depth[i]);
         let shown: DVec3 = view_to_world.transform_point3(data.unproject(x, y, depth, &clip_to_view));
+        // Where the line of sight crosses the plane of the pane.
         let crossing = eye + (shown - eye) * ((PANE_Z - eye.z) / (shown.z - eye.z));
         let is_within = |range: [f64; 2], v: f64| (range[0]..range[1]).contains(&v);
         if shown.z > PANE_Z && is_within(PANE_X, crossing.x) && is_within(PANE_Y, crossing.y) {

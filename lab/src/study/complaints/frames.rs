@@ -1,4 +1,4 @@
-//! The frames of a case: the camera's G-buffer, the reflection by every method, and the true reflection.
+//! Draws the frames of a case: the camera's G-buffer, the reflection by every variant, and the true reflection.
 
 use crate::error::Result;
 use crate::stage::gbuffer::{read, reflection};
@@ -62,9 +62,9 @@ impl Frame {
     }
 }
 
-/// Results of a frame.
+/// Results of a frame. Lists of pixels have the rows from the top.
 pub struct SeenFrame {
-    /// G-buffer of the frame.
+    /// G-buffer of the frame, before a case spoils it.
     pub screen: GBufferData,
     /// True reflection of each pixel.
     pub truth: Vec<Vec3>,
@@ -72,13 +72,14 @@ pub struct SeenFrame {
     pub ends: Vec<String>,
     /// Whether the screen shows the point where each pixel's mirror ray ends.
     pub shown: Vec<bool>,
-    /// Place of each reflecting pixel's surface.
+    /// Place of each reflecting pixel's surface in the world, in metres; `None` for any other pixel.
     pub places: Vec<Option<DVec3>>,
-    /// Reflection by each method.
+    /// Reflection of each pixel by each variant, in the order of the variants.
     pub made: Vec<Vec<Vec3>>,
 }
 
-/// Shows every frame to every variant and to the references. `step` is called after each frame, and its error ends the work.
+/// Draws every frame of a case by every variant, and traces its true reflection. `step` is called after each frame, and
+/// its error ends the work.
 ///
 /// # Errors
 /// Errors of the device, and of `step`.
@@ -89,28 +90,28 @@ pub fn show_frames(
     step: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<SeenFrame>> {
     let mut stage = Stage::new(gpu, &take.scene)?;
-    let mut lineup: Option<CaseMethods> = None;
+    let mut last_methods: Option<CaseMethods> = None;
     let mut all = Vec::new();
     for (n, frame) in take.frames.iter().enumerate() {
         for (name, offset) in &frame.moved {
             stage.scene_mut().place_meshes(name, *offset)?;
         }
         // A renderer that changes its size makes new images, and loses the contents of earlier frames.
-        let made = match lineup.take().filter(|made| made.extent == frame.extent) {
-            Some(made) => made,
+        let methods = match last_methods.take().filter(|methods| methods.extent == frame.extent) {
+            Some(methods) => methods,
             None => CaseMethods::new(&mut stage, take, frame, variants)?,
         };
-        let made = lineup.insert(made);
+        let methods = last_methods.insert(methods);
         if n == 0 {
-            made.settle(&mut stage)?;
+            methods.settle(&mut stage)?;
         }
-        let screen = made.draw(&mut stage, frame.camera(&take.scene))?;
-        let spoilt = take.spoil.map(|spoil| {
+        let screen = methods.draw(&mut stage, frame.camera(&take.scene))?;
+        let spoilt_screen = take.spoil.map(|spoil| {
             let mut data = screen.clone();
             spoil(&mut data, n);
             data
         });
-        let images = made.reflect(&mut stage, take, spoilt.as_ref())?;
+        let images = methods.reflect(&mut stage, take, spoilt_screen.as_ref())?;
         all.push(judge_frame(take, frame, screen, images));
         step()?;
     }
@@ -120,7 +121,8 @@ pub fn show_frames(
 /// The variants, made for frames of one size.
 struct CaseMethods {
     extent: [u32; 2],
-    /// Variants as shots, which draw their own G-buffer.
+    /// Shots that draw the G-buffer and reflect it: one for each variant, or a single one that draws the G-buffer for
+    /// `effects`.
     shots: Vec<Shot>,
     /// Variants as effects, for a G-buffer that is changed on the host; empty without such changes.
     effects: Vec<Effect>,
@@ -129,33 +131,33 @@ struct CaseMethods {
 impl CaseMethods {
     /// Makes the variants for the size of a frame. If the G-buffer is changed on the host, one shot is made that draws
     /// it, and all variants are made as effects.
-    fn new(stage: &mut Stage, take: &CaseInput, frame: &Frame, variants: &[Variant]) -> Result<Self> {
-        let camera = frame.camera(&take.scene);
-        let materials = &take.scene.materials;
-        let setup = |variant: &Variant| (take.set)(variant.setup.with_extent(frame.extent)).seen_by(camera.kind());
+    fn new(stage: &mut Stage, input: &CaseInput, frame: &Frame, variants: &[Variant]) -> Result<Self> {
+        let camera = frame.camera(&input.scene);
+        let materials = &input.scene.materials;
+        let setup = |variant: &Variant| (input.set)(variant.setup.with_extent(frame.extent)).seen_by(camera.kind());
         let mut effects = Vec::new();
-        if take.spoil.is_some() {
+        if input.spoil.is_some() {
             let (context, data) = stage.parts();
             for variant in variants {
                 let scene = SceneInput { data, materials };
                 effects.push(Effect::new(context, variant.method, &setup(variant), Wants::REFLECTION, Some(&scene))?);
             }
         }
-        let drawn_by = if effects.is_empty() { variants } else { &variants[..1] };
+        let shot_variants = if effects.is_empty() { variants } else { &variants[..1] };
         let mut shots = Vec::new();
-        for variant in drawn_by {
+        for variant in shot_variants {
             let wants = Wants::REFLECTION;
             shots.push(Shot::new(stage, variant.method, &setup(variant), wants, camera, materials.clone())?);
         }
         Ok(Self { extent: frame.extent, shots, effects })
     }
 
-    /// Draws as many frames at rest as an image at rest takes, so that histories settle.
+    /// Begins the histories anew, and draws all but the last of the frames that an image at rest takes.
     fn settle(&self, stage: &mut Stage) -> Result<()> {
         Ok(self.shots.iter().try_for_each(|shot| stage.settle(shot))?)
     }
 
-    /// Sets the camera of every shot, and draws the G-buffer.
+    /// Sets the camera of every shot, draws the G-buffer, and reads it back.
     fn draw(&mut self, stage: &mut Stage, camera: Camera) -> Result<GBufferData> {
         self.shots.iter_mut().for_each(|shot| shot.camera = camera);
         let shot = &self.shots[0];
@@ -163,10 +165,11 @@ impl CaseMethods {
         Ok(read(&mut stage.context, shot)?)
     }
 
-    /// The reflection by each variant, on the G-buffer `on`, if one is given.
-    fn reflect(&self, stage: &mut Stage, take: &CaseInput, on: Option<&GBufferData>) -> Result<Vec<Pixels>> {
+    /// Draws the reflection by each variant: on the G-buffer `spoilt`, if one is given, else on the G-buffer that each
+    /// variant draws itself.
+    fn reflect(&self, stage: &mut Stage, input: &CaseInput, spoilt: Option<&GBufferData>) -> Result<Vec<Pixels>> {
         let mut all = Vec::new();
-        let Some(data) = on else {
+        let Some(data) = spoilt else {
             for shot in &self.shots {
                 let (_, _, output) = stage.output(shot)?;
                 all.push(reflection(&mut stage.context, &output)?);
@@ -176,12 +179,12 @@ impl CaseMethods {
         let (context, scene) = stage.parts();
         let images = GBufferImages::upload(context, data)?;
         for effect in &self.effects {
-            let scene = SceneInput { data: scene, materials: &take.scene.materials };
+            let scene = SceneInput { data: scene, materials: &input.scene.materials };
             let of_screen = Input::of_screen(images.gbuffer(), &data.camera);
             let mut frame = context.begin(Mode::Plain)?;
             frame.begin_effect();
-            let input = Input { scene: Some(scene), sky: Some(scene.data.sky()), ..of_screen };
-            let output = effect.record(&mut frame, &input)?;
+            let effect_input = Input { scene: Some(scene), sky: Some(scene.data.sky()), ..of_screen };
+            let output = effect.record(&mut frame, &effect_input)?;
             frame.finish()?;
             all.push(reflection(context, &output)?);
         }
@@ -189,17 +192,18 @@ impl CaseMethods {
     }
 }
 
-/// Traces the true reflection of a frame, and sets it beside the images of the methods.
-fn judge_frame(take: &CaseInput, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
-    let mut scene = take.scene.clone();
+/// Traces the true reflection of a frame, and puts it together with the reflections `images` by the variants. `screen`
+/// is the frame's G-buffer.
+fn judge_frame(input: &CaseInput, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
+    let mut scene = input.scene.clone();
     for (name, offset) in &frame.moved {
         scene.meshes.iter_mut().filter(|mesh| mesh.name == *name).for_each(|mesh| mesh.translate(*offset));
     }
     let world = World::new(&scene, &scene.materials);
     let first_hits = FirstHits::shown(&world, &screen);
-    let reference = WorldReference::new(&world, &first_hits, &screen.camera, SEED).with_bounces(take.bounces);
+    let reference = WorldReference::new(&world, &first_hits, &screen.camera, SEED).with_bounces(input.bounces);
     let mut state = reference.start();
-    reference.add(&mut state, take.rays);
+    reference.add(&mut state, input.rays);
     let truth = reference.image(&state).reflection;
     let colors = |pixels: &Pixels| pixels.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
     let places = first_hits.receivers.iter().map(|receiver| receiver.map(|r| r.position)).collect();
@@ -214,7 +218,8 @@ fn judge_frame(take: &CaseInput, frame: &Frame, screen: GBufferData, images: Vec
     }
 }
 
-/// Name of the mesh where each mirror ray ends.
+/// Returns for each pixel the name of the mesh where its mirror ray ends; an empty name if it meets no mesh, or if the
+/// pixel has no mirror ray.
 fn ends(world: &World, first_hits: &FirstHits) -> Vec<String> {
     let end = |receiver: &Option<Receiver>| {
         let receiver = receiver.as_ref()?;

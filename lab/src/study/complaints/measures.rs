@@ -1,5 +1,6 @@
-//! The numbers of the complaints: differences of images, or of their changes over frames, from the true reflection over a
-//! region.
+//! The numbers that measure complaints: how far a variant's images, or their changes from frame to frame, differ from
+//! the true reflection over a region. In these functions `all` has the frames of a case, and `variant` is the index of
+//! a variant.
 
 use super::frames::SeenFrame;
 use glam::{DVec3, Vec3};
@@ -8,7 +9,7 @@ use ssct_truth::metrics::flicker::{self, sound};
 /// Threshold on the difference of two linear colours, root mean square over the channels, above which a pixel is wrong.
 pub const WRONG: f32 = 0.1;
 
-/// Selects the pixels that a number is computed from.
+/// A function that says whether a pixel, given by its index in a frame, belongs to the region of a measure.
 pub type Region = fn(&SeenFrame, usize) -> bool;
 
 impl SeenFrame {
@@ -17,36 +18,37 @@ impl SeenFrame {
         self.screen.width as usize
     }
 
-    /// The reflecting pixels within `reach` pixels of a pixel.
+    /// Returns the reflecting pixels within `reach` pixels of a pixel along each axis, including the pixel itself.
     fn around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
         self.all_around(pixel, reach).filter(|i| self.screen.reflects(*i))
     }
 
-    /// All pixels within `reach` pixels of a pixel along each axis, including the pixel itself.
+    /// Returns all pixels within `reach` pixels of a pixel along each axis, including the pixel itself.
     fn all_around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
         let (x, y) = (pixel % self.width(), pixel / self.width());
-        let to = |position: usize, side: usize| position.saturating_sub(reach)..=(position + reach).min(side - 1);
-        let columns = to(x, self.width());
-        let rows = to(y, self.screen.height as usize);
+        let within = |position: usize, side: usize| position.saturating_sub(reach)..=(position + reach).min(side - 1);
+        let columns = within(x, self.width());
+        let rows = within(y, self.screen.height as usize);
         rows.flat_map(move |y| columns.clone().map(move |x| y * self.width() + x))
     }
 
-    /// Whether the mirror rays of the pixel and its neighbours end on one mesh, so that it shows no edge.
+    /// Whether the pixel shows no edge: the mirror rays of the pixel and its reflecting neighbours end on one mesh.
     pub fn is_inner(&self, pixel: usize) -> bool {
         self.is_alike_around(pixel, 1)
     }
 
-    /// Whether the mirror rays of all pixels within `reach` pixels end on one mesh.
+    /// Whether the mirror rays of all reflecting pixels within `reach` pixels of a pixel end on the mesh where its own
+    /// ends.
     pub fn is_alike_around(&self, pixel: usize, reach: usize) -> bool {
         self.around(pixel, reach).all(|i| self.ends[i] == self.ends[pixel])
     }
 
-    /// The surface of a reflecting pixel, in metres; the origin for any other pixel.
+    /// Returns the place of a reflecting pixel's surface in the world, in metres; the origin for any other pixel.
     pub fn place(&self, pixel: usize) -> DVec3 {
         self.places[pixel].unwrap_or_default()
     }
 
-    /// The reflecting pixels of a region.
+    /// Returns the indices of the reflecting pixels of a region.
     pub fn pixels(&self, region: Region) -> impl Iterator<Item = usize> + '_ {
         (0..self.truth.len()).filter(move |i| self.screen.reflects(*i) && region(self, *i))
     }
@@ -83,39 +85,41 @@ fn is_wrong(a: Vec3, b: Vec3) -> bool {
     difference.is_nan() || difference > WRONG
 }
 
-/// The percentage of items that are counted; 0 for none.
+/// Returns the percentage of items that are true; 0 without items.
 fn percent(items: impl Iterator<Item = bool>) -> f64 {
-    let (counted, all) = items.fold((0, 0), |(n, all), is| (n + usize::from(is), all + 1));
+    let (counted, all) = items.fold((0, 0), |(counted, all), is_true| (counted + usize::from(is_true), all + 1));
     if all == 0 { 0.0 } else { 100.0 * f64::from(counted as u32) / f64::from(all) }
 }
 
-/// The percentage of a region's pixels whose colour is wrong.
+/// Returns the percentage of a region's reflecting pixels whose colour is wrong in a frame.
 pub fn wrong(seen: &SeenFrame, variant: usize, region: Region) -> f64 {
     wrong_of(seen, variant, seen.pixels(region))
 }
 
-/// The percentage of some pixels whose colour is wrong.
+/// Returns the percentage of the given pixels, by their indices, whose colour is wrong in a frame.
 pub fn wrong_of(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>) -> f64 {
     percent(pixels.map(|i| is_wrong(seen.made[variant][i], seen.truth[i])))
 }
 
-/// The percentage of wrong pixels in the last frame.
+/// Returns the percentage of a region's pixels that are wrong in the last frame.
 pub fn wrong_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     all.last().map_or(0.0, |seen| wrong(seen, variant, region))
 }
 
-/// The difference between the greatest and the least of some numbers.
+/// Returns the difference between the greatest and the least of some numbers, which must be at least 0.
 fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.clone().fold(0.0, f64::max) - values.fold(f64::INFINITY, f64::min)
 }
 
-/// The percentage of wrong pixels in the worst frame, minus that in the best frame.
+/// Returns the percentage of a region's pixels that are wrong in the worst frame, minus the percentage in the best
+/// frame.
 pub fn spread_of_wrong(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     spread(all.iter().map(|seen| wrong(seen, variant, region)))
 }
 
-/// The greatest percentage, over the later frames, of pixels whose colour differs from that in the first frame. All
-/// frames have one camera and size.
+/// Returns the percentage of a region's pixels whose colour differs from their colour in the first frame by more than
+/// [`WRONG`], in the later frame in which most do. All frames have one size, so that a pixel has one index in all of
+/// them.
 pub fn differing(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let percentage = |seen: &SeenFrame| {
         let first = &all[0].made[variant];
@@ -124,17 +128,19 @@ pub fn differing(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     all.iter().skip(1).map(percentage).fold(0.0, f64::max)
 }
 
-/// The error over a region in the last frame: root mean square, in percent of the root mean square of the true reflection.
+/// Returns the root mean square error over a region in the last frame, in percent of the root mean square of the true
+/// reflection there.
 pub fn error_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let Some(seen) = all.last() else { return 0.0 };
     let square = |v: Vec3| f64::from(v.length_squared());
     let error: f64 = seen.pixels(region).map(|i| square(sound(seen.made[variant][i]) - seen.truth[i])).sum();
-    let whole: f64 = seen.pixels(region).map(|i| square(seen.truth[i])).sum();
-    if whole == 0.0 { 0.0 } else { 100.0 * (error / whole).sqrt() }
+    let truth: f64 = seen.pixels(region).map(|i| square(seen.truth[i])).sum();
+    if truth == 0.0 { 0.0 } else { 100.0 * (error / truth).sqrt() }
 }
 
-/// How much redder some pixels are than in the true reflection, in percent of the redness of `color`. The redness of a
-/// colour is its red minus its green. The result is the mean over the pixels; one that is less red counts as 0.
+/// Returns how much redder the given pixels are than in the true reflection, in percent of the redness of `color`. The
+/// redness of a colour is its red minus its green. The result is the mean over the pixels; a pixel that is less red
+/// counts as 0.
 pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>, color: Vec3) -> f64 {
     let redness = |color: Vec3| f64::from(color.x - color.y);
     let (mut sum, mut count) = (0.0, 0_u32);
@@ -145,11 +151,11 @@ pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usi
     if count == 0 { 0.0 } else { 100.0 * sum / (f64::from(count) * redness(color)) }
 }
 
-/// Computes the changes of an image from the first to the second of two frames. The two images are those of a method or
-/// of the truth in these frames.
+/// A function that computes differences of colour, second image minus first. Its arguments are two frames, and their
+/// two images by one variant or by the truth.
 pub type Changes = fn([&SeenFrame; 2], [&[Vec3]; 2]) -> Vec<Vec3>;
 
-/// The changes of each pixel that reflects in both frames.
+/// Returns the change of each pixel that reflects in both frames, which have one size.
 pub fn of_pixels([before, now]: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
     let both = now.pixels(everywhere).filter(|i| before.screen.reflects(*i));
     both.map(|i| sound(images[1][i]) - sound(images[0][i])).collect()
@@ -158,13 +164,15 @@ pub fn of_pixels([before, now]: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Ve
 /// Columns and rows of the grid on which frames of several sizes are compared.
 const GRID: [usize; 2] = [60, 34];
 
-/// The changes of each cell of a grid, so that frames may differ in size.
+/// Returns the change of the mean colour of each cell of a grid over the image, so that frames may differ in size.
+/// Cells without reflecting pixels in one of the frames are left out.
 pub fn of_cells(frames: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
     let [before, now] = [0, 1].map(|n| means(frames[n], images[n]));
     before.into_iter().zip(now).filter_map(|(before, now)| Some(now? - before?)).collect()
 }
 
-/// The mean colour of the reflecting pixels of each cell of the grid, row by row.
+/// Returns the mean colour of the reflecting pixels in each cell of the grid, row by row; `None` for a cell without
+/// any.
 fn means(seen: &SeenFrame, image: &[Vec3]) -> Vec<Option<Vec3>> {
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); GRID[0] * GRID[1]];
     let [width, height] = [seen.width(), seen.screen.height as usize];
@@ -177,7 +185,7 @@ fn means(seen: &SeenFrame, image: &[Vec3]) -> Vec<Option<Vec3>> {
     sums.into_iter().map(|(sum, count)| (count > 0.0).then(|| sum / count)).collect()
 }
 
-/// Sums over the pairs of frames of a film that follow each other.
+/// Sums over the pairs of consecutive frames of a film.
 #[derive(Default)]
 struct ChangeSums {
     /// Sum of the mean absolute differences between the method's changes and the true changes.
@@ -189,40 +197,40 @@ struct ChangeSums {
 }
 
 impl ChangeSums {
-    /// Sums the changes of each two frames that follow each other, by a method and in truth.
+    /// Computes the sums of a variant's film; `changes` finds the changes between two consecutive frames.
     fn over_frames(all: &[SeenFrame], variant: usize, changes: Changes) -> Self {
         let mut sums = Self::default();
         for pair in all.windows(2) {
             let frames = [&pair[0], &pair[1]];
-            let made = changes(frames, frames.map(|seen| &seen.made[variant][..]));
-            let truth = changes(frames, frames.map(|seen| &seen.truth[..]));
-            sums.off += flicker::mean(&made, |n, change| change - truth[n]);
-            sums.own += flicker::mean(&truth, |_, change| change);
+            let made_changes = changes(frames, frames.map(|seen| &seen.made[variant][..]));
+            let true_changes = changes(frames, frames.map(|seen| &seen.truth[..]));
+            sums.off += flicker::mean(&made_changes, |n, change| change - true_changes[n]);
+            sums.own += flicker::mean(&true_changes, |_, change| change);
             for (sum, image) in sums.bright.iter_mut().zip([&pair[1].truth, &pair[1].made[variant]]) {
-                let shown: Vec<Vec3> = pair[1].pixels(everywhere).map(|i| sound(image[i])).collect();
-                *sum += flicker::mean(&shown, |_, color| color);
+                let colors: Vec<Vec3> = pair[1].pixels(everywhere).map(|i| sound(image[i])).collect();
+                *sum += flicker::mean(&colors, |_, color| color);
             }
         }
         sums
     }
 
-    /// How far the method's changes are off the true changes, in percent of `whole`. `None` if the method shows less than half
-    /// of the true light, since a missing reflection never flickers.
+    /// Returns how far the method's changes are off the true changes, in percent of the sum `whole`. `None` if `whole`
+    /// is 0, or if the method shows less than half of the true light, since a missing reflection never flickers.
     fn percent_of(&self, whole: f64) -> Option<f64> {
-        let [truth, made] = self.bright;
-        (whole > 0.0 && made >= 0.5 * truth).then_some(100.0 * self.off / whole)
+        let [true_light, made_light] = self.bright;
+        (whole > 0.0 && made_light >= 0.5 * true_light).then_some(100.0 * self.off / whole)
     }
 }
 
-/// How far changes from frame to frame differ from the true changes: the mean absolute difference over changes and channels, in
-/// percent of the true changes.
+/// Returns how far changes from frame to frame differ from the true changes: the mean absolute difference over changes
+/// and channels, in percent of the mean absolute true change.
 pub fn off_change(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
     let sums = ChangeSums::over_frames(all, variant, changes);
     sums.percent_of(sums.own)
 }
 
-/// How far changes from frame to frame differ from the true changes, in percent of the true mean colour, for films whose true
-/// reflection hardly changes.
+/// Returns how far changes from frame to frame differ from the true changes, in percent of the true mean colour. This
+/// is for films whose true reflection hardly changes, so that the changes themselves are no scale.
 pub fn off_change_at_rest(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
     let sums = ChangeSums::over_frames(all, variant, changes);
     sums.percent_of(sums.bright[0])
@@ -231,7 +239,8 @@ pub fn off_change_at_rest(all: &[SeenFrame], variant: usize, changes: Changes) -
 /// Greatest channel of a colour that counts as black.
 const BLACK: f32 = 0.02;
 
-/// The percentage of pixels, in the worst frame, that are NaN or infinite, or black although the true reflection is not.
+/// Returns the percentage of a region's pixels, in the worst frame, that are NaN, infinite or black where the true
+/// reflection is not dark.
 pub fn blackened(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let is_black = |color: Vec3| !(color.is_finite() && color.max_element() > BLACK);
     let percentage = |seen: &SeenFrame| {
@@ -240,7 +249,7 @@ pub fn blackened(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     all.iter().map(percentage).fold(0.0, f64::max)
 }
 
-/// Whether the true reflection is so dark that black is not wrong.
+/// Whether a colour of the true reflection is so dark that black in its place would not be wrong.
 fn is_dark(truth: Vec3) -> bool {
     !is_wrong(Vec3::ZERO, truth)
 }
@@ -250,7 +259,7 @@ mod tests {
     use super::*;
     use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 
-    /// A frame of 4×2 reflecting pixels, with a true reflection and the reflection by a method.
+    /// Makes a frame of 4×2 reflecting pixels, with a true reflection and the reflection by one variant, both grey.
     fn seen(truth: [f32; 8], made: [f32; 8]) -> SeenFrame {
         let colors = |values: [f32; 8]| values.map(Vec3::splat).to_vec();
         let screen = GBufferData {
@@ -275,7 +284,9 @@ mod tests {
         }
     }
 
+    /// A reflection that is 0.5 in each pixel.
     const HALF: [f32; 8] = [0.5; 8];
+    /// A reflection that is wrong in two pixels of eight, if `HALF` is the truth.
     const OFF: [f32; 8] = [0.5, 0.5, 0.5, 0.7, 0.5, 0.5, f32::NAN, 0.59];
 
     #[test]

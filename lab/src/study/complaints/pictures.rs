@@ -1,4 +1,4 @@
-//! The pictures of a case: the image with the true reflection, and with the reflection by each method.
+//! The pictures of a case: the finished image with the true reflection, and one with the reflection by each variant.
 
 use super::cases::Complaint;
 use super::frames::SeenFrame;
@@ -11,13 +11,13 @@ use ssct_truth::metrics::video::Film;
 /// The folder of the pictures.
 pub const FOLDER: &str = "pictures";
 
-/// Name of the pictures of the true reflection.
+/// The name that stands for a method in the file of the true reflection's picture.
 pub const TRUTH: &str = "truth";
 
 /// Frames of a film that are shown per second.
 const FRAMES_PER_SECOND: f32 = 6.0;
 
-/// The file of a case's picture by a method, or of the true reflection.
+/// Returns the path of a case's picture in the folder of the run; `method` is a variant's name, or [`TRUTH`].
 pub fn file(complaint: &Complaint, method: &str) -> String {
     let plain = |text: &str| -> String {
         text.chars().filter(|c| *c != ',').map(|c| if c.is_alphanumeric() { c } else { '-' }).collect()
@@ -26,20 +26,20 @@ pub fn file(complaint: &Complaint, method: &str) -> String {
     format!("{FOLDER}/{}-{}.{ending}", plain(complaint.name), plain(method))
 }
 
-/// The pictures of the true reflection and of each method, in the order of `names`.
+/// Makes the picture files of a case: of the true reflection, and of each variant, in the order of their names `names`.
 pub fn all(complaint: &Complaint, names: &[String], frames: &[SeenFrame]) -> Vec<ExtraFile> {
     let truth = frames.iter().map(|seen| picture(seen, &seen.truth)).collect();
     let made = |variant: usize| frames.iter().map(|seen| picture(seen, &seen.made[variant])).collect();
     let extra_file =
         |name: &str, pictures| ExtraFile { path: file(complaint, name), content: content(complaint, pictures) };
-    let methods = names.iter().enumerate().map(|(n, name)| extra_file(name, made(n)));
+    let methods = names.iter().enumerate().map(|(variant, name)| extra_file(name, made(variant)));
     std::iter::once(extra_file(TRUTH, truth)).chain(methods).collect()
 }
 
 /// A picture: width and height, and three bytes a pixel.
 type Picture = ([u32; 2], Vec<u8>);
 
-/// The finished picture of a frame: its lit colour, plus reflectivity times a reflection that does not fade.
+/// Makes the finished picture of a frame: its lit colour, plus reflectivity times a reflection, without a fade.
 fn picture(seen: &SeenFrame, reflection: &[Vec3]) -> Picture {
     let share = |i: usize| if seen.screen.reflects(i) { seen.screen.reflectivity[i] } else { 0.0 };
     let colors = seen.screen.color.iter().zip(reflection).enumerate();
@@ -47,27 +47,28 @@ fn picture(seen: &SeenFrame, reflection: &[Vec3]) -> Picture {
     ([seen.screen.width, seen.screen.height], bytes.collect())
 }
 
-/// The pictures as the content of a file: a film, or one picture with all of them side by side.
+/// Makes the content of a file from the pictures of a case's frames: a film, or one picture with all of them side by
+/// side.
 fn content(complaint: &Complaint, pictures: Vec<Picture>) -> Content {
     let [width, height] = [0, 1].map(|axis| pictures.iter().map(|(extent, _)| extent[axis]).max().unwrap_or(1));
     if complaint.is_film {
         let frames = pictures.iter().map(|picture| enlarged(picture, [width, height])).collect();
         return Content::Film(Film { width, height, frames }, FRAMES_PER_SECOND);
     }
-    let whole = pictures.iter().map(|(extent, _)| extent[0]).sum();
+    let whole_width = pictures.iter().map(|(extent, _)| extent[0]).sum();
     let mut bytes = Vec::new();
     for y in 0..height {
-        for (extent, own) in &pictures {
-            let row = 3 * extent[0] as usize;
-            // The rest of a column is white, since black means a missing reflection.
-            let beside = vec![255; row];
-            bytes.extend(own.get(y as usize * row..(y as usize + 1) * row).unwrap_or(&beside));
+        for (extent, own_bytes) in &pictures {
+            let row_bytes = 3 * extent[0] as usize;
+            // Below a picture that is less high than others it is white, since black means a missing reflection.
+            let white = vec![255; row_bytes];
+            bytes.extend(own_bytes.get(y as usize * row_bytes..(y as usize + 1) * row_bytes).unwrap_or(&white));
         }
     }
-    Content::Picture([whole, height], bytes)
+    Content::Picture([whole_width, height], bytes)
 }
 
-/// A picture scaled to another size by the nearest pixel.
+/// Scales a picture to another width and height, without a filter: each pixel copies one pixel of the picture.
 fn enlarged((extent, bytes): &Picture, [width, height]: [u32; 2]) -> Vec<u8> {
     let texel = |x: u32, y: u32| {
         let index = (y * extent[1] / height * extent[0] + x * extent[0] / width) as usize;

@@ -1,4 +1,4 @@
-//! Rows of the complaints: each has a case, a method, and the number that measures the complaint.
+//! The rows of the study of complaints: a row has a case, a variant, and the number that measures the complaint.
 
 use super::cases::COMPLAINTS;
 use super::pictures::{self, TRUTH};
@@ -92,7 +92,8 @@ impl ComplaintRow {
     }
 }
 
-/// Makes the table of numbers, by case and method.
+/// Makes the cells of the table of numbers: a line for each case and a column for each method. The second column has
+/// the greatest number that is good.
 fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     let (case, method) = (|r: &ComplaintRow| r.case.clone(), |r: &ComplaintRow| r.method.clone());
     let mut cells = pivot("complaint", rows, [&case, &method], |here| here.first().map(|row| row.shown()));
@@ -104,7 +105,8 @@ fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     cells
 }
 
-/// Makes the table that describes the cases.
+/// Makes the cells of the table that describes the cases: a line for each, with its complaint and the meaning of its
+/// number.
 fn meanings(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     let mut cells = vec![["complaint", "what users say", "number"].map(str::to_owned).to_vec()];
     let meaning = |row: &ComplaintRow| vec![row.case.clone(), row.complaint.clone(), row.measured.clone()];

@@ -1,5 +1,6 @@
-//! The scenes of the complaints, each of a few quadrilaterals and boxes. Painted surfaces emit their colour, so that it is the
-//! same from everywhere. Reflecting surfaces are black, so that they show nothing but their reflection.
+//! The scenes of the complaints, each made of a few rectangles and boxes. Painted surfaces emit their colour, so that
+//! it is the same from everywhere. Reflecting surfaces are black, so that they show nothing but their reflection. In
+//! all scenes x is to the right, y up and z ahead of the camera, in metres.
 
 use glam::{Vec2, Vec3};
 use ssct_scenes::library::builder::MeshBuilder;
@@ -33,13 +34,13 @@ impl Parts {
         Self { meshes: Vec::new(), materials: Vec::new() }
     }
 
-    /// Adds a mesh of paint, which emits its colour.
+    /// Adds a mesh of paint, which emits its colour; `shape` builds the mesh.
     pub fn paint(mut self, name: &str, albedo: Vec3, shape: impl FnOnce(&mut MeshBuilder)) -> Self {
         self.add(name, Material { albedo, reflectivity: 0.0, emission: 1.0, ..Material::default() }, shape);
         self
     }
 
-    /// Adds a mesh that reflects.
+    /// Adds a mesh that reflects all light and has no colour of its own; `shape` builds the mesh.
     pub fn mirror(mut self, name: &str, roughness: f32, shape: impl FnOnce(&mut MeshBuilder)) -> Self {
         self.add(name, Material { albedo: Vec3::ZERO, roughness, ..Material::default() }, shape);
         self
@@ -53,7 +54,7 @@ impl Parts {
         self.materials.push(Material { name: name.to_owned(), ..material });
     }
 
-    /// Finishes the scene, with a view from a place.
+    /// Finishes the scene, with one view: from the place `eye` towards the point `look_at`.
     pub fn seen(self, name: &str, eye: [f32; 3], look_at: [f32; 3]) -> Scene {
         let view = View { name: name.to_owned(), eye: eye.into(), look_at: look_at.into(), ..View::default() };
         Scene {
@@ -68,7 +69,8 @@ impl Parts {
     }
 }
 
-/// A horizontal rectangle at y = 0 that faces up.
+/// Returns a function that adds a horizontal rectangle at y = 0 that faces up; `x` and `z` are its least and greatest
+/// coordinates.
 pub fn floor(x: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| {
         let corner = |a: f32, b: f32| Vec3::new(a, 0.0, b);
@@ -76,7 +78,8 @@ pub fn floor(x: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
     }
 }
 
-/// An upright rectangle across the view that faces the camera.
+/// Returns a function that adds an upright rectangle across the view, at z, that faces the camera; `x` and `y` are its
+/// least and greatest coordinates.
 pub fn wall(x: [f32; 2], y: [f32; 2], z: f32) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| {
         let corner = |a: f32, b: f32| Vec3::new(a, b, z);
@@ -84,7 +87,8 @@ pub fn wall(x: [f32; 2], y: [f32; 2], z: f32) -> impl FnOnce(&mut MeshBuilder) {
     }
 }
 
-/// An upright rectangle at `x`, parallel to the direction of view, that faces the plane x = 0.
+/// Returns a function that adds an upright rectangle at `x`, parallel to the direction of view, that faces the plane x
+/// = 0; `y` and `z` are its least and greatest coordinates.
 pub fn side(x: f32, y: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| {
         let corner = |a: f32, b: f32| Vec3::new(x, a, b);
@@ -95,19 +99,20 @@ pub fn side(x: f32, y: [f32; 2], z: [f32; 2]) -> impl FnOnce(&mut MeshBuilder) {
     }
 }
 
-/// A box.
+/// Returns a function that adds a box between two opposite corners.
 pub fn block(min: [f32; 3], max: [f32; 3]) -> impl FnOnce(&mut MeshBuilder) {
     move |mesh| mesh.cuboid(min.into(), max.into())
 }
 
-/// A back wall of two colours side by side, so that a displaced reflection is visible.
+/// Adds a back wall at `z`, from −`x` to `x` and up to `height`, in upright stripes of two colours, so that a displaced
+/// reflection is visible.
 fn back_wall(parts: Parts, x: f32, height: f32, z: f32) -> Parts {
-    let columns = 24;
+    let stripes = 24;
     let mut parts = parts;
     for (name, albedo, first) in [("wall", GREY, 0), ("wall-dark", GREEN, 1)] {
         parts = parts.paint(name, albedo, |mesh| {
-            for n in (first..columns).step_by(2) {
-                let [from, to] = [n, n + 1].map(|n| x * (2.0 * n as f32 / columns as f32 - 1.0));
+            for stripe in (first..stripes).step_by(2) {
+                let [from, to] = [stripe, stripe + 1].map(|n| x * (2.0 * n as f32 / stripes as f32 - 1.0));
                 wall([from, to], [0.0, height], z)(mesh);
             }
         });
@@ -115,7 +120,7 @@ fn back_wall(parts: Parts, x: f32, height: f32, z: f32) -> Parts {
     parts
 }
 
-/// A mirroring floor, blocks that stand on it, and a wall behind them.
+/// A reflecting floor of a roughness, blocks that stand on it, and a wall behind them.
 pub fn blocks(name: &str, roughness: f32) -> Scene {
     let parts = Parts::new()
         .mirror("floor", roughness, floor([-12.0, 12.0], [-2.0, 12.0]))
@@ -176,7 +181,7 @@ pub fn silhouettes() -> Scene {
         .seen("silhouettes", [0.0, 1.5, -2.0], [0.0, 0.8, 4.0])
 }
 
-/// A black metal wall at the side that shows only reflections, reflected itself in a mirroring floor.
+/// A side wall of black metal that shows nothing but reflections, and that a mirroring floor reflects.
 pub fn metal() -> Scene {
     let parts = Parts::new()
         .mirror("floor", 0.0, floor([-12.0, 3.0], [-2.0, 12.0]))
@@ -210,20 +215,22 @@ pub fn pane() -> Scene {
     back_wall(parts, 12.0, 12.0, 12.0).seen("pane", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
-/// A wall of fine stripes, reflected in a floor that bends down with distance, so that its far part shows more of the wall in
-/// each pixel.
+/// A wall of fine stripes, reflected in a floor that bends down with distance, so that a pixel of its far part reflects
+/// more of the wall.
 pub fn stripes() -> Scene {
+    // The radius of the floor's bend, and the length on the wall that one repetition of the stripes takes.
     const RADIUS_M: f32 = 60.0;
     const STRIPES_M: f32 = 0.5;
     let mut scene = Parts::new()
         .mirror("floor", 0.0, |mesh| {
             mesh.surface(Vec3::ZERO, [1, 96], |s, t| {
                 let (x, z) = (24.0 * s - 12.0, 14.0 * t);
-                // The height is that of a parabola, which follows a circle of the radius near its top.
+                // A parabola of this height follows a circle of the radius near its top.
                 (Vec3::new(x, -z * z / (2.0 * RADIUS_M), z), Vec2::new(x, z))
             });
         })
         .paint("stripes", Vec3::ONE, |mesh| {
+            // The texture repeats every `STRIPES_M` metres, which only a new builder can set.
             let mut striped = MeshBuilder::new("stripes", 1, STRIPES_M);
             wall([-14.0, 14.0], [-4.0, 12.0], 16.0)(&mut striped);
             *mesh = striped;
@@ -234,7 +241,7 @@ pub fn stripes() -> Scene {
     scene
 }
 
-/// An image whose upper half is bright.
+/// Makes a texture whose upper half is bright and whose lower half is dark.
 fn stripe() -> Texture {
     let texel = |row: u32| if row < STRIPE_TEXELS / 2 { [250, 250, 250, 255] } else { [40, 40, 44, 255] };
     let rgba = (0..STRIPE_TEXELS * STRIPE_TEXELS).flat_map(|i| texel(i / STRIPE_TEXELS)).collect();
@@ -242,5 +249,5 @@ fn stripe() -> Texture {
     Texture { name: "stripe".into(), width, height, rgba, encoding }
 }
 
-/// Texels along a side of the image of a stripe.
+/// Texels along a side of the texture of a stripe.
 const STRIPE_TEXELS: u32 = 32;

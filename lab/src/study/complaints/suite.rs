@@ -1,4 +1,4 @@
-//! The study of complaints: each complaint is a cell, in which every method is tried.
+//! The study of complaints: each complaint is a cell, in which every variant of the methods is measured.
 
 use super::cases::{COMPLAINTS, Complaint};
 use super::frames::{CaseInput, show_frames};
@@ -16,18 +16,21 @@ use ssct::methods::setup::BeyondScreen;
 use ssct::methods::{EffectParams, MethodInfo, Setup};
 use ssct_scenes::Scene;
 
-/// Sizes of the pictures in pixels: of a whole study, and of a quick one.
+/// Sizes of the frames in pixels: in a whole study, and in a quick one.
 const SIZES: [[u32; 2]; 2] = [[240, 136], [120, 68]];
 
-/// Some complaints, and the variants that are tried on them.
+/// Some complaints, and the variants that are measured on them.
 pub struct ComplaintStudy {
+    /// Complaints, each with its scene and frames.
     cases: Vec<(&'static Complaint, CaseInput)>,
+    /// Variants, each with its name.
     variants: Vec<(String, Variant)>,
 }
 
 impl ComplaintStudy {
-    /// The study of some methods: in small pictures if `is_quick`, and only for complaints whose name contains `words`, if
-    /// given. A method that follows rays among the triangles beyond the screen is also tried on the screen alone.
+    /// Makes the study of some methods. The frames are small if `is_quick`. If `words` are given, only complaints whose
+    /// name contains them are measured. A method that follows rays among the triangles beyond the screen is also
+    /// measured on the screen alone.
     ///
     /// # Errors
     /// [`Usage`](ssct::Error::Usage) if no complaint has `words` in its name.
@@ -46,18 +49,19 @@ impl ComplaintStudy {
         Ok(Self { cases, variants })
     }
 
-    /// The row of a variant, with its number.
+    /// Makes the row of a complaint and of the variant with the index `variant`; `value` is the number that measures
+    /// the complaint.
     fn row(
         &self,
         gpu: &Gpu,
-        (complaint, take): &(&Complaint, CaseInput),
+        (complaint, input): &(&Complaint, CaseInput),
         variant: usize,
         value: Option<f64>,
     ) -> ComplaintRow {
         let (name, method_variant) = &self.variants[variant];
-        let first = &take.frames[0];
-        let setup = (take.set)(method_variant.setup.with_extent(first.extent));
-        let lens = first.view.lens.unwrap_or(take.scene.lens);
+        let first = &input.frames[0];
+        let setup = (input.set)(method_variant.setup.with_extent(first.extent));
+        let lens = first.view.lens.unwrap_or(input.scene.lens);
         ComplaintRow {
             kind: "complaints".to_owned(),
             program: Provenance::on(gpu),
@@ -70,61 +74,66 @@ impl ComplaintStudy {
             is_good: value.is_some_and(|value| value <= complaint.at_most),
             width: first.extent[0],
             height: first.extent[1],
-            frames: take.frames.len(),
+            frames: input.frames.len(),
             setup: recorded(&setup, Some(method_variant.method), &lens, &Globals::default()),
         }
     }
 }
 
-/// The variants of a method, each with its name: the method with the given setup, and also on the screen alone if the
-/// method can follow rays among the triangles.
+/// Makes the variants of a method, each with its name: the method with the given setup, and the method on the screen
+/// alone if it can follow rays from the screen among the triangles.
 fn variants(method: &'static MethodInfo, setup: &Setup) -> Vec<(String, Variant)> {
     let plain = (method.name.to_owned(), Variant { method, setup: setup.clone() });
-    let on_screen = setup.with(|p: &mut EffectParams| p.beyond = BeyondScreen::None);
-    let alone = (format!("{}, screen alone", method.name), Variant { method, setup: on_screen });
+    let setup_on_screen = setup.with(|p: &mut EffectParams| p.beyond = BeyondScreen::None);
+    let on_screen = (format!("{}, screen alone", method.name), Variant { method, setup: setup_on_screen });
     let has_both = method.takes_triangles && method.is_screen_space();
-    std::iter::once(plain).chain(has_both.then_some(alone)).collect()
+    std::iter::once(plain).chain(has_both.then_some(on_screen)).collect()
 }
 
-/// A cell is a complaint, by its index.
+/// A cell is a complaint, given by its index among the study's cases.
 impl Study for ComplaintStudy {
     type Cell = usize;
     type Row = ComplaintRow;
 
     fn scenes(&self) -> Vec<&Scene> {
-        self.cases.iter().map(|(_, take)| &take.scene).collect()
+        self.cases.iter().map(|(_, input)| &input.scene).collect()
     }
 
     /// Lists a cell for each complaint.
     fn cells(&self) -> Vec<Planned<usize>> {
-        let planned = |(n, (complaint, take)): (usize, &(&Complaint, CaseInput))| {
-            let set = |(name, variant): &(String, Variant)| {
-                let setup = (take.set)(variant.setup.clone());
+        let planned = |(index, (complaint, input)): (usize, &(&Complaint, CaseInput))| {
+            let variant_settings = |(name, variant): &(String, Variant)| {
+                let setup = (input.set)(variant.setup.clone());
                 json!([name, setup.recorded(Some(variant.method))])
             };
-            let set: Vec<_> = self.variants.iter().map(set).collect();
-            let shown = json!([scene_digest(&take.scene), format!("{:?}", take.frames), take.bounces, take.rays]);
-            Planned { name: complaint.name.to_owned(), setup: json!([complaint.measured, shown, set]), cell: n }
+            let set: Vec<_> = self.variants.iter().map(variant_settings).collect();
+            let shown = json!([scene_digest(&input.scene), format!("{:?}", input.frames), input.bounces, input.rays]);
+            Planned { name: complaint.name.to_owned(), setup: json!([complaint.measured, shown, set]), cell: index }
         };
         self.cases.iter().enumerate().map(planned).collect()
     }
 
+    /// Returns the number of frames, but at least 2: for a cell of one step, the engine itself advances the progress
+    /// bar, too.
     fn steps(&self, cell: &usize) -> usize {
-        // With one step, the engine would advance the progress bar, too.
-        self.cases[*cell].1.frames.len().max(2)
+        let (_, input) = &self.cases[*cell];
+        input.frames.len().max(2)
     }
 
     /// Draws the frames of a complaint by every variant, keeps the pictures, and returns a row for each variant. The
     /// progress bar advances by one step a frame, and at the end by the steps for which there is no frame.
     fn measure(&mut self, cell: &usize, bench: &mut Bench) -> Result<Vec<ComplaintRow>> {
         let case = &self.cases[*cell];
-        let (complaint, take) = case;
+        let (complaint, input) = case;
         let (names, variants): (Vec<_>, Vec<_>) = self.variants.iter().cloned().unzip();
-        let (gpu, unused_steps) = (bench.gpu, self.steps(cell) - take.frames.len());
-        let seen = show_frames(gpu, take, &variants, &mut || bench.step())?;
+        let (gpu, unused_steps) = (bench.gpu, self.steps(cell) - input.frames.len());
+        let frames = show_frames(gpu, input, &variants, &mut || bench.step())?;
         (bench.advance)(unused_steps);
-        pictures::all(complaint, &names, &seen).iter().try_for_each(|file| (bench.keep)(file))?;
-        let rows = (0..names.len()).map(|n| self.row(gpu, case, n, (complaint.number)(&seen, n)));
+        pictures::all(complaint, &names, &frames).iter().try_for_each(|file| (bench.keep)(file))?;
+        let rows = (0..names.len()).map(|variant| {
+            let value = (complaint.number)(&frames, variant);
+            self.row(gpu, case, variant, value)
+        });
         Ok(rows.collect())
     }
 }

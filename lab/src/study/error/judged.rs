@@ -1,4 +1,4 @@
-//! The records of a variant: its image and its hits compared with the references of a cell.
+//! Makes the records of a variant: compares its image and its hits with the references of a cell.
 
 use super::truth::{Reference, Truth};
 use super::{ErrorRecord, ErrorReference, ErrorSpec, VariantTime, display};
@@ -13,10 +13,13 @@ use ssct_truth::metrics::image::{masked_relative_mse, masked_rmse};
 use ssct_truth::metrics::place::{self, RayEnd};
 use ssct_truth::metrics::world;
 
-/// An image, with the references that it is compared with.
+/// An image, with the reference that it is compared with.
 struct JudgedImage<'a> {
+    /// The references of the cell, for the reflecting pixels and the size.
     truth: &'a Truth,
+    /// The reference that the image is compared with.
     reference: &'a Reference,
+    /// Linear reflection colour of the image.
     color: &'a [[f32; 3]],
 }
 
@@ -40,7 +43,7 @@ measured_columns! {
 }
 
 impl JudgedImage<'_> {
-    /// Share of the reflecting pixels that are black; `None` if no pixel reflects.
+    /// Returns the share of the reflecting pixels that are black; `None` if no pixel reflects.
     fn black(&self) -> Option<f64> {
         let reflecting = self.color.iter().zip(&self.truth.mask).filter(|(_, reflects)| **reflects);
         let (mut pixels, mut black) = (0.0, 0.0);
@@ -51,7 +54,7 @@ impl JudgedImage<'_> {
         (pixels > 0.0).then(|| black / pixels)
     }
 
-    /// Mean FLIP between the display images of the reference and of the image.
+    /// Returns the mean FLIP between the display images of the reference and of the image.
     fn flip(&self) -> f64 {
         let (width, height) = (self.truth.data.width, self.truth.data.height);
         FlipMap::new(&self.reference.display, &display(self.color), width, height).mean()
@@ -60,21 +63,23 @@ impl JudgedImage<'_> {
 
 /// Where a method's rays ended.
 pub(super) struct MethodHits {
-    /// Ends on the screen, in pixels; `None` for a miss. `positions` is `None` for a method whose rays end among the triangles
-    /// of the scene, even where the screen shows the end.
+    /// Hit of each pixel's ray on the screen, in pixels; `None` for a miss. There is no list for a method whose rays
+    /// end among the triangles of the scene.
     pub(super) positions: Option<Vec<Option<[f64; 2]>>>,
-    /// Ends in the world.
+    /// End of each pixel's ray in the world.
     pub(super) ends: Vec<RayEnd>,
 }
 
-/// The fields that a variant's records share.
+/// A template for the records of a variant, with the fields that they share.
 pub(super) struct Record {
+    /// The record, without errors.
     pub(super) record: ErrorRecord,
+    /// The version of the oracle that the variant is compared with.
     oracle: OracleVersion,
 }
 
 impl Record {
-    /// The shared fields of a subject's records; `time` is `None` for a subject that was not timed.
+    /// Makes the template of a subject's records; `time` is `None` for a subject that was not timed.
     pub(super) fn new(
         gpu: &Gpu,
         spec: &ErrorSpec,
@@ -101,7 +106,8 @@ impl Record {
         }
     }
 
-    /// The record of an image against one reference.
+    /// Makes the record of an image's errors against one reference. `color` is the linear reflection colour of each
+    /// pixel, and `against` is the kind of `reference`.
     pub(super) fn image(
         &self,
         against: ErrorReference,
@@ -117,8 +123,9 @@ impl Record {
         }
     }
 
-    /// The records of a variant's image against each reference; in a cell of mirrors, also the records of its hits. A variant
-    /// that is `on_screen` alone is also compared with the screen reference.
+    /// Makes the records of a variant against all references. The image `color` is compared with the world reference,
+    /// and with the screen reference if the variant sees the screen alone (`on_screen`). In a cell of mirrors, `hits`
+    /// are compared with the oracle's and with the world's.
     pub(super) fn against_all(
         &self,
         truth: &Truth,
@@ -130,8 +137,8 @@ impl Record {
         let screen = truth.screen(self.oracle);
         let mut records = Vec::new();
         if let Some(positions) = hits.and_then(|hits| hits.positions.as_ref()) {
-            let oracle: Vec<_> = screen.hits.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
-            let hits = HitAgreement::new(&truth.mask, positions, &oracle);
+            let oracle_positions: Vec<_> = screen.hits.iter().map(|hit| hit.map(|p| [p.x, p.y])).collect();
+            let hits = HitAgreement::new(&truth.mask, positions, &oracle_positions);
             records.push(ErrorRecord { against: ErrorReference::Oracle, hits, ..self.record.clone() });
         }
         if on_screen {
@@ -142,14 +149,14 @@ impl Record {
             world.place_agreement = place::agreement(&truth.world_hits, &hits.ends);
         }
         if let Some(positions) = hits.and_then(|hits| hits.positions.as_ref()) {
-            let visible: Vec<_> = truth.world_hits.iter().map(|h| h.visible_at().map(|p| p.to_array())).collect();
-            let w = world::agreement(&truth.mask, &visible, positions);
-            let share = |n: u64| (w.pixels > 0).then(|| n as f64 / w.pixels as f64);
+            let visible: Vec<_> = truth.world_hits.iter().map(|hit| hit.visible_at().map(|p| p.to_array())).collect();
+            let agreement = world::agreement(&truth.mask, &visible, positions);
+            let share = |count: u64| (agreement.pixels > 0).then(|| count as f64 / agreement.pixels as f64);
             world.hits = HitAgreement {
-                hit_agreement: w.fraction(),
-                false_hits: share(w.false_hits),
-                missed: share(w.missed),
-                displaced: share(w.displaced),
+                hit_agreement: agreement.fraction(),
+                false_hits: share(agreement.false_hits),
+                missed: share(agreement.missed),
+                displaced: share(agreement.displaced),
                 ..HitAgreement::default()
             };
         }

@@ -8,18 +8,19 @@ use crate::study::names::safe_word;
 /// The folder of the cells' pictures.
 pub const IMAGES: &str = "images";
 
-/// Name of a cell's picture; its error maps have "-rmse" or "-flip" before the extension.
+/// Returns the file name of a picture of the cell named `cell`, in the folder of the pictures. The files of its error
+/// maps have "-rmse" or "-flip" before the extension.
 pub fn picture_file(cell: &str, name: &str) -> String {
     format!("{cell}-{}.png", safe_word(name))
 }
 
-/// Name of the FLIP map of a cell's picture.
+/// Returns the file name of the FLIP map of a picture, in the folder of the pictures.
 pub fn flip_file(cell: &str, name: &str) -> String {
     format!("{cell}-{}-flip.png", safe_word(name))
 }
 
-/// The image files of a cell, whose names begin with `name`. Each strip (the image of a reference or a method) has a
-/// picture. A strip with errors also has maps of RMSE and of FLIP, each as numbers (EXR) and in colours (PNG).
+/// Makes the image files of a cell, whose names begin with the cell's name `name`. Each reference and variant has a
+/// picture. A variant also has maps of its RMSE and its FLIP, each as numbers (EXR) and in colours (PNG).
 pub(super) fn files(name: &str, cell: &MeasuredCell) -> Vec<ExtraFile> {
     let image_file = |file: String, content| ExtraFile { path: format!("{IMAGES}/{file}"), content };
     let mut files = Vec::new();
@@ -27,9 +28,9 @@ pub(super) fn files(name: &str, cell: &MeasuredCell) -> Vec<ExtraFile> {
         files.push(image_file(picture_file(name, &strip.name), Content::Picture(cell.extent, display(&strip.color))));
         let Some(error) = &strip.error else { continue };
         let stem = format!("{name}-{}", safe_word(&strip.name));
-        for (of_what, values) in [("rmse", &error.rmse), ("flip", &error.flip.errors)] {
-            files.push(image_file(format!("{stem}-{of_what}.exr"), Content::Map(cell.extent, values.clone(), of_what)));
-            files.push(image_file(format!("{stem}-{of_what}.png"), Content::heat(cell.extent, values)));
+        for (measure, values) in [("rmse", &error.rmse), ("flip", &error.flip.errors)] {
+            files.push(image_file(format!("{stem}-{measure}.exr"), Content::Map(cell.extent, values.clone(), measure)));
+            files.push(image_file(format!("{stem}-{measure}.png"), Content::heat(cell.extent, values)));
         }
     }
     files

@@ -19,14 +19,15 @@ pub struct Point {
     pub name: String,
     /// Median over the cells of the variant's median time.
     pub time_ms: f64,
-    /// Mean over the cells of the variant's error: the share of wrong hits against the oracle, else the RMSE.
+    /// Mean over the cells of the variant's error: the share of wrong hits if the reference is the oracle, else the
+    /// RMSE.
     pub error: f64,
     /// Mean over the cells of the variant's place agreement; `None` if no cell has one.
     pub place_agreement: Option<f64>,
     /// Medians over the cells of the data that the variant prepared before the first frame: bytes on the device, and
     /// milliseconds. `None` if no record has them.
     pub prepared: Option<(f64, f64)>,
-    /// Means over the cells of [`more_columns`].
+    /// Mean over the cells of each of [`more_columns`]; `None` if no cell has a value.
     pub more: Vec<Option<f64>>,
     /// Uncertainty of the time in either direction, as a share.
     pub noise: f64,
@@ -34,23 +35,23 @@ pub struct Point {
     pub on_front: bool,
 }
 
-/// The columns of an image's errors that tables show beside the error itself, which are those with a header.
+/// Returns the columns of [`ImageError`] that have a header, which tables show beside the error itself.
 pub fn more_columns() -> Vec<Column<ImageError>> {
     ImageError::columns().columns.into_iter().filter(|c| !c.title.is_empty()).collect()
 }
 
-/// The mean; `None` without values.
+/// Returns the mean of some values; `None` without values.
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// Mean over the cells of the screen's floor; `None` if no cell has one.
+/// Returns the mean of the floor of the screen over the records that have one; `None` if none has.
 pub fn floor(records: &[ErrorRecord]) -> Option<f64> {
     // Every method of a cell has the same floor.
     mean(&records.iter().filter_map(|r| r.floor).collect::<Vec<_>>())
 }
 
-/// The error of a record, as plotted for its reference.
+/// Returns the error of a record that charts show: against the oracle the share of wrong hits, else the RMSE.
 fn error(record: &ErrorRecord) -> Option<f64> {
     match record.against {
         ErrorReference::Oracle => record.hits.hit_agreement.map(|a| 1.0 - a),
@@ -58,28 +59,30 @@ fn error(record: &ErrorRecord) -> Option<f64> {
     }
 }
 
-/// The name of a variant, and its values over the cells. The six lists are times, their noise, errors, place
-/// agreements, and the bytes and milliseconds of prepared data; the last lists are the values of [`more_columns`].
+/// The name of a variant, and lists of its values in the cells. The six lists have the times, their noise, the errors,
+/// the place agreements, and the bytes and milliseconds of prepared data. Then comes a list for each of
+/// [`more_columns`].
 type VariantValues = (String, [Vec<f64>; 6], Vec<Vec<f64>>);
 
-/// Half the width of the interval of a record's time, as a share of the time.
+/// Returns half the width of the interval of a record's time, as a share of the time; `None` if the record has no
+/// interval.
 fn noise_of(record: &ErrorRecord) -> Option<f64> {
-    let half = (record.time_high_ms? - record.time_low_ms?) / 2.0;
-    Some(half / record.time_ms?).filter(|share| share.is_finite())
+    let half_width_ms = (record.time_high_ms? - record.time_low_ms?) / 2.0;
+    Some(half_width_ms / record.time_ms?).filter(|share| share.is_finite())
 }
 
-/// Uncertainty of the median time over some cells, as a share: independent noise falls with the square root of the
-/// number of cells. Half the threshold of a verdict is used if some records have no noise, because they have few frames
-/// or are older.
-fn noise(of_cells: &[f64], cells: usize) -> f64 {
-    if of_cells.len() < cells {
+/// Returns the uncertainty of the median time over `cells` cells, as a share: the median of `cell_noises`, the noise of
+/// the cells, divided by the square root of `cells`, as independent noise falls. Half the threshold of a verdict is
+/// returned if some cells have no noise, because they have few frames or their records are older.
+fn noise(cell_noises: &[f64], cells: usize) -> f64 {
+    if cell_noises.len() < cells {
         return THRESHOLD / 2.0;
     }
-    Stats::from_samples(of_cells).median_ms / (cells as f64).sqrt()
+    Stats::from_samples(cell_noises).median_ms / (cells as f64).sqrt()
 }
 
-/// One point a variant against a reference, from some records, in order of time. A variant with an error that is not finite is
-/// left out.
+/// Makes a point for each variant from the records against one reference, in order of time. Variants whose error is not
+/// finite or whose time is 0 are left out.
 pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
     let columns = more_columns();
     let mut all: Vec<VariantValues> = Vec::new();
@@ -116,32 +119,35 @@ pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
         })
         .filter(|p| p.error.is_finite() && p.error >= 0.0 && p.time_ms > 0.0)
         .collect();
-    let measured = |p: &Point| {
+    let with_interval = |p: &Point| {
         let [least, most] = [1.0 - p.noise, 1.0 + p.noise].map(|factor| p.time_ms * factor);
         MeasuredPoint { least, most, error: p.error }
     };
-    for index in pareto::front_of_measured(&points.iter().map(measured).collect::<Vec<_>>()) {
+    for index in pareto::front_of_measured(&points.iter().map(with_interval).collect::<Vec<_>>()) {
         points[index].on_front = true;
     }
     points.sort_by(|a, b| a.time_ms.total_cmp(&b.time_ms));
     points
 }
 
-/// The parts of the error: a row for each method and reference, and one for the floor; a column for each roughness; medians
-/// over the views. A method is represented by its base variant, the first in the records.
+/// Makes the cells of the table of the parts of the error. Lines are methods with a reference, and the floor; columns
+/// are roughness values; a cell has the median RMSE over the views. The first variant of a method in the records stands
+/// for it.
 pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
-    let mut bases = BTreeMap::new();
+    let mut first_variants = BTreeMap::new();
     for r in records {
-        bases.entry(r.head.method_and_fallback()).or_insert_with(|| r.head.variant());
+        first_variants.entry(r.head.method_and_fallback()).or_insert_with(|| r.head.variant());
     }
-    let base = || records.iter().filter(|r| bases.get(&r.head.method_and_fallback()) == Some(&r.head.variant()));
+    let is_first = |r: &&ErrorRecord| first_variants.get(&r.head.method_and_fallback()) == Some(&r.head.variant());
+    let shown = || records.iter().filter(is_first);
     let column = |r: &ErrorRecord| format!("r {}", roughness(r.head.roughness));
     let label = |r: &ErrorRecord| format!("{}, {}", r.head.method_and_fallback(), r.against.name());
-    let errors = base().filter_map(|r| Some((label(r), column(r), r.image.rmse?)));
-    let floors = base().filter_map(|r| Some((format!("{FLOOR}, world"), column(r), r.floor?)));
+    let errors = shown().filter_map(|r| Some((label(r), column(r), r.image.rmse?)));
+    let floors = shown().filter_map(|r| Some((format!("{FLOOR}, world"), column(r), r.floor?)));
+    // Each value has the label of its line, the header of its column, and a number.
     let all: Vec<(String, String, f64)> = errors.chain(floors).collect();
-    pivot("what, against", &all, [&|v| v.0.clone(), &|v| v.1.clone()], |here| {
-        let values: Vec<f64> = here.iter().map(|v| v.2).collect();
+    pivot("what, against", &all, [&|(label, ..)| label.clone(), &|(_, column, _)| column.clone()], |here| {
+        let values: Vec<f64> = here.iter().map(|(.., value)| *value).collect();
         Some(format!("{:.4}", Stats::from_samples(&values).median_ms))
     })
 }

@@ -1,5 +1,5 @@
-//! The rows of the error study and their summaries: run time against error for each reference, and the parts of the error by
-//! roughness.
+//! The rows of the error study, with their tables and charts: run time against error for each reference, and the parts
+//! of the error by roughness.
 
 use super::ImageError;
 use super::points::{self, FLOOR, Point};
@@ -14,21 +14,22 @@ use ssct::methods::Prepared;
 use ssct_truth::metrics::{HitAgreement, pareto};
 use std::collections::BTreeSet;
 
-/// Reference that a figure is compared with.
+/// The reference that a record's figures are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "Against", rename_all = "lowercase")]
 pub enum ErrorReference {
-    /// Hits against the oracle, in the record's version; mirrors only.
+    /// The hits are compared with those of the oracle, in the record's version; mirrors only.
     Oracle,
-    /// The image against the screen reference of the record's version of the oracle, in which a miss is black; not for variants
-    /// that see more than the screen.
+    /// The image is compared with the screen reference of the record's version of the oracle, in which a miss is black;
+    /// not for variants that see more than the screen.
     Screen,
-    /// Hits (mirrors only) and the image against the triangles. A ray that leaves the scene brings the environment.
+    /// The image is compared with the world reference, in which a ray that leaves the scene brings the environment. The
+    /// hits of mirrors are compared with those among the triangles.
     World,
 }
 
 impl ErrorReference {
-    /// The name in tables and files.
+    /// Returns the name in tables and files.
     pub fn name(self) -> &'static str {
         REFERENCES.iter().find(|r| r.0 == self).map_or("", |r| r.1)
     }
@@ -106,7 +107,7 @@ impl Row for ErrorRecord {
         &self.head.program
     }
 
-    /// The tables of points for every reference, which mark the front.
+    /// Makes a table of points for each reference that the rows have; the table marks the points on the Pareto front.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let cells = rows.iter().map(cell_of).collect::<BTreeSet<_>>().len();
         let about = format!("{}. {ABOUT}", if cells == 1 { "One cell".to_owned() } else { format!("{cells} cells") });
@@ -119,12 +120,13 @@ impl Row for ErrorRecord {
         REFERENCES.into_iter().filter_map(table).collect()
     }
 
-    /// The table of the parts of the error, from one record of each figure.
+    /// Makes the table of the parts of the error, from one record of each figure.
     fn common_tables(rows: &[Self]) -> Vec<Table> {
         if rows.is_empty() { Vec::new() } else { vec![source_table(&one_of_each(rows))] }
     }
 
-    /// One chart for each reference that the rows have, and one for prepared bytes if they differ.
+    /// Makes a chart for each reference that the rows have, and a chart of prepared bytes if they differ between
+    /// variants.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let chart = |(against, name, axis): (ErrorReference, &str, &str)| {
             let points = points::points(rows, against);
@@ -140,31 +142,32 @@ impl Row for ErrorRecord {
     }
 }
 
-/// Chart of prepared bytes against error, without variants that prepare nothing. `None` if all others prepare equally
-/// many bytes: a column of the table says how many.
+/// Makes the chart of prepared bytes against error, without variants that prepare nothing. `None` if all others prepare
+/// equally many bytes, which a column of the table shows, too.
 fn bytes_against_error(points: &[Point]) -> Option<Chart> {
-    let cost = |p: &Point| p.prepared.map_or(0.0, |(bytes, _)| bytes / MIB);
-    let points: Vec<&Point> = points.iter().filter(|p| cost(p) > 0.0).collect();
-    if points.iter().all(|p| cost(p) == cost(points[0])) {
+    let prepared_mib = |p: &Point| p.prepared.map_or(0.0, |(bytes, _)| bytes / MIB);
+    let points: Vec<&Point> = points.iter().filter(|p| prepared_mib(p) > 0.0).collect();
+    if points.iter().all(|p| prepared_mib(p) == prepared_mib(points[0])) {
         return None;
     }
-    let front = pareto::front(&points.iter().map(|p| (cost(p), p.error)).collect::<Vec<_>>());
-    let named = |(i, p): (usize, &&Point)| NamedPoint {
+    let front = pareto::front(&points.iter().map(|p| (prepared_mib(p), p.error)).collect::<Vec<_>>());
+    let named = |(index, p): (usize, &&Point)| NamedPoint {
         name: p.name.clone(),
-        position: [cost(p), p.error],
-        on_front: front.contains(&i),
+        position: [prepared_mib(p), p.error],
+        on_front: front.contains(&index),
     };
     let axes = ["MiB on the device, prepared", WORLD_AXIS].map(str::to_owned);
     let drawing = Drawing::Points(axes, points.iter().enumerate().map(named).collect());
     Some(Chart::new("error-world-bytes", format!("Prepared bytes against {WORLD_AXIS}"), drawing))
 }
 
-/// The name of a record's cell.
+/// Returns the name of a record's cell.
 fn cell_of(r: &ErrorRecord) -> String {
     cell_name(&r.head.scene, &r.head.view, [r.head.width, r.head.height], r.head.roughness)
 }
 
-/// Keeps the first record of each figure that several devices measured, since an error is the same on all devices.
+/// Keeps the first of the records that several devices made of one measurement, since an error is the same on all
+/// devices.
 fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     let mut seen = BTreeSet::new();
     let is_first = |r: &&ErrorRecord| {
@@ -174,7 +177,7 @@ fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     records.iter().filter(is_first).cloned().collect()
 }
 
-/// The floor, which is shown beside errors against the world alone.
+/// Returns the mean floor of the screen for errors against the world, and `None` for errors against another reference.
 fn floor(records: &[ErrorRecord], against: ErrorReference) -> Option<f64> {
     points::floor(records).filter(|_| against == ErrorReference::World)
 }
@@ -182,14 +185,15 @@ fn floor(records: &[ErrorRecord], against: ErrorReference) -> Option<f64> {
 /// Number of bytes in a MiB.
 const MIB: f64 = (1 << 20) as f64;
 
-/// A table with a row for each point, and a last row for the floor. Place agreement, prepared data and further figures have columns
-/// if a point has any.
+/// Makes the cells of a table with a row for each point, and a last row for the floor, if given. Place agreement,
+/// prepared data and further figures have columns if a point has any.
 fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let has_places = points.iter().any(|p| p.place_agreement.is_some());
     let has_prepared = points.iter().any(|p| p.prepared.is_some_and(|(bytes, _)| bytes > 0.0));
-    let row = |[name, time, error, front, place, bytes, prepared]: [String; 7], more: Vec<String>| {
+    // Makes a row of seven cells, without those that no point has, and of the further figures `more`.
+    let row = |[name, time, error, front, place, bytes, prepared_ms]: [String; 7], more: Vec<String>| {
         let first = [name, time, error, front].into_iter().chain(has_places.then_some(place));
-        first.chain([bytes, prepared].into_iter().filter(|_| has_prepared)).chain(more).collect::<Vec<_>>()
+        first.chain([bytes, prepared_ms].into_iter().filter(|_| has_prepared)).chain(more).collect::<Vec<_>>()
     };
     // Further figures that some point has, with their places in a point's list.
     let columns: Vec<_> = points::more_columns()
@@ -200,24 +204,23 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let point = |p: &Point| {
         let front = if p.on_front { "*" } else { "" };
         let place = p.place_agreement.map_or_else(|| "-".into(), |share| format!("{:.1} %", 100.0 * share));
-        let (bytes, prepared) = p.prepared.unwrap_or_default();
+        let (bytes, prepared_ms) = p.prepared.unwrap_or_default();
         let [time, error] = [format!("{:.3}", p.time_ms), format!("{:.4}", p.error)];
-        let prepared = [format!("{:.1}", bytes / MIB), format!("{prepared:.0}")];
-        let [bytes, prepared] = prepared;
+        let [mib, prepared_ms] = [format!("{:.1}", bytes / MIB), format!("{prepared_ms:.0}")];
         let more = columns.iter().map(|(i, column)| column.shown_number(p.more[*i])).collect();
-        row([p.name.clone(), time, error, front.to_owned(), place, bytes, prepared], more)
+        row([p.name.clone(), time, error, front.to_owned(), place, mib, prepared_ms], more)
     };
     let names = ["variant", "median ms", "mean error", "front", "right places, r 0", "prepared MiB", "prepared ms"];
     let dash = || "-".to_owned();
-    let no_more = || columns.iter().map(|_| dash()).collect();
-    let last = floor.map(|error| {
-        row([FLOOR.into(), dash(), format!("{error:.4}"), String::new(), dash(), dash(), dash()], no_more())
+    let dashes = || columns.iter().map(|_| dash()).collect();
+    let floor_row = floor.map(|error| {
+        row([FLOOR.into(), dash(), format!("{error:.4}"), String::new(), dash(), dash(), dash()], dashes())
     });
-    let header = row(names.map(str::to_owned), columns.iter().map(|(_, c)| c.title.clone()).collect());
-    std::iter::once(header).chain(points.iter().map(point)).chain(last).collect()
+    let header = row(names.map(str::to_owned), columns.iter().map(|(_, column)| column.title.clone()).collect());
+    std::iter::once(header).chain(points.iter().map(point)).chain(floor_row).collect()
 }
 
-/// The table of the parts of the error, with its description.
+/// Makes the table of the parts of the error, with its description.
 pub fn source_table(records: &[ErrorRecord]) -> Table {
     Table::new(
         "sources",

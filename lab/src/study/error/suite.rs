@@ -1,4 +1,4 @@
-//! The cells of the error study: scene, view, size and roughness. In a cell all variants are timed in turn.
+//! The cells of the error study: each is a view of a scene, at a size, with a set of factors, such as the roughness.
 
 use super::{ErrorRecord, ErrorSpec, LoadedScene, Variant, measure, pictures};
 use crate::error::Result;
@@ -9,13 +9,16 @@ use crate::study::names::cell_name;
 use serde_json::json;
 use ssct_scenes::{Scene, View};
 
-/// The study: each view, at each size, with each of the global factors.
+/// The error study: each view of each scene, at each size, with each set of global factors.
 pub struct ErrorStudy {
     scenes: Vec<StudiedScene>,
     sizes: Vec<[u32; 2]>,
     globals: Vec<Globals>,
+    /// Number of timed frames of each variant.
     samples: usize,
+    /// Rays a pixel of the references.
     rays: u32,
+    /// The scene of the last cell on the device, by its index.
     loaded_scene: LastMade<usize, LoadedScene>,
 }
 
@@ -32,9 +35,9 @@ struct StudiedScene {
 pub type ErrorCell = (usize, usize, [u32; 2], Globals);
 
 impl ErrorStudy {
-    /// The study of some scenes with their views, and of some variants. Each variant gets a number of timed frames, at least
-    /// one; the references get a number of rays a pixel, at least two. A method is left out in a scene that lacks what it
-    /// needs.
+    /// Makes the study of some scenes, each with its views, and of some variants. `samples` is the number of timed
+    /// frames of a variant, at least one; `rays` is the number of rays a pixel of the references, at least two. A
+    /// method is left out in a scene that lacks what it needs.
     pub fn new(
         scenes: Vec<(Scene, Vec<View>)>,
         sizes: Vec<[u32; 2]>,
@@ -50,7 +53,7 @@ impl ErrorStudy {
         Self { scenes, sizes, globals, samples, rays, loaded_scene: LastMade::default() }
     }
 
-    /// The inputs of a cell's measurement.
+    /// Returns the inputs of a cell's measurement.
     fn spec(&self, &(scene, view, extent, globals): &ErrorCell) -> ErrorSpec<'_> {
         let StudiedScene { scene, views, digest, variants } = &self.scenes[scene];
         ErrorSpec {
@@ -66,7 +69,7 @@ impl ErrorStudy {
         }
     }
 
-    /// The name of a cell, with which the names of its files begin.
+    /// Returns the name of a cell, with which the names of its files begin.
     fn name(&self, &(scene, view, extent, globals): &ErrorCell) -> String {
         let StudiedScene { scene, views, .. } = &self.scenes[scene];
         cell_name(&scene.name, &views[view].name, extent, globals.roughness)
@@ -81,13 +84,13 @@ impl Study for ErrorStudy {
         self.scenes.iter().map(|studied| &studied.scene).collect()
     }
 
-    /// A cell is a view of a scene, at a size, with a set of factors.
+    /// Lists a cell for each view of each scene, at each size, with each set of factors.
     fn cells(&self) -> Vec<Planned<ErrorCell>> {
         let mut cells = Vec::new();
-        for (n, studied) in self.scenes.iter().enumerate() {
+        for (scene, studied) in self.scenes.iter().enumerate() {
             for view in 0..studied.views.len() {
                 for &size in &self.sizes {
-                    cells.extend(self.globals.iter().map(|globals| (n, view, size, *globals)));
+                    cells.extend(self.globals.iter().map(|globals| (scene, view, size, *globals)));
                 }
             }
         }
@@ -100,13 +103,14 @@ impl Study for ErrorStudy {
 
     /// Measures a cell, and keeps its pictures.
     fn measure(&mut self, cell: &ErrorCell, bench: &mut Bench) -> Result<Vec<ErrorRecord>> {
-        let mut loaded_scenes = std::mem::take(&mut self.loaded_scene);
+        let mut last_loaded = std::mem::take(&mut self.loaded_scene);
         let spec = self.spec(cell);
-        let loaded_scene = loaded_scenes.get_or_make(cell.0, || LoadedScene::new(bench.gpu, spec.scene))?;
+        let (scene_index, ..) = *cell;
+        let loaded_scene = last_loaded.get_or_make(scene_index, || LoadedScene::new(bench.gpu, spec.scene))?;
         let go_on = bench.go_on;
-        let made = measure(bench.gpu, &spec, loaded_scene, bench.journal, &mut || go_on())?;
-        self.loaded_scene = loaded_scenes;
-        pictures::files(&self.name(cell), &made).iter().try_for_each(|file| (bench.keep)(file))?;
-        Ok(made.records)
+        let measured = measure(bench.gpu, &spec, loaded_scene, bench.journal, &mut || go_on())?;
+        self.loaded_scene = last_loaded;
+        pictures::files(&self.name(cell), &measured).iter().try_for_each(|file| (bench.keep)(file))?;
+        Ok(measured.records)
     }
 }

@@ -1,4 +1,5 @@
-//! The references of a cell: hits and image of the screen by each version of the oracle, and hits and image of the world.
+//! The references of a cell: hits and an image of the screen by each version of the oracle, and hits and an image of
+//! the world.
 
 use super::{ErrorSpec, display};
 use crate::error::Result;
@@ -25,13 +26,13 @@ const WORLD_SEED: u64 = 2;
 pub(super) struct Truth {
     /// The G-buffer that the variants see.
     pub(super) data: GBufferData,
-    /// Reflecting pixels.
+    /// Whether each pixel reflects.
     pub(super) mask: Vec<bool>,
     /// Whether every reflecting pixel is a mirror; only then are hits compared.
     pub(super) mirrors: bool,
     /// The references in screen space, by each version of the oracle that a variant is compared with.
     pub(super) screens: Vec<ScreenTruth>,
-    /// Where the mirror rays end in the world; empty unless all reflecting pixels are mirrors.
+    /// Where each pixel's mirror ray ends in the world; empty unless all reflecting pixels are mirrors.
     pub(super) world_hits: Vec<WorldHit>,
     /// The world reference.
     pub(super) world: Reference,
@@ -42,14 +43,16 @@ pub(super) struct Truth {
 /// The references in screen space, by one version of the oracle.
 pub(super) struct ScreenTruth {
     pub(super) version: OracleVersion,
-    /// Hits of the mirror rays: pixel x, pixel y and reversed depth.
+    /// Hit of each pixel's mirror ray: pixel x, pixel y and reversed depth. `None` for a miss, and for pixels that do
+    /// not reflect.
     pub(super) hits: Vec<Option<DVec3>>,
+    /// The screen reference.
     pub(super) image: Reference,
 }
 
 impl Truth {
-    /// The references in screen space by a version of the oracle; those of the first listed version if no variant is compared
-    /// with `version`.
+    /// Returns the references in screen space by a version of the oracle; if no variant is compared with this version,
+    /// those of the first version in the list.
     pub(super) fn screen(&self, version: OracleVersion) -> &ScreenTruth {
         self.screens.iter().find(|s| s.version == version).unwrap_or(&self.screens[0])
     }
@@ -65,8 +68,8 @@ pub(super) struct Reference {
     pub(super) standard_error: f64,
 }
 
-/// Computes the references for the G-buffer that the variants see. `go_on` is called between two steps, and its error ends the
-/// computation.
+/// Computes the references for the G-buffer `data` that the variants see, with a number of bounces. `go_on` is called
+/// between two steps, and its error ends the computation.
 pub(super) fn truth(
     spec: &ErrorSpec,
     data: GBufferData,
@@ -75,8 +78,8 @@ pub(super) fn truth(
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Truth> {
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
-    let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
-    let screen = |version| {
+    let mirrors = mask.iter().zip(&data.roughness).all(|(reflects, roughness)| !reflects || *roughness <= 0.0);
+    let screen_truth = |version| {
         let hierarchy = Hierarchy::new(&data).of_version(version);
         let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
         let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version, bounces };
@@ -88,9 +91,9 @@ pub(super) fn truth(
         }
     };
     let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.effect().oracle).collect();
-    versions.sort_by_key(|v| u32::from(*v));
+    versions.sort_by_key(|version| u32::from(*version));
     versions.dedup();
-    let screens = versions.into_iter().map(screen).collect();
+    let screens = versions.into_iter().map(screen_truth).collect();
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::shown(&triangles, &data);
@@ -115,13 +118,13 @@ pub(super) fn truth(
     })
 }
 
-/// The colours as arrays of red, green and blue.
+/// Converts colours to arrays of red, green and blue.
 fn colors(image: &[Vec3]) -> Vec<[f32; 3]> {
     image.iter().map(Vec3::to_array).collect()
 }
 
 impl Reference {
-    /// Makes a reference from its colours, with the display image.
+    /// Makes a reference from its linear colours and their standard error.
     fn new(color: &[Vec3], standard_error: f64) -> Self {
         let color = colors(color);
         Self { display: display(&color), color, standard_error }

@@ -1,17 +1,17 @@
-//! The path of a ray through the cells of a Hi-Z chain, as the twin of the traversal walks it.
+//! The walk of a ray through the cells of a Hi-Z chain or of a pyramid, cell by cell, by the twin of a method.
 
 use glam::{Vec2, Vec3Swizzles};
 use ssct_truth::reference::hi_z_ray_trace::{self, HiZTrace};
 use ssct_truth::reference::unified::{HitCode, Traversal};
 
-/// A ray's path through the cells of a Hi-Z chain, for any method.
+/// The walk of a ray through the cells of a Hi-Z chain or of a pyramid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Walk {
     /// Every visited cell, in order.
     pub cells: Vec<VisitedCell>,
-    /// The ray's position in pixels: at its start, then after each step.
+    /// The ray's positions in pixels: first where the walk begins, and then after each step.
     pub way: Vec<Vec2>,
-    /// How the path ended.
+    /// How the walk ended.
     pub end: WalkEnd,
     /// The convention of the cells' depths.
     pub depth: &'static str,
@@ -20,7 +20,7 @@ pub struct Walk {
 /// A cell that a ray visited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisitedCell {
-    /// Level of the Hi-Z chain; 0 is the pixels.
+    /// Level of the cell; level 0 has the pixels.
     pub level: u32,
     /// Column and row of the cell in its level.
     pub place: Vec2,
@@ -30,11 +30,12 @@ pub struct VisitedCell {
     pub nearest: f32,
     /// The ray's depth after the step.
     pub ray: f32,
-    /// Whether the ray went on to the next cell. Otherwise it met the content of this cell, and the walk went down a level.
+    /// Whether the ray crossed the cell and went on to the next. Otherwise it met the depths that the cell holds, and
+    /// the walk went down a level or ended.
     pub crossed: bool,
 }
 
-/// How a ray's path ended.
+/// How a walk ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WalkEnd {
     /// The ray hit a cell of level 0.
@@ -48,25 +49,26 @@ pub enum WalkEnd {
 }
 
 impl Walk {
-    /// The last position, in pixels.
+    /// Returns the last position, in pixels.
     pub fn last(&self) -> Vec2 {
         self.way.last().copied().unwrap_or_default()
     }
 
-    /// The path of the thesis's traversal in an image of `size` pixels.
+    /// Makes the walk from the trace of the thesis's Hi-Z ray tracing, in an image of `size` pixels.
     pub(super) fn of_thesis(trace: &HiZTrace, size: Vec2) -> Self {
-        let cells = trace.steps.iter().map(|s| VisitedCell {
-            level: s.level,
-            place: s.cell,
-            corners: [s.cell, s.cell + 1.0].map(|corner| corner / s.cell_count * size),
-            nearest: s.minimum_plane,
-            ray: s.ray.z,
-            crossed: s.crossed,
+        let cells = trace.steps.iter().map(|step| VisitedCell {
+            level: step.level,
+            place: step.cell,
+            corners: [step.cell, step.cell + 1.0].map(|corner| corner / step.cell_count * size),
+            nearest: step.minimum_plane,
+            ray: step.ray.z,
+            crossed: step.crossed,
         });
-        let way = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
+        // Positions of the trace are texture coordinates and depth.
+        let positions = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|step| step.ray));
         Self {
             cells: cells.collect(),
-            way: way.map(|place| place.xy() * size).collect(),
+            way: positions.map(|position| position.xy() * size).collect(),
             end: match trace.end {
                 hi_z_ray_trace::End::Hit => WalkEnd::Hit,
                 hi_z_ray_trace::End::LeftScreen => WalkEnd::Left,
@@ -76,23 +78,23 @@ impl Walk {
         }
     }
 
-    /// The path of the traversal of `unified`; `None` if the pixel has no ray.
+    /// Walks the mirror ray of the pixel (x, y) by the twin of `unified`; `None` if the pixel has no ray.
     pub(super) fn of_unified(traversal: &Traversal, x: u32, y: u32) -> Option<Self> {
         let (ray, _) = traversal.mirror_ray(x, y)?;
         let (mut cells, mut way) = (Vec::new(), vec![ray.point_at(0.0).xy()]);
         let hit = traversal.walk(&ray, |visit| {
             let side = (1 << visit.level) as f32;
             let place = visit.cell.as_vec2();
-            // A ray that meets a cell stands at its entry, since the next visited cell is inside; otherwise it stands at the
-            // exit.
-            let stands = ray.point_at(visit.span[usize::from(!visit.meets)]);
-            way.push(stands.xy());
+            // A ray that meets a cell stays where it entered the cell, since the next visited cell lies within;
+            // otherwise it moves to where it leaves the cell.
+            let position = ray.point_at(visit.span[usize::from(!visit.meets)]);
+            way.push(position.xy());
             cells.push(VisitedCell {
                 level: visit.level,
                 place,
                 corners: [place * side, (place + 1.0) * side],
                 nearest: visit.block.front,
-                ray: stands.z,
+                ray: position.z,
                 crossed: !visit.meets,
             });
         });

@@ -1,5 +1,5 @@
-//! Changes from run to run: the total times of each run are compared with those of an earlier run, as `ssct compare` does. The
-//! earlier run is the latest one on the same device that timed something in common.
+//! Changes from run to run: the total times of each run are compared with those of an earlier run, as by `ssct
+//! compare`. The earlier run is the latest of those on the same device that have a total in common with the run.
 
 use super::LibraryRun;
 use crate::study::compare::{self, Run, TOTAL, TimeComparison, TimeSample};
@@ -16,17 +16,18 @@ pub struct RunChange {
     pub totals: Vec<TimeComparison>,
 }
 
-/// The change of each run that has an earlier run to compare with, in the order of the library. `threshold` is the
-/// change of a time that counts, as a share, at least 0 and below 1.
+/// Compares each run that has an earlier run to compare with, in the order of the library, which is that of the dates.
+/// `threshold` is the change of a time that counts, as a share, at least 0 and below 1.
 pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<RunChange> {
     let mut found = Vec::new();
     for (after, run) in library.iter().enumerate() {
-        let Some(b) = &run.samples else { continue };
-        let earlier = library[..after].iter().enumerate().rev();
-        let before = earlier.filter_map(|(before, run)| Some((before, run.samples.as_ref()?)));
-        let mut same_device = before.filter(|(_, a)| a.device.is_some() && a.device == b.device);
-        found.extend(same_device.find_map(|(before, a)| {
-            let mut totals = compare::times(a, b, threshold);
+        let Some(later_run) = &run.samples else { continue };
+        let latest_first = library[..after].iter().enumerate().rev();
+        let with_samples = latest_first.filter_map(|(before, run)| Some((before, run.samples.as_ref()?)));
+        let mut on_same_device =
+            with_samples.filter(|(_, earlier)| earlier.device.is_some() && earlier.device == later_run.device);
+        found.extend(on_same_device.find_map(|(before, earlier_run)| {
+            let mut totals = compare::times(earlier_run, later_run, threshold);
             totals.retain(|record| record.only_in.is_none());
             (!totals.is_empty()).then_some(RunChange { before, after, totals })
         }));
@@ -42,7 +43,7 @@ pub fn totals_only(run: Run) -> Run {
             subject: Arc::clone(&first.subject),
             sample: first.sample,
             pass: TOTAL.to_owned(),
-            // The comparison would add counted rows up to another total.
+            // From samples that count, the comparison would make another total.
             counted: false,
             ms: rows.iter().filter(|row| row.counted).map(|row| row.ms).sum(),
             floors: [first.floors[1]; 2],

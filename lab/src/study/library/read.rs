@@ -1,5 +1,5 @@
-//! Reads records as any commit since the first has written them. Older records lack some fields of newer ones, so that each
-//! field is read from plain JSON if it is present.
+//! Reads records of all versions of the program. Older records lack some fields of newer records, so that each field is
+//! read from plain JSON if it is present.
 
 use super::{Measurement, Quantity, Setting};
 use crate::study::error::{EXACT_HITS, SCREEN_REFERENCE};
@@ -13,10 +13,10 @@ use ssct_ground::parameter::{Choices, Parameters, Preset};
 /// The kinds of records that the studies write.
 pub const KINDS: [&str; 9] = ["time", "error", "stress", "motion", "precision", "video", "path", "age", "reference"];
 
-/// Settings that older records have at their top level, and newer records in their setup.
+/// Names of settings that older records have at their top level, and newer records in their setup.
 const ONCE_AT_THE_TOP: [&str; 4] = ["normal_deviation", "resolution_scale", "split", "oracle"];
 
-/// Settings that belong to the place of a measurement and not to its method.
+/// Names of settings that belong to the place of a measurement and not to its method.
 const OF_THE_PLACE: [&str; 5] = ["fov_degrees", "near_m", "far_m", "reflectivity", "normal_deviation"];
 
 /// The parts of a record that the library uses.
@@ -30,7 +30,8 @@ pub struct ReadRecord {
     pub definitions: u32,
     /// Device.
     pub device: DeviceInfo,
-    /// The record's figures. The index of the device is 0, since a record has one device.
+    /// The record's figures that can be followed over runs. Their index of the device is 0, since a record has one
+    /// device.
     pub measurements: Vec<Measurement>,
     /// Whether the case passed, in a record of the stress study.
     pub passed: Option<bool>,
@@ -44,7 +45,7 @@ pub fn are_records(objects: &[Json]) -> bool {
 /// Reads a record.
 ///
 /// # Errors
-/// The part that the record lacks, as the end of a sentence that begins with the record.
+/// Which field the record lacks, as the end of a sentence that begins with the record.
 pub fn record(json: &Json) -> Result<ReadRecord, String> {
     let kind = json["kind"].as_str().filter(|kind| KINDS.contains(kind)).ok_or("has no kind that is known")?;
     let device = DeviceInfo::deserialize(&json["device"]).map_err(|_| "has no device")?;
@@ -63,6 +64,7 @@ pub fn record(json: &Json) -> Result<ReadRecord, String> {
         measurements: Vec::new(),
         passed: json["pass"].as_bool().filter(|_| kind == "stress"),
     };
+    // Only the figures need the fields of a head, so that a record without figures may lack them.
     let figures = figures(kind, json);
     if !figures.is_empty() {
         let head = head(kind, program, json)?;
@@ -83,15 +85,16 @@ pub fn record(json: &Json) -> Result<ReadRecord, String> {
     Ok(read)
 }
 
-/// The figures of a record that can be followed over runs.
+/// Returns the figures of a record that can be followed over runs, with their quantities; values that are missing,
+/// negative or not finite are left out.
 fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
     let number = |pointer: &str| json.pointer(pointer).and_then(Json::as_f64);
     let found = match (kind, json["against"].as_str()) {
         ("time", _) => vec![(Quantity::Time, number("/total/median_ms"))],
-        // Each record of a cell has the time of the cell, so that one of them is enough.
+        // Every record of a variant in a cell repeats the variant's time; a trend has one value for each view.
         ("error", Some("oracle")) => {
-            let wrong = number("/hit_agreement").map(|right| (1.0 - right).max(0.0));
-            vec![(Quantity::WrongHits, wrong), (Quantity::ErrorStudyTime, number("/time_ms"))]
+            let wrong_hits = number("/hit_agreement").map(|agreement| (1.0 - agreement).max(0.0));
+            vec![(Quantity::WrongHits, wrong_hits), (Quantity::ErrorStudyTime, number("/time_ms"))]
         }
         ("error", Some("screen")) => {
             vec![(Quantity::ScreenRmse, number("/rmse")), (Quantity::ErrorStudyTime, number("/time_ms"))]
@@ -107,7 +110,8 @@ fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
     found.into_iter().filter_map(sound).collect()
 }
 
-/// Reads the first fields of a record. The error is the end of a sentence that begins with the record.
+/// Reads the first fields of a record. The error names the field that is missing, as the end of a sentence that begins
+/// with the record.
 fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
     let text = |name: &str| json[name].as_str().ok_or_else(|| format!("has no {name}"));
     let pixels = |name: &str| {
@@ -128,7 +132,8 @@ fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
     })
 }
 
-/// Everything that was set for a measurement, collected from each part of a record that may hold settings.
+/// Collects everything that was set for a measurement from the parts of a record in which versions of the program have
+/// put it.
 fn setup(json: &Json) -> RecordedSetup {
     let top = ONCE_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
     let mut all: RecordedSetup = top.collect();
@@ -139,27 +144,29 @@ fn setup(json: &Json) -> RecordedSetup {
     all
 }
 
-/// The setting of a record: scene, size, roughness, and the settings that belong to the place of the measurement.
+/// Makes the setting of a record: scene, size, roughness, and the other settings that belong to the place of the
+/// measurement.
 fn setting(head: &Head) -> Setting {
-    let known = OF_THE_PLACE.iter().filter_map(|name| Some((name, head.setup.get(*name)?)));
-    let said = known.filter(|(_, value)| !value.is_null()).map(|(name, value)| format!("{name} {}", cell(value)));
+    let given = OF_THE_PLACE.iter().filter_map(|name| Some((name, head.setup.get(*name)?)));
+    let values = given.filter(|(_, value)| !value.is_null()).map(|(name, value)| format!("{name} {}", cell(value)));
     Setting {
         scene: head.scene.clone(),
         size: [head.width, head.height],
         roughness: head.roughness.map_or_else(|| "own".to_owned(), |r| r.to_string()),
-        rest: [format!("definitions {}", head.program.definitions)].into_iter().chain(said).collect(),
+        rest: [format!("definitions {}", head.program.definitions)].into_iter().chain(values).collect(),
     }
 }
 
-/// The method, with its parameters that differ from the preset. The presets of a method from a folder are not known here, so
-/// that all of its parameters are named.
+/// Names the method of a record, with its parameters that differ from the preset. The presets of a method from a folder
+/// are not known here, so that all of its parameters are named.
 fn method(head: &Head) -> String {
     if methods::find(&head.method).is_ok() || [EXACT_HITS, SCREEN_REFERENCE].contains(&&*head.method) {
         return head.variant();
     }
-    let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
-    let place = ["preset", "width", "height", "roughness"].iter().chain(&OF_THE_PLACE);
-    let known: Vec<&str> = place.copied().chain(around).collect();
-    let own = head.setup.iter().filter(|(name, value)| !known.contains(&name.as_str()) && !value.is_null());
-    own.fold(head.variant(), |name, (parameter, value)| format!("{name} {parameter} {}", cell(value)))
+    let of_effect: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
+    let of_place = ["preset", "width", "height", "roughness"].iter().chain(&OF_THE_PLACE);
+    let not_of_method: Vec<&str> = of_place.copied().chain(of_effect).collect();
+    let of_method =
+        head.setup.iter().filter(|(name, value)| !not_of_method.contains(&name.as_str()) && !value.is_null());
+    of_method.fold(head.variant(), |name, (parameter, value)| format!("{name} {parameter} {}", cell(value)))
 }

@@ -1,4 +1,4 @@
-//! A library of runs whose figures are known.
+//! Tests of the library, with made-up runs whose figures are known.
 
 use super::changes::{changes, totals_only};
 use super::read::{are_records, record};
@@ -9,12 +9,12 @@ use serde_json::{Value as Json, json};
 use ssct_truth::metrics::bootstrap::Verdict;
 use std::sync::Arc;
 
-/// A device as records have it.
+/// Makes a device, as records have it.
 fn device(name: &str) -> Json {
     json!({ "name": name, "driver": "1", "api": "1.3", "type": "other" })
 }
 
-/// A record of a time as this version writes it.
+/// Makes a record of a time, as this version of the program writes it.
 fn time_record(device_name: &str, view: &str, method: &str, ms: f64) -> Json {
     json!({
         "kind": "time", "definitions": 2, "version": "0.1.0", "commit": "c", "device": device(device_name),
@@ -23,7 +23,7 @@ fn time_record(device_name: &str, view: &str, method: &str, ms: f64) -> Json {
     })
 }
 
-/// A run with some records.
+/// Makes a run with some records.
 fn run(name: &str, records: &[Json]) -> LibraryRun {
     let mut run = LibraryRun {
         name: name.into(),
@@ -50,10 +50,10 @@ fn run(name: &str, records: &[Json]) -> LibraryRun {
     run
 }
 
-/// The quantity, runs and lines of a trend.
+/// The quantity of a trend, the indices of its runs, and its lines: the method and its value in each run.
 type Shown = (Quantity, Vec<usize>, Vec<(String, Vec<Option<f64>>)>);
 
-/// The trends of a library, with times divided by those of `ssct`.
+/// Finds the trends of a library, with times divided by those of `ssct`.
 fn shown(library: &[LibraryRun]) -> Vec<Shown> {
     let lines = |t: &trends::Trend| t.lines.iter().map(|l| (l.method.clone(), l.values.clone())).collect();
     trends(library, "ssct").iter().map(|t| (t.quantity, t.runs.clone(), lines(t))).collect()
@@ -62,10 +62,11 @@ fn shown(library: &[LibraryRun]) -> Vec<Shown> {
 /// Tests that a time is divided by that of the base method in its run, and that a line has medians over the views.
 #[test]
 fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
-    let library_run = |factor: f64, unified: [f64; 3]| {
-        let views = ["a", "b", "c"].into_iter().zip(unified);
-        let records = views.flat_map(|(view, over)| {
-            [time_record("gpu", view, "ssct", 10.0 * factor), time_record("gpu", view, "unified", 10.0 * factor * over)]
+    let library_run = |factor: f64, ratios_of_unified: [f64; 3]| {
+        let views = ["a", "b", "c"].into_iter().zip(ratios_of_unified);
+        let records = views.flat_map(|(view, ratio)| {
+            let ssct = time_record("gpu", view, "ssct", 10.0 * factor);
+            [ssct, time_record("gpu", view, "unified", 10.0 * factor * ratio)]
         });
         run("r", &records.collect::<Vec<_>>())
     };
@@ -75,7 +76,7 @@ fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
     assert_eq!(shown(&library), [(Quantity::Time, vec![0, 1], expected)]);
 }
 
-/// Tests that runs with other devices, views, settings or definitions share no line.
+/// Tests that runs with different devices, views, settings or definitions share no line.
 #[test]
 fn no_line_joins_devices_views_or_settings() {
     let pair = |device: &str, view: &str| {
@@ -123,7 +124,7 @@ fn errors_are_followed_as_they_are_and_gaps_stay() {
     assert_eq!(shown(&library), [(Quantity::WorldRmse, vec![0, 1, 2], lines)]);
 }
 
-/// Tests that a record of the first version is read, and what is said of a record that lacks a field.
+/// Tests that a record of the first version is read, and the error of a record that lacks a field.
 #[test]
 fn an_older_record_is_read_as_far_as_it_goes() {
     // The first version had parameters beside the setup, and some of them at the top.
@@ -160,10 +161,10 @@ fn an_older_record_is_read_as_far_as_it_goes() {
     );
 }
 
-/// Frames of two counted passes and one that does not count; `factor` multiplies the counted times.
+/// Makes nine frames of two passes that count and one that does not; `factor` multiplies the counted times.
 fn frames(device: Option<DeviceInfo>, factor: f64) -> Run {
-    let said = [("scene", "rooms"), ("view", "a"), ("method", "ssct")].map(|(n, v)| (n.to_owned(), v.to_owned()));
-    let subject = Arc::new(Subject(said.into_iter().collect()));
+    let values = [("scene", "rooms"), ("view", "a"), ("method", "ssct")].map(|(n, v)| (n.to_owned(), v.to_owned()));
+    let subject = Arc::new(Subject(values.into_iter().collect()));
     let sample = |n: u64, pass: &str, counted, ms| TimeSample {
         subject: Arc::clone(&subject),
         sample: n,
@@ -183,7 +184,8 @@ fn frames(device: Option<DeviceInfo>, factor: f64) -> Run {
     Run { name: "r".into(), device, samples: (0..9).flat_map(frame).collect() }
 }
 
-/// Tests that each run is compared with the run before on its device, with the figures of a comparison of all passes.
+/// Tests that each run is compared with the last run on its device, and that the result equals a comparison of all
+/// passes.
 #[test]
 fn a_change_is_judged_as_compare_judges_the_total() {
     let gpu = |name: &str| record(&time_record(name, "a", "ssct", 1.0)).expect("read").device;

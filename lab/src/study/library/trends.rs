@@ -1,13 +1,13 @@
-//! Figures over runs. A time is given as its ratio to the time of a base method in the same run on the same device,
-//! never in milliseconds and never across devices. A line joins only runs that measured the same views in the same
-//! setting.
+//! Trends: figures over the runs of a library. A time is given as its ratio to the time of a base method in the same
+//! run on the same device, never in milliseconds and never across devices. A line joins only runs that measured the
+//! same views in the same setting.
 
 use super::{LibraryRun, Quantity, Setting};
 use crate::study::record::Stats;
 use ssct::gpu::DeviceInfo;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// One figure over the runs that measured it in the same place on one device.
+/// One quantity over the runs that measured it on one device, in one setting and on the same views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
     /// Device.
@@ -33,25 +33,25 @@ pub struct TrendLine {
     pub values: Vec<Option<f64>>,
 }
 
-/// The values of one method in one run, by view.
+/// The values of one quantity of a method in one run, by the name of the view.
 type Views = BTreeMap<String, f64>;
 
 /// Key of a trend: the index of its device, the setting, the views and the quantity.
 type Place = (usize, Setting, Vec<String>, Quantity);
 
-/// The values of each method, by the index of the run.
+/// The values of a trend: for each method, by its name, the value in each run, by the index of the run.
 type Methods = BTreeMap<String, BTreeMap<usize, f64>>;
 
-/// All trends of a library, with times divided by those of a base method.
+/// Finds all trends of a library. Times are divided by those of the method with the name `base`.
 pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
     let devices = devices(library);
     let mut groups: BTreeMap<Place, Methods> = BTreeMap::new();
     for (index, run) in library.iter().enumerate() {
         for ((device, setting, quantity), methods) in cells(run) {
             let Some(device) = devices.iter().position(|d| **d == run.devices[device]) else { continue };
-            let base = methods.get(base).cloned();
+            let base_views = methods.get(base).cloned();
             for (method, views) in methods {
-                let Some(views) = relative(quantity, &views, base.as_ref()) else { continue };
+                let Some(views) = relative(quantity, &views, base_views.as_ref()) else { continue };
                 let median = Stats::from_samples(&views.values().copied().collect::<Vec<_>>()).median_ms;
                 let key = (device, setting.clone(), views.into_keys().collect(), quantity);
                 groups.entry(key).or_default().entry(method).or_default().insert(index, median);
@@ -59,7 +59,8 @@ pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
         }
     }
     let trend = |((device, setting, views, quantity), mut methods): (Place, Methods)| {
-        // The base method divided by itself is always 1, and tells nothing.
+        // A value in a single run makes no line. The base method's time divided by itself is always 1, and tells
+        // nothing.
         methods.retain(|method, values| values.len() > 1 && !(Quantity::is_time(quantity) && method == base));
         let runs: BTreeSet<usize> = methods.values().flat_map(|values| values.keys().copied()).collect();
         let line = |(method, values): (String, BTreeMap<usize, f64>)| TrendLine {
@@ -80,7 +81,7 @@ pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
     groups.into_iter().filter_map(trend).collect()
 }
 
-/// The devices of a library, in the order in which they appear.
+/// Returns the devices of a library, each once, in the order in which they first appear.
 pub fn devices(library: &[LibraryRun]) -> Vec<&DeviceInfo> {
     let mut devices: Vec<&DeviceInfo> = Vec::new();
     for device in library.iter().flat_map(|run| &run.devices) {
@@ -91,7 +92,8 @@ pub fn devices(library: &[LibraryRun]) -> Vec<&DeviceInfo> {
     devices
 }
 
-/// The measurements of a run by device, setting and quantity, then by method, then by view.
+/// Sorts the measurements of a run by the index of the device, setting and quantity, and below these by method and by
+/// view.
 fn cells(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<String, Views>> {
     let mut cells: BTreeMap<_, BTreeMap<String, Views>> = BTreeMap::new();
     for m in &run.measurements {
@@ -101,16 +103,16 @@ fn cells(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<Stri
     cells
 }
 
-/// Returns the values of an error unchanged, and the values of a time divided by those of the base method, in the views
-/// that both have. `None` if no view is left.
+/// Returns the values `views` of a method unchanged if they are errors. Times are divided by the values `base` of the
+/// base method, in the views that both methods have; `None` if no view is left.
 fn relative(quantity: Quantity, views: &Views, base: Option<&Views>) -> Option<Views> {
     if !quantity.is_time() {
         return Some(views.clone());
     }
-    let over = |(view, value): (&String, &f64)| {
-        let base = base?.get(view).filter(|base| **base > 0.0)?;
-        Some((view.clone(), value / base))
+    let ratio = |(view, value): (&String, &f64)| {
+        let base_value = base?.get(view).filter(|value| **value > 0.0)?;
+        Some((view.clone(), value / base_value))
     };
-    let found: Views = views.iter().filter_map(over).collect();
-    (!found.is_empty()).then_some(found)
+    let ratios: Views = views.iter().filter_map(ratio).collect();
+    (!ratios.is_empty()).then_some(ratios)
 }

@@ -1,4 +1,4 @@
-//! Reasons for a pixel's colour, in sentences.
+//! Says in sentences why a pixel has its colour.
 
 use super::{MethodEnd, OracleEnd, PixelReport, WorldEnd};
 use ssct_truth::metrics::hits::HitVerdict;
@@ -7,31 +7,33 @@ use ssct_truth::metrics::world::is_same_place;
 use ssct_truth::reference::MissReason;
 use ssct_truth::reference::pixel::{EstimatedColor, UnseenReason};
 
-/// The sentences of a pixel. `is_sky_surface` says that the pixel's mesh shows the environment. `traces_lobes` says that the
-/// method's ray of a rough pixel is not the mirror ray.
+/// Returns the sentences that explain a pixel. `is_sky_surface` says that the pixel's mesh shows the environment, and
+/// `traces_lobes` that the method's ray of a rough pixel is not the mirror ray.
 pub(super) fn sentences(report: &PixelReport, is_sky_surface: bool, traces_lobes: bool) -> Vec<String> {
     if !report.surface.reflects {
         return vec![not_reflecting(report, is_sky_surface)];
     }
     let is_rough = report.surface.roughness > 0.0;
-    let compares = !(is_rough && traces_lobes);
+    // The oracle and the world follow the mirror ray, so that another ray cannot be compared with theirs.
+    let is_mirror_ray = !(is_rough && traces_lobes);
     let mut all = vec![verdict(report)];
     all.extend(report.world_end.as_ref().map(world));
-    if let (Some(own), Some(oracle), true) = (&report.method_end, &report.oracle_end, compares) {
-        all.extend(method(own, oracle, report.world_end.as_ref()));
+    if let (Some(method_end), Some(oracle_end), true) = (&report.method_end, &report.oracle_end, is_mirror_ray) {
+        all.extend(method(method_end, oracle_end, report.world_end.as_ref()));
     }
+    // A verdict that blames the fade alone has already said what the fade leaves.
     all.extend(fade(report).filter(|_| !is_wrong_by_fade_alone(report)));
     all.extend(if is_rough { None } else { color(report) });
     if is_rough {
-        let own = if traces_lobes { "; the method's own ray is another one of the lobe" } else { "" };
+        let about_method = if traces_lobes { "; the method's own ray is another one of the lobe" } else { "" };
         all.push(format!(
-            "The surface is rough: colours are means over a lobe, and ends are those of its mirror ray{own}."
+            "The surface is rough: colours are means over a lobe, and ends are those of its mirror ray{about_method}."
         ));
     }
     all
 }
 
-/// Why a pixel does not reflect, as a sentence.
+/// Says in a sentence why a pixel does not reflect.
 fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
     let surface = &report.surface;
     match &surface.mesh {
@@ -43,7 +45,7 @@ fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
     }
 }
 
-/// Whether the reflection is right, and by how much it differs from the world's, as a sentence.
+/// Says in a sentence whether the reflection is right, and by how much it differs from the world reference.
 fn verdict(report: &PixelReport) -> String {
     let off = report.colors.world.as_ref().map_or(0.0, |world| 100.0 * world.difference);
     let by = format!(
@@ -68,7 +70,8 @@ fn verdict(report: &PixelReport) -> String {
     }
 }
 
-/// Where the ray ends in the world, and what hides that place from the screen, as a sentence.
+/// Says in a sentence where the mirror ray ends in the world, and what hides this place from the screen, if it is
+/// hidden.
 fn world(end: &WorldEnd) -> String {
     let Some(mesh) = &end.mesh else { return "In the world the ray meets nothing: it ends in the sky.".to_owned() };
     let length = end.length_m.unwrap_or_default();
@@ -95,7 +98,8 @@ fn world(end: &WorldEnd) -> String {
     }
 }
 
-/// Why the screen does not show a place, as the end of a sentence about it.
+/// Says why the screen does not show a place in the world, as the end of a sentence about the place. `is_before_near`
+/// says that the place lies before the near plane.
 pub(super) fn unseen_text(unseen: &UnseenReason, is_before_near: bool) -> &'static str {
     match unseen {
         UnseenReason::BehindEye => "lies behind the eye",
@@ -107,24 +111,26 @@ pub(super) fn unseen_text(unseen: &UnseenReason, is_before_near: bool) -> &'stat
     }
 }
 
-/// How the end of the method's ray differs from that of the oracle's ray, and from the end in the world, as a sentence.
-/// `None` for a ray that went on beyond the screen.
+/// Says in a sentence whether the method's ray ends on the screen where the oracle's ray does, and whether it ends
+/// where the world's does. `None` for a ray that went on beyond the screen.
 fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Option<String> {
     // The screen's oracle says nothing about rays that went beyond the screen.
     let went_on = own.place_m.is_some() && !own.hits_screen;
-    let place = own.pixel.map(|p| p.map(f64::from));
-    let say = |[x, y]: [f64; 2]| format!("{x:.1}, {y:.1}");
-    Some(match HitVerdict::compare(place, oracle.pixel) {
+    let own_pixel = own.pixel.map(|p| p.map(f64::from));
+    let text_of = |[x, y]: [f64; 2]| format!("{x:.1}, {y:.1}");
+    Some(match HitVerdict::compare(own_pixel, oracle.pixel) {
         _ if went_on => return None,
         HitVerdict::Agrees => {
-            let visible = world.filter(|end| end.shown).and_then(|end| end.pixel);
-            let as_world = match (place, visible) {
+            // The end in the world, if the screen shows it.
+            let world_pixel = world.filter(|end| end.shown).and_then(|end| end.pixel);
+            let is_as_in_world = match (own_pixel, world_pixel) {
                 (Some(a), Some(b)) => is_same_place(a, b),
                 (a, b) => a.is_none() && b.is_none(),
             };
-            let ends = if place.is_some() { "ends where the oracle's does" } else { "hits nothing, as by the oracle" };
-            let rest = match place.zip(visible) {
-                _ if as_world => "",
+            let ends =
+                if own_pixel.is_some() { "ends where the oracle's does" } else { "hits nothing, as by the oracle" };
+            let rest = match own_pixel.zip(world_pixel) {
+                _ if is_as_in_world => "",
                 Some(_) => {
                     "; the place where it ends in the world is on the screen, too, but the ray meets something before it"
                 }
@@ -133,27 +139,27 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
             format!("On the screen the method's ray {ends}{rest}.")
         }
         HitVerdict::False => {
-            let pixel = place.map(say).unwrap_or_default();
+            let pixel = own_pixel.map(text_of).unwrap_or_default();
             format!("The method takes the ray for a hit at {pixel}; by the oracle it {}.", oracle.end)
         }
         HitVerdict::Missed => {
-            let pixel = oracle.pixel.map(say).unwrap_or_default();
+            let pixel = oracle.pixel.map(text_of).unwrap_or_default();
             format!("By the oracle the ray hits {pixel}; the method's ray {}.", own.end)
         }
         HitVerdict::Displaced => {
-            let [own, other] = [place, oracle.pixel].map(|p| p.map(say).unwrap_or_default());
+            let [own, other] = [own_pixel, oracle.pixel].map(|p| p.map(text_of).unwrap_or_default());
             format!("The method's ray hits {own}, and the oracle's {other}.")
         }
     })
 }
 
-/// Why the colour of a mirror's pixel is wrong, although its ray ends right and the reflection does not fade; `None` in
-/// any other case.
+/// Says in a sentence why the colour of a mirror's pixel is wrong, although its ray ends right and the reflection does
+/// not fade; `None` in any other case.
 fn color(report: &PixelReport) -> Option<String> {
     let (own, oracle, world) = (report.method_end.as_ref()?, report.oracle_end.as_ref()?, report.world_end.as_ref()?);
-    let place = own.pixel.map(|p| p.map(f64::from));
-    let ends_right = HitVerdict::compare(place, oracle.pixel) == HitVerdict::Agrees
-        && place.zip(world.pixel).is_some_and(|(a, b)| world.shown && is_same_place(a, b));
+    let own_pixel = own.pixel.map(|p| p.map(f64::from));
+    let ends_right = HitVerdict::compare(own_pixel, oracle.pixel) == HitVerdict::Agrees
+        && own_pixel.zip(world.pixel).is_some_and(|(a, b)| world.shown && is_same_place(a, b));
     let is_wrong = matches!(report.verdict, PixelVerdict::WrongByScreen | PixelVerdict::WrongByWorld);
     (is_wrong && ends_right && fade(report).is_none()).then(|| {
         "The ray ends right, and its colour differs: the references are means over the area of the pixel, and in a window they \
@@ -162,8 +168,8 @@ fn color(report: &PixelReport) -> Option<String> {
     })
 }
 
-/// The share of the reflection that the fade leaves, as a sentence; `None` if the fade leaves all of it, or the ray
-/// hits nothing.
+/// Says in a sentence what share of the reflection the fade leaves; `None` if it leaves all, or if the ray does not hit
+/// the screen.
 fn fade(report: &PixelReport) -> Option<String> {
     let fade = report.colors.fade;
     let is_hit = report.method_end.as_ref().is_none_or(|end| end.hits_screen);
@@ -177,13 +183,15 @@ fn is_wrong_by_fade_alone(report: &PixelReport) -> bool {
     let colors = &report.colors;
     let is_wrong = matches!(report.verdict, PixelVerdict::WrongByScreen | PixelVerdict::WrongByWorld);
     let Some((screen, world)) = colors.screen.as_ref().zip(colors.world.as_ref()) else { return false };
-    let [screen, world] = [screen, world]
-        .map(|one| EstimatedColor { color: one.color.into(), standard_error: one.standard_error.into() });
+    let [screen, world] = [screen, world].map(|reference| EstimatedColor {
+        color: reference.color.into(),
+        standard_error: reference.standard_error.into(),
+    });
     let without_fade = PixelVerdict::judge(colors.reflection.into(), &screen, &world);
     is_wrong && fade(report).is_some() && without_fade == PixelVerdict::Right
 }
 
-/// How a ray ends that hits nothing on the screen, in words.
+/// Says in words how a ray ends that hits nothing on the screen. `behind` says that it left behind a surface.
 pub(super) fn miss(reason: MissReason, behind: bool) -> &'static str {
     match (reason, behind) {
         (MissReason::NoRay, _) => "has no ray",

@@ -1,4 +1,5 @@
-//! The ladder of formats over the views: the rungs of each method, a table of all rungs, and charts of bytes against error.
+//! Summaries of the precision ladder over the views: each method's errors on each rung, a table of all rungs, and
+//! charts of bytes against error.
 
 use super::{PrecisionRecord, Storage};
 use crate::study::columns::{AsDatum, Datum};
@@ -9,39 +10,39 @@ use crate::study::record::Provenance;
 use serde_json::Value;
 use ssct_truth::metrics::pareto;
 
-/// A rung's results for a method over the views.
+/// The results of a method on a rung, over the views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
     /// The formats.
     pub storage: Storage,
-    /// Mean share of wrong hits, for mirrors.
+    /// Mean share of wrong hits of mirrors; `None` if no hits were compared.
     pub wrong_hits: Option<f64>,
-    /// Greatest share of wrong hits in a view.
+    /// Greatest share of wrong hits of mirrors in a view.
     pub wrong_hits_worst: Option<f64>,
-    /// Mean RMSE of each roughness, in the order of [`roughness_values`].
+    /// Mean RMSE of each roughness that has records, in the order of [`roughness_values`].
     pub rmse: Vec<f64>,
 }
 
-/// The roughness values of some records, in the order in which they first appear.
+/// Returns the roughness values of some records, in the order in which they first appear.
 pub fn roughness_values(records: &[PrecisionRecord]) -> Vec<Option<f32>> {
     distinct(records.iter().map(|r| r.head.roughness))
 }
 
-/// A method's rungs, in the ladder's order.
+/// Returns the results of a method on each rung that has records, in the ladder's order.
 pub fn rungs(records: &[PrecisionRecord], method: &str) -> Vec<Rung> {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let rung = |storage: Storage| {
-        let here = || records.iter().filter(move |r| r.head.method == method && r.storage == storage);
-        let wrong: Vec<f64> = here().filter_map(|r| r.hits.hit_agreement).map(|a| 1.0 - a).collect();
-        let rmse = |roughness: Option<f32>| {
-            let values: Vec<f64> = here().filter(|r| r.head.roughness == roughness).map(|r| r.rmse).collect();
+        let on_rung = || records.iter().filter(move |r| r.head.method == method && r.storage == storage);
+        let wrong_hits: Vec<f64> = on_rung().filter_map(|r| r.hits.hit_agreement).map(|right| 1.0 - right).collect();
+        let mean_rmse = |roughness: Option<f32>| {
+            let values: Vec<f64> = on_rung().filter(|r| r.head.roughness == roughness).map(|r| r.rmse).collect();
             (!values.is_empty()).then(|| mean(&values))
         };
-        let rmse: Vec<f64> = roughness_values(records).into_iter().filter_map(rmse).collect();
+        let rmse: Vec<f64> = roughness_values(records).into_iter().filter_map(mean_rmse).collect();
         (!rmse.is_empty()).then(|| Rung {
             storage,
-            wrong_hits: (!wrong.is_empty()).then(|| mean(&wrong)),
-            wrong_hits_worst: wrong.iter().copied().reduce(f64::max),
+            wrong_hits: (!wrong_hits.is_empty()).then(|| mean(&wrong_hits)),
+            wrong_hits_worst: wrong_hits.iter().copied().reduce(f64::max),
             rmse,
         })
     };
@@ -62,14 +63,15 @@ impl Row for PrecisionRecord {
         &self.head.program
     }
 
-    /// One table with a line for each rung.
+    /// Makes one table with a line for each rung.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         vec![Table { id: "table", about: ABOUT.to_owned(), cells: cells(rows), ..Table::default() }]
     }
 
-    /// Charts for each method: wrong hits, and the RMSE of each roughness.
+    /// Makes charts for each method: of wrong hits, and of the RMSE at each roughness, against the bytes of a pixel.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let mut charts = Vec::new();
+        // Adds a chart if it has more than one point.
         let mut add = |stem: String, title: String, points: Vec<(Storage, f64)>| {
             if points.len() > 1 {
                 let axes = ["bytes per pixel".to_owned(), title.clone()];
@@ -78,12 +80,12 @@ impl Row for PrecisionRecord {
         };
         for method in methods(rows) {
             let rungs = rungs(rows, method);
-            let wrong = rungs.iter().filter_map(|r| Some((r.storage, r.wrong_hits?)));
+            let wrong_hits = rungs.iter().filter_map(|rung| Some((rung.storage, rung.wrong_hits?)));
             let title = format!("{method}: share of wrong hits against the oracle (roughness 0)");
-            add(format!("precision-hits-{}", safe_word(method)), title, wrong.collect());
+            add(format!("precision-hits-{}", safe_word(method)), title, wrong_hits.collect());
             for (n, roughness) in roughness_values(rows).into_iter().enumerate() {
                 let roughness = roughness_name(roughness);
-                let rmse = rungs.iter().filter_map(|r| Some((r.storage, r.rmse.get(n).copied()?)));
+                let rmse = rungs.iter().filter_map(|rung| Some((rung.storage, rung.rmse.get(n).copied()?)));
                 let title = format!("{method}: RMSE of the reflection colour, roughness {roughness}");
                 add(format!("precision-rmse-{}-r{roughness}", safe_word(method)), title, rmse.collect());
             }
@@ -97,28 +99,30 @@ const ABOUT: &str = "The G-buffer is traced in f64 through the pixels' centres, 
     screen reference there; oracle is the oracle itself on what was stored: what storage costs, whatever the arithmetic. \
     Bytes are depth, normal, lit colour and 4 of reflectivity and roughness. Means over the views.";
 
-/// Points of a chart: bytes of a pixel against the error, with the Pareto front marked.
+/// Makes the points of a chart, bytes of a pixel against the error, with the Pareto front marked. Each element of
+/// `points` has the formats of a rung and the error there.
 fn named(points: &[(Storage, f64)]) -> Vec<NamedPoint> {
-    let costs: Vec<_> = points.iter().map(|(s, e)| (f64::from(s.bytes_per_pixel()), *e)).collect();
+    let costs: Vec<_> = points.iter().map(|(storage, error)| (f64::from(storage.bytes_per_pixel()), *error)).collect();
     let on_front = pareto::front(&costs);
     points
         .iter()
         .zip(&costs)
         .enumerate()
-        .map(|(n, ((storage, _), (x, y)))| NamedPoint {
+        .map(|(index, ((storage, _), (bytes, error)))| NamedPoint {
             name: storage.name(),
-            position: [*x, *y],
-            on_front: on_front.contains(&n),
+            position: [*bytes, *error],
+            on_front: on_front.contains(&index),
         })
         .collect()
 }
 
-/// The names of the methods in some records.
+/// Returns the names of the methods in some records, each once.
 fn methods(records: &[PrecisionRecord]) -> Vec<&str> {
     distinct(records.iter().map(|r| r.head.method.as_str()))
 }
 
-/// A table with a line for each rung: of each method the wrong hits (mean and worst view), and the RMSE by roughness.
+/// Makes the cells of a table with a line for each rung. For each method it has the wrong hits, as a mean and in the
+/// worst view, and the RMSE at each roughness.
 fn cells(records: &[PrecisionRecord]) -> Vec<Vec<String>> {
     let methods: Vec<(&str, Vec<Rung>)> = methods(records).into_iter().map(|m| (m, rungs(records, m))).collect();
     let roughness = roughness_values(records);

@@ -1,4 +1,4 @@
-//! Rounding of a G-buffer's numbers by storage formats, and the ladder of formats that is measured.
+//! Formats of a G-buffer, which round its numbers, and the ladder of formats that is measured.
 
 use super::ExactGBuffer;
 use glam::Vec3;
@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use ssct_ground::math::{linear_to_srgb, srgb_to_linear};
 use ssct_scenes::GBufferData;
 
-/// Bytes of reflectivity and roughness, two 16-bit floats: the same on every rung.
+/// Bytes of a pixel's reflectivity and roughness, which are two 16-bit floats on every rung.
 const MATERIAL_BYTES: u32 = 4;
 
-/// Format of depth. Fixed point has the same steps for standard and reversed depth, counted from opposite ends.
+/// Format of depth. In fixed point, standard and reversed depth have the same steps, counted from opposite ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DepthFormat {
@@ -42,7 +42,8 @@ impl DepthFormat {
         }
     }
 
-    /// The value that is read back, as reversed depth, after storing a reversed depth of 0…1.
+    /// Rounds a reversed depth of 0…1 as the format does: returns the reversed depth that is read back after it is
+    /// stored.
     pub fn store(self, reversed: f64) -> f32 {
         let fixed = |steps: f64| ((reversed * steps).round() / steps) as f32;
         match self {
@@ -88,16 +89,17 @@ impl NormalFormat {
         }
     }
 
-    /// The normal that is read back after storing one; its length is not exactly 1 if the format rounds it.
+    /// Rounds a normal as the format does: returns the normal that is read back after it is stored, whose length may
+    /// not be exactly 1.
     pub fn store(self, normal: Vec3) -> Vec3 {
         let fixed = |v: f32, steps: f32| unit_steps(0.5 + 0.5 * v, steps) * 2.0 - 1.0;
-        let store = |v: f32| match self {
+        let store_coordinate = |v: f32| match self {
             Self::Rgba32f => v,
             Self::Rgba16f => half(v),
             Self::Rgb10a2 => fixed(v, 1023.0),
             Self::Rgba8 => fixed(v, 255.0),
         };
-        normal.map(store)
+        normal.map(store_coordinate)
     }
 }
 
@@ -138,7 +140,7 @@ impl ColorFormat {
         }
     }
 
-    /// The colour that is read back after storing a linear colour.
+    /// Rounds a linear colour as the format does: returns the linear colour that is read back after it is stored.
     pub fn store(self, color: Vec3) -> Vec3 {
         match self {
             Self::Rgba32f => color,
@@ -152,22 +154,22 @@ impl ColorFormat {
     }
 }
 
-/// The nearest 16-bit float.
+/// Rounds to the nearest 16-bit float.
 fn half(v: f32) -> f32 {
     half::f16::from_f32(v).to_f32()
 }
 
-/// The nearest multiple of 1 / `steps` in 0…1.
+/// Rounds to the nearest multiple of 1 / `steps` in 0…1.
 fn unit_steps(v: f32, steps: f32) -> f32 {
     (v.clamp(0.0, 1.0) * steps).round() / steps
 }
 
-/// The nearest unsigned float with 5 bits of exponent (as in 16-bit floats) and `mantissa_bits` bits of mantissa. Negative
-/// numbers become 0, and numbers out of range the greatest float.
+/// Rounds to the nearest unsigned float with 5 bits of exponent (as in 16-bit floats) and `mantissa_bits` bits of
+/// mantissa. Negative numbers become 0, and numbers above the range become the greatest float.
 fn unsigned_float(v: f32, mantissa_bits: i32) -> f32 {
     let v = f64::from(v).max(0.0);
     let greatest = (2.0 - 2.0_f64.powi(-mantissa_bits)) * 2.0_f64.powi(15);
-    // Denormals below 2⁻¹⁴ all have the step of the exponent −14.
+    // The least exponent of a normal float is −14, and denormals have the same step; the greatest exponent is 15.
     let exponent = v.log2().floor().clamp(-14.0, 15.0) as i32;
     let step = 2.0_f64.powi(exponent - mantissa_bits);
     ((v / step).round() * step).min(greatest) as f32
@@ -185,19 +187,19 @@ pub struct Storage {
 }
 
 impl Storage {
-    /// The finest formats, with which the ladder begins.
+    /// The formats with which the ladder begins, which are the finest.
     pub const FINEST: Self =
         Self { depth: DepthFormat::F32Reversed, normal: NormalFormat::Rgba32f, color: ColorFormat::Rgba32f };
 
     /// The formats of [`ssct::passes::gbuffer`].
     pub const OWN: Self = Self { normal: NormalFormat::Rgba16f, color: ColorFormat::Rgba16f, ..Self::FINEST };
 
-    /// Bytes of a pixel, reflectivity and roughness included.
+    /// Returns the bytes of a pixel, including reflectivity and roughness.
     pub fn bytes_per_pixel(self) -> u32 {
         self.depth.bytes() + self.normal.bytes() + self.color.bytes() + MATERIAL_BYTES
     }
 
-    /// The formats that differ from [`Storage::FINEST`], by name.
+    /// Names the formats that differ from those of [`Storage::FINEST`].
     pub fn name(self) -> String {
         let finest = Self::FINEST;
         let parts = [
@@ -209,7 +211,7 @@ impl Storage {
         if parts.is_empty() { "all 32-bit float".into() } else { parts.join(", ") }
     }
 
-    /// The G-buffer that is read back after storing the exact one.
+    /// Rounds a G-buffer as the formats do: returns the G-buffer that is read back after it is stored.
     pub fn store(self, exact: &ExactGBuffer) -> GBufferData {
         GBufferData {
             depth: exact.depth.iter().map(|d| self.depth.store(*d)).collect(),
@@ -219,7 +221,8 @@ impl Storage {
         }
     }
 
-    /// The rungs: the finest, each coarser format by itself, this project's own formats, and several coarser formats combined.
+    /// Returns the rungs of the ladder: the finest formats, each coarser format by itself, this project's own formats,
+    /// and several combinations of coarser formats.
     pub fn ladder() -> Vec<Self> {
         use ColorFormat as C;
         use DepthFormat as D;
@@ -243,19 +246,19 @@ impl Storage {
 mod tests {
     use super::*;
 
-    /// Tests the greatest error of each format of depth.
+    /// Tests the greatest error of each format of depth against half a step of the format.
     #[test]
     fn each_depth_is_off_by_what_its_format_says() {
-        // Surfaces from 50 to 150 m, with near plane 0.1 and far plane 1000; the greatest error is compared.
+        // The reversed depth of a view depth in metres, with the near plane at 0.1 m and the far plane at 1000 m.
         let reversed = |z: f64| 0.1 * (1000.0 - z) / (z * (1000.0 - 0.1));
-        let off = |format: DepthFormat| {
+        let greatest_error = |format: DepthFormat| {
             let error = |z: i32| (f64::from(format.store(reversed(f64::from(z)))) - reversed(f64::from(z))).abs();
             (50..=150).map(error).fold(0.0, f64::max)
         };
-        let [exact, standard] = [DepthFormat::F32Reversed, DepthFormat::F32Standard].map(off);
+        let [exact, standard] = [DepthFormat::F32Reversed, DepthFormat::F32Standard].map(greatest_error);
         assert!(exact <= reversed(50.0) * 2.0_f64.powi(-24), "{exact}");
         assert!(standard > 100.0 * exact && standard <= 2.0_f64.powi(-25), "{standard}");
-        let [d24, d16] = [DepthFormat::D24, DepthFormat::D16].map(off);
+        let [d24, d16] = [DepthFormat::D24, DepthFormat::D16].map(greatest_error);
         assert!(d24 > 100.0 * exact && d24 <= 0.5 / f64::from((1 << 24) - 1) + 1e-10, "{d24}");
         assert!(d16 > 100.0 * d24 && d16 <= 0.5 / 65535.0 + 1e-10, "{d16}");
         for format in [DepthFormat::F32Reversed, DepthFormat::F32Standard, DepthFormat::D24, DepthFormat::D16] {
@@ -265,8 +268,7 @@ mod tests {
 
     #[test]
     fn small_floats_are_those_of_the_format() {
-        // 6 bits of mantissa represent 1 + 2⁻⁶ exactly; in 5 bits it lies between two steps (ties go up). The least denormal is
-        // 2⁻²⁰.
+        // With 6 bits of mantissa 1 + 2⁻⁶ is exact. The least denormal is 2⁻²⁰.
         assert_eq!(unsigned_float(1.015_625, 6), 1.015_625);
         assert_eq!(unsigned_float(1.0, 5), 1.0);
         assert_eq!(unsigned_float(1.01, 5), 1.0);

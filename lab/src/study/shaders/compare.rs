@@ -1,4 +1,4 @@
-//! Comparison of two runs of the study of compiled programs: which program's numbers changed, and by how much.
+//! Compares two runs of the study of compiled programs: which programs' statistics changed, and by how much.
 
 use super::{FRAME, Kind, ShaderRecord, statistic_text};
 use crate::study::exhibit::{Table, distinct};
@@ -13,8 +13,8 @@ pub struct ShaderComparison {
     pub a: String,
     /// Name of the second run.
     pub b: String,
-    /// Five texts: variant, roughness, the kind of frame in which the program runs, program and stage. A sixth text numbers programs of a run that agree in all
-    /// of these; it is empty for the first.
+    /// Variant, roughness, when the program runs, program and stage. A sixth text numbers the records of a run that
+    /// agree in all of these; it is empty for the first.
     pub program: Vec<String>,
     /// The driver's name of the statistic.
     pub statistic: String,
@@ -24,11 +24,12 @@ pub struct ShaderComparison {
     pub value_b: Option<f64>,
 }
 
-/// A run's name and records.
+/// A run, as its name and its records.
 pub type NamedRun<'a> = (&'a str, &'a [ShaderRecord]);
 
-/// The keys by which records of two runs are matched. Constants are left out, since a change of the program may change them;
-/// records with otherwise equal keys are numbered in the order of the run.
+/// Makes the key of each record by which records of two runs are matched ([`ShaderComparison::program`]). The
+/// specialization constants are left out, since a change of the program may change them. Records with otherwise equal
+/// keys are numbered.
 fn keys(records: &[ShaderRecord]) -> Vec<Vec<String>> {
     let mut keys: Vec<Vec<String>> = Vec::new();
     for record in records {
@@ -43,15 +44,16 @@ fn keys(records: &[ShaderRecord]) -> Vec<Vec<String>> {
     keys
 }
 
-/// Pairs the two runs' values of each statistic of each program; what a run lacks is `None`. Digests are left out.
+/// Makes a comparison for each statistic of each program that one of two runs has; a value that a run lacks is `None`.
+/// Digests are left out.
 pub fn compare((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<ShaderComparison> {
     let (keys_a, keys_b) = (keys(a), keys(b));
-    let all = distinct(keys_a.iter().chain(&keys_b).cloned());
-    let found = |keys: &[Vec<String>], records: &[ShaderRecord], key: &[String]| {
+    let all_keys = distinct(keys_a.iter().chain(&keys_b).cloned());
+    let record_of = |key: &[String], keys: &[Vec<String>], records: &[ShaderRecord]| {
         keys.iter().position(|known| known == key).map(|n| records[n].clone())
     };
     let compared = |key: Vec<String>| {
-        let [in_a, in_b] = [found(&keys_a, a, &key), found(&keys_b, b, &key)];
+        let [in_a, in_b] = [record_of(&key, &keys_a, a), record_of(&key, &keys_b, b)];
         let names = in_a.iter().chain(&in_b).flat_map(|r| r.statistics.iter().map(|s| s.name.clone()));
         let names = distinct(names.filter(|name| Kind::named(name) != Kind::Digest));
         let value = |record: &Option<ShaderRecord>, name: &str| record.as_ref().and_then(|r| r.statistic(name));
@@ -66,35 +68,38 @@ pub fn compare((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<ShaderCompar
         };
         names.into_iter().map(comparison).collect::<Vec<_>>()
     };
-    all.into_iter().flat_map(compared).collect()
+    all_keys.into_iter().flat_map(compared).collect()
 }
 
-/// The frames' sums and extremes in both runs, and the programs of frames whose main numbers differ.
+/// Makes two tables of two runs: for each variant and roughness the sums and extremes over a frame's programs, and the
+/// programs of frames whose main statistics differ.
 pub fn tables((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<Table> {
     let comparisons = compare((name_a, a), (name_b, b));
     let mut frames = vec![["method", "roughness", "number", "A", "B", "B/A"].map(str::to_owned).to_vec()];
-    let frame = |r: &ShaderRecord| (r.head.variant(), crate::study::names::roughness(r.head.roughness));
-    for key in distinct(a.iter().chain(b).filter(|r| r.runs_in == FRAME).map(frame)) {
-        let here = |records: &[ShaderRecord]| -> Vec<ShaderRecord> {
-            records.iter().filter(|r| r.runs_in == FRAME && frame(r) == key).cloned().collect()
+    let variant_and_roughness = |r: &ShaderRecord| (r.head.variant(), crate::study::names::roughness(r.head.roughness));
+    for frame in distinct(a.iter().chain(b).filter(|r| r.runs_in == FRAME).map(variant_and_roughness)) {
+        let of_frame = |records: &[ShaderRecord]| -> Vec<ShaderRecord> {
+            records.iter().filter(|r| r.runs_in == FRAME && variant_and_roughness(r) == frame).cloned().collect()
         };
-        let [in_a, in_b] = [here(a), here(b)];
+        let [in_a, in_b] = [of_frame(a), of_frame(b)];
         let names = distinct(in_a.iter().chain(&in_b).flat_map(|r| r.statistics.iter().map(|s| s.name.clone())));
+        let (variant, roughness) = &frame;
         for name in names {
             let Some(fold) = Kind::named(&name).fold() else { continue };
-            let total = |records: &[ShaderRecord]| {
+            let folded = |records: &[ShaderRecord]| {
                 records.iter().filter_map(|r| r.statistic(&name)).reduce(|x, y| fold.join(x, y))
             };
-            let row = [key.0.clone(), key.1.clone(), name.clone()].into_iter();
-            frames.push(row.chain(comparison_cells(total(&in_a), total(&in_b))).collect());
+            let row = [variant.clone(), roughness.clone(), name.clone()].into_iter();
+            frames.push(row.chain(comparison_cells(folded(&in_a), folded(&in_b))).collect());
         }
     }
     let header = ["method", "roughness", "program", "stage", "number", "A", "B", "B/A"].map(str::to_owned);
     let mut programs = vec![header.to_vec()];
+    // The third text of `program` says when the program runs.
     for c in comparisons.iter().filter(|c| c.program[2] == FRAME && Kind::named(&c.statistic).is_main()) {
         if c.value_a != c.value_b {
-            let own = [0, 1, 3, 4].map(|n| c.program[n].clone()).into_iter().chain([c.statistic.clone()]);
-            programs.push(own.chain(comparison_cells(c.value_a, c.value_b)).collect());
+            let labels = [0, 1, 3, 4].map(|n| c.program[n].clone()).into_iter().chain([c.statistic.clone()]);
+            programs.push(labels.chain(comparison_cells(c.value_a, c.value_b)).collect());
         }
     }
     let about = format!("A is {name_a}, and B is {name_b}.");
@@ -104,7 +109,7 @@ pub fn tables((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<Table> {
     ]
 }
 
-/// The cells of the value in A, the value in B and the ratio B / A; a dash stands for a missing one.
+/// Returns the cells of the value in A, the value in B, and their ratio B / A; a dash stands for what is missing.
 fn comparison_cells(a: Option<f64>, b: Option<f64>) -> [String; 3] {
     let ratio = a.zip(b).filter(|(a, _)| *a != 0.0).map(|(a, b)| format!("{:.3}", b / a));
     [statistic_text(a), statistic_text(b), ratio.unwrap_or_else(|| "-".into())]

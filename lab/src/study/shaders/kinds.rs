@@ -1,5 +1,5 @@
-//! Kinds of the drivers' statistics about compiled programs, found by their names. Each driver uses its own names; the kinds
-//! let tables show the important figures in one place, whatever their names.
+//! Kinds of the statistics that drivers give about compiled programs. Each driver has its own names for them; by the
+//! kinds, tables find the important statistics whatever their names.
 
 /// Kind of a statistic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub enum Kind {
     Other,
 }
 
-/// How the values of several programs are combined.
+/// How the values of a statistic over several programs are combined into one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fold {
     /// Sum of the values.
@@ -37,8 +37,8 @@ pub enum Fold {
     Least,
 }
 
-/// Parts of names in lower case with their kinds; the first part that a name contains decides. RADV and ANV name their
-/// statistics so (docs/devices.md), and other drivers may use the same words.
+/// Parts of names, in lower case, with their kinds; the first listed part that a name contains decides. RADV and ANV
+/// use these names (docs/devices.md), and other drivers may use the same words.
 const NAMES: [(&str, Kind); 21] = [
     ("hash", Kind::Digest),
     ("spill", Kind::Spills),
@@ -64,7 +64,7 @@ const NAMES: [(&str, Kind); 21] = [
 ];
 
 impl Kind {
-    /// The kind of a statistic with a driver's name.
+    /// Returns the kind of a statistic, by the name that a driver gives it.
     pub fn named(name: &str) -> Self {
         let name = name.to_lowercase();
         NAMES.iter().find(|(part, _)| name.contains(part)).map_or(Self::Other, |(_, kind)| *kind)
@@ -75,8 +75,8 @@ impl Kind {
         !matches!(self, Self::Digest | Self::Other)
     }
 
-    /// How the values over the programs of a frame are combined; `None` for kinds for which neither sum nor extreme makes
-    /// sense.
+    /// Returns how the values over the programs of a frame are combined; `None` for kinds for which neither a sum nor
+    /// an extreme makes sense.
     pub fn fold(self) -> Option<Fold> {
         match self {
             Self::Registers | Self::Scratch | Self::Shared => Some(Fold::Greatest),

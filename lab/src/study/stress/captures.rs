@@ -1,5 +1,5 @@
-//! Captures at unusual places: inside a wall, on a surface, with faces of one texel, moved in each frame. Methods that follow
-//! rays in captures must show a number in every pixel, and end every ray.
+//! Stress by captures at unusual places: inside a wall, on a surface, with faces of one texel, moved in each frame.
+//! Methods that follow rays in captures must show a sound number in every pixel, and end every ray.
 
 use super::lineup::SceneMethods;
 use super::{JudgedFrame, StressRecord};
@@ -16,28 +16,30 @@ use ssct_truth::reference::surface::World;
 /// Roughness values: a mirror, a narrow lobe and a wide one.
 const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
 
-/// Texels along a side of a face in cases that test something other than sizes; odd, so that no level of the pyramid halves
-/// exactly.
+/// Texels along a side of a face in cases that test something other than sizes. The number is odd, so that it does not
+/// halve exactly in the pyramid.
 const SIDE: u32 = 61;
 
-/// Captures, and how they move.
+/// A case of captures at unusual places.
 pub struct CaptureCase {
     /// Name of the case in records.
     pub name: String,
     /// Offset of the whole scene along each axis, in metres.
     offset: f32,
+    /// View of the scene before the offset moves both.
     view: View,
-    /// Places of the captures in each frame, relative to the unmoved scene, in metres; the number is the same in each frame.
+    /// Places of the captures in each frame, before the offset moves them, in metres. Each frame has equally many.
     places: Vec<Vec<Vec3>>,
+    /// Texels along a side of a face.
     resolution: u32,
 }
 
-/// The methods that must pass, which follow rays in captures.
+/// Returns the methods that follow rays in captures, which must pass.
 pub fn methods() -> Vec<&'static MethodInfo> {
     METHODS.iter().filter(|m| m.takes_captures).collect()
 }
 
-/// Every case of a scene, made from its first view.
+/// Makes every case of a scene from its first view.
 pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
     let Some(view) = scene.views.first() else { return Vec::new() };
     let (eye, ahead) = (view.eye, (view.look_at - view.eye).normalize_or(Vec3::Z));
@@ -55,7 +57,8 @@ pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
     };
     let still = |name: &str, resolution: u32, place: Vec3| case(name, resolution, 0.0, vec![vec![place]]);
     let floor = Vec3::new(eye.x, bounds.min.y, eye.z);
-    let through = |n: u16| eye.lerp(wall + 0.5 * ahead, f32::from(n) / 7.0);
+    // The place in each of eight frames, from the eye to half a metre behind the wall's surface.
+    let through_wall = |frame: u16| eye.lerp(wall + 0.5 * ahead, f32::from(frame) / 7.0);
     vec![
         still("at the eye", SIDE, eye),
         still("on a surface", SIDE, wall),
@@ -65,7 +68,7 @@ pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
         still("below the floor", SIDE, floor - 0.1 * Vec3::Y),
         still("in a corner of the bounds", SIDE, bounds.min),
         still("outside", SIDE, bounds.max + 10.0),
-        case("moved each frame, through a wall", SIDE, 0.0, (0..8).map(|n| vec![through(n)]).collect()),
+        case("moved each frame, through a wall", SIDE, 0.0, (0..8).map(|frame| vec![through_wall(frame)]).collect()),
         case("two in one place", SIDE, 0.0, vec![vec![eye - 0.2 * ahead; 2]]),
         case("before and inside a wall", SIDE, 0.0, vec![vec![wall - 0.5 * ahead, wall + 0.05 * ahead]]),
         still("with faces of 1x1, at the eye", 1, eye),
@@ -78,12 +81,13 @@ pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
 }
 
 impl CaptureCase {
-    /// Key of a line-up; cases with equal keys share one.
+    /// Returns the key of the case's line-up: resolution, number of captures, and offset. Cases with equal keys share a
+    /// line-up.
     pub fn key(&self) -> (u32, usize, u32) {
         (self.resolution, self.places[0].len(), self.offset.to_bits())
     }
 
-    /// The scene of each frame, moved as a whole, with the captures at that frame's places.
+    /// Returns the scene of each frame, with the captures at the frame's places, and moved as a whole by the offset.
     pub fn scenes(&self, scene: &Scene) -> Vec<Scene> {
         let capture = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::placed_at(*place) };
         let frame_scene = |places: &Vec<Vec3>| {
@@ -94,7 +98,8 @@ impl CaptureCase {
         self.places.iter().map(frame_scene).collect()
     }
 
-    /// Makes the methods once for all cases with this case's [`Self::key`], on the scene of the case's first frame.
+    /// Makes the line-up of methods on the scene of the case's first frame, for all cases with this case's
+    /// [`Self::key`].
     ///
     /// # Errors
     /// Errors of the device.
@@ -110,8 +115,8 @@ impl CaptureCase {
     }
 }
 
-/// Runs the methods of the case's line-up, as mirrors and as gloss, frame by frame, and makes a record of each. Hits are not
-/// compared, since the screen's oracle does not know the captures.
+/// Runs the methods of the case's line-up on every frame, as mirrors and as glossy surfaces, and makes a record of each
+/// run. Hits are not compared, since the screen's oracle does not know the captures.
 ///
 /// # Errors
 /// Errors of the device.

@@ -1,5 +1,6 @@
-//! Adversarial G-buffers, made from seeds alone, so that they are the same in each run: sizes, depth ranges, depths, ray
-//! directions, normals, colours and roughness that break renderers (docs/numerics.md, "Faults of the engines").
+//! Adversarial G-buffers: sizes, depth ranges, depths, ray directions, normals, colours and roughness that break
+//! renderers (docs/numerics.md, "Faults of the engines"). They are made from seeds alone, so that they are the same in
+//! each run.
 
 use glam::{DMat4, DVec2, DVec3, Vec3};
 use half::f16;
@@ -7,15 +8,16 @@ use rayon::prelude::*;
 use ssct_ground::math::random::Stream;
 use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 
-/// A G-buffer that is hard for methods.
+/// A case: a G-buffer that is hard for methods.
 pub struct Case {
     /// Name of the case in records.
     pub name: String,
-    /// Whether the rays are defined, so that hits can be compared with the oracle's: normals of a finite length above 0, and
-    /// mirrors.
+    /// Whether hits can be compared with the oracle's, since the rays are defined: all reflectors are mirrors, whose
+    /// normals have a finite length above 0.
     pub comparable: bool,
     extent: [u32; 2],
     lens: Lens,
+    /// Makes the contents of a pixel.
     texel: Box<dyn Fn(&Pixel) -> Texel + Sync>,
 }
 
@@ -29,7 +31,7 @@ struct Texel {
     color: Vec3,
 }
 
-/// A pixel, with what its contents may depend on.
+/// A pixel, with everything that its contents may depend on.
 struct Pixel<'a> {
     x: u32,
     y: u32,
@@ -39,7 +41,7 @@ struct Pixel<'a> {
     random: Stream,
 }
 
-/// The camera of a case, with values that every pixel uses.
+/// Properties of a case's camera, which all pixels share.
 struct Screen {
     view_to_clip: DMat4,
     clip_to_view: DMat4,
@@ -47,40 +49,41 @@ struct Screen {
 }
 
 impl Pixel<'_> {
-    /// View-space direction through the pixel's centre, z = 1.
+    /// Returns the view-space direction through the pixel's centre, with z = 1.
     fn direction(&self) -> DVec3 {
         let centre = DVec2::new(f64::from(self.x), f64::from(self.y)) + 0.5;
         let ndc = centre / DVec2::new(f64::from(self.extent[0]), f64::from(self.extent[1])) * DVec2::new(2.0, -2.0)
             + DVec2::new(-1.0, 1.0);
-        let p = self.screen.clip_to_view.project_point3(ndc.extend(1.0));
-        p / p.z
+        let on_near_plane = self.screen.clip_to_view.project_point3(ndc.extend(1.0));
+        on_near_plane / on_near_plane.z
     }
 
-    /// Reversed depth of a view depth, clamped to the lens's range.
+    /// Returns the reversed depth of a view depth in metres, clamped to the lens's range.
     fn depth_of(&self, z: f64) -> f32 {
         let lens = self.screen.lens;
         let z = z.clamp(f64::from(lens.near_m), f64::from(lens.far_m));
         (self.screen.view_to_clip.project_point3(DVec3::new(0.0, 0.0, z)).z as f32).clamp(0.0, 1.0)
     }
 
-    /// The random number of this pixel with an index, from 0 to below 1.
+    /// Returns this pixel's random number with the index `n`, at least 0 and below 1.
     fn uniform(&self, n: u64) -> f64 {
         self.random.uniform(n)
     }
 
-    /// A random colour that differs from pixel to pixel.
+    /// Returns a random colour, which differs from pixel to pixel.
     fn color(&self) -> Vec3 {
         Vec3::new(self.uniform(100) as f32, self.uniform(101) as f32, self.uniform(102) as f32)
     }
 
-    /// A mirror with a depth and a normal.
+    /// Makes a mirror with a reversed depth and a normal in view space.
     fn mirror(&self, depth: f32, normal: DVec3) -> Texel {
         Texel { depth, normal: normal.as_vec3(), reflectivity: 1.0, roughness: 0.0, color: self.color() }
     }
 
-    /// The nearest of some random tilted rectangles before a wall, as a view depth and a normal, like plausible geometry.
-    /// `None` for sky, in one pixel of 16.
+    /// Finds the nearest surface in this pixel of a picture of random tilted rectangles before a wall, like plausible
+    /// geometry: its view depth and its normal. `None` for sky, which about one in 16 blocks of 4 × 4 pixels shows.
     fn facets(&self, seed: u64) -> Option<(f64, DVec3)> {
+        // The factor tells the blocks of different rows apart.
         if Stream::new(seed, 1 << 40).uniform(u64::from(self.x / 4 + self.y / 4 * 8191)) < 1.0 / 16.0 {
             return None;
         }
@@ -89,26 +92,29 @@ impl Pixel<'_> {
         let (near, far) = (f64::from(lens.near_m), f64::from(lens.far_m));
         // Distances are interpolated in the logarithm between the lens's planes, so that they fit any lens.
         let distance = |share: f64| near * (far / near).powf(share);
-        let mut nearest = (distance(0.6), DVec3::NEG_Z);
-        for k in 0..12 {
-            let r = Stream::new(seed, k);
-            let u = |n| r.uniform(n);
-            let (centre, half) = ([u(0), u(1)], [0.05 + 0.3 * u(2), 0.05 + 0.3 * u(3)]);
+        // View depth and normal of the nearest surface: at first the wall.
+        let (mut nearest_z, mut nearest_normal) = (distance(0.6), DVec3::NEG_Z);
+        for rectangle in 0..12 {
+            let random = Stream::new(seed, rectangle);
+            let u = |n| random.uniform(n);
+            // Centre and half the size of the rectangle in the image, as shares of its sides.
+            let (centre, half_size) = ([u(0), u(1)], [0.05 + 0.3 * u(2), 0.05 + 0.3 * u(3)]);
             let pixel = [f64::from(self.x) + 0.5, f64::from(self.y) + 0.5];
-            let inside = (0..2).all(|a| (pixel[a] / f64::from(self.extent[a]) - centre[a]).abs() < half[a]);
+            let is_inside = (0..2).all(|a| (pixel[a] / f64::from(self.extent[a]) - centre[a]).abs() < half_size[a]);
             let normal = DVec3::new(2.0 * u(4) - 1.0, 2.0 * u(5) - 1.0, -0.3 - u(6)).normalize();
-            let z = distance(0.05 + 0.5 * u(7));
-            // Intersects the plane through the point at depth z straight ahead.
+            let z_ahead = distance(0.05 + 0.5 * u(7));
+            // The pixel's ray meets the plane that has this normal and the depth `z_ahead` straight ahead of the
+            // camera.
             let facing = direction.dot(normal);
-            let hit = z * normal.z / facing;
-            if inside && facing < 0.0 && hit > near && hit < nearest.0 {
-                nearest = (hit, normal);
+            let hit_z = z_ahead * normal.z / facing;
+            if is_inside && facing < 0.0 && hit_z > near && hit_z < nearest_z {
+                (nearest_z, nearest_normal) = (hit_z, normal);
             }
         }
-        Some(nearest)
+        Some((nearest_z, nearest_normal))
     }
 
-    /// Facets, all mirrors.
+    /// Makes the contents of the pixel from [`Self::facets`], of which all but the sky are mirrors.
     fn facet_texel(&self, seed: u64) -> Texel {
         match self.facets(seed) {
             Some((z, normal)) => self.mirror(self.depth_of(z), normal),
@@ -116,7 +122,8 @@ impl Pixel<'_> {
         }
     }
 
-    /// Facets whose normals reflect every ray along a direction.
+    /// Makes the contents of the pixel from [`Self::facets`], with a normal that reflects the view ray into the
+    /// direction `along`, in view space.
     fn aimed(&self, seed: u64, along: DVec3) -> Texel {
         // A mirror with the half vector as its normal reflects the view ray into `along`.
         let normal = (along.normalize() - self.direction().normalize()).try_normalize().unwrap_or(DVec3::Y);
@@ -128,7 +135,7 @@ impl Pixel<'_> {
 }
 
 impl Case {
-    /// A case whose hits can be compared; `texel` makes the contents of each pixel.
+    /// Makes a case whose hits can be compared; `texel` makes the contents of each pixel.
     fn new(
         name: impl Into<String>,
         extent: [u32; 2],
@@ -138,18 +145,18 @@ impl Case {
         Self { name: name.into(), comparable: true, extent, lens, texel: Box::new(texel) }
     }
 
-    /// A case whose rays have no defined truth.
+    /// Marks the case as one whose hits cannot be compared.
     fn without_truth(mut self) -> Self {
         self.comparable = false;
         self
     }
 
-    /// Width and height in pixels.
+    /// Returns the width and height in pixels.
     pub fn extent(&self) -> [u32; 2] {
         self.extent
     }
 
-    /// The G-buffer, with its numbers rounded as the device stores them.
+    /// Makes the G-buffer, with its numbers rounded as the device stores them.
     pub fn gbuffer(&self) -> GBufferData {
         let [width, height] = self.extent;
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, self.lens, width as f32 / height as f32);
@@ -163,32 +170,32 @@ impl Case {
             })
             .collect();
         let stored = |v: f32| f16::from_f32(v).to_f32();
-        let vector = |v: Vec3| Vec3::new(stored(v.x), stored(v.y), stored(v.z));
+        let stored_vector = |v: Vec3| Vec3::new(stored(v.x), stored(v.y), stored(v.z));
         GBufferData {
             width,
             height,
             camera,
             depth: texels.iter().map(|t| t.depth).collect(),
-            normal: texels.iter().map(|t| vector(t.normal)).collect(),
+            normal: texels.iter().map(|t| stored_vector(t.normal)).collect(),
             reflectivity: texels.iter().map(|t| stored(t.reflectivity)).collect(),
             roughness: texels.iter().map(|t| stored(t.roughness)).collect(),
-            color: texels.iter().map(|t| vector(t.color)).collect(),
+            color: texels.iter().map(|t| stored_vector(t.color)).collect(),
             surface: vec![Surface::Lit; texels.len()],
         }
     }
 }
 
-/// The size of images in cases that test something else than sizes. Both sides are primes.
+/// The size of images in cases that test something other than sizes. Both sides are primes.
 const ODD: [u32; 2] = [127, 61];
 
-/// Number of pixels from which only a random quarter of the tiles reflects, since a march of one pixel a step through all of
-/// them would take minutes on a CPU.
+/// Number of pixels from which on only a random quarter of an image reflects, since marches of one pixel a step in all
+/// pixels would take minutes on a CPU.
 const LARGE: u32 = 4_000_000;
 
-/// Pixels along a side of a square that reflects as a whole, or not at all.
+/// Pixels along a side of a tile of a large image, which reflects as a whole or not at all.
 const SQUARE_PIXELS: u32 = 16;
 
-/// Every case; `quick` leaves the large images out.
+/// Makes every case; `quick` leaves the large images out.
 pub fn cases(quick: bool) -> Vec<Case> {
     let mut all = sizes(quick);
     all.extend(ranges());
@@ -200,7 +207,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
     all
 }
 
-/// Cases of images with unusual sizes.
+/// Makes cases of images with unusual sizes; `quick` leaves the large images out.
 fn sizes(quick: bool) -> Vec<Case> {
     let small = [[1, 1], [1, 257], [257, 1], [2, 2], [3, 5], [64, 64], [65, 63], ODD, [641, 479]];
     let large: &[[u32; 2]] = if quick { &[] } else { &[[1919, 1079], [4096, 2304]] };
@@ -219,7 +226,7 @@ fn sizes(quick: bool) -> Vec<Case> {
     small.iter().chain(large).map(case).collect()
 }
 
-/// Cases of unusual near and far planes and fields of view.
+/// Makes cases of unusual near and far planes, in metres, and fields of view, in degrees.
 fn ranges() -> Vec<Case> {
     let case = |(near_m, far_m): (f32, f32), fov: f32| {
         let lens = Lens::perspective(fov.to_radians(), near_m, far_m);
@@ -237,7 +244,8 @@ fn ranges() -> Vec<Case> {
     ]
 }
 
-/// Cases of depths that are constant, random, in steps, of thin objects, or of steep slopes.
+/// Makes cases of reversed depths that are constant, random, in steps, of thin objects, or of steep slopes, with random
+/// normals.
 fn depths() -> Vec<Case> {
     let lens = Lens::default();
     let flat = |name: &str, depth: f32| {
@@ -269,7 +277,7 @@ fn depths() -> Vec<Case> {
     ]
 }
 
-/// Cases of normals that send all rays along one direction, back to the eye, or through corners of cells.
+/// Makes cases of normals that send all rays along one direction, back to the eye, or through corners of cells.
 fn directions() -> Vec<Case> {
     let axes: [(&str, DVec3); 15] = [
         ("+x", DVec3::X),
@@ -295,14 +303,14 @@ fn directions() -> Vec<Case> {
         .collect();
     // Each ray goes straight back to the eye, so that it stays in its pixel.
     all.push(Case::new("rays straight back", ODD, lens, |p: &Pixel| p.aimed(3, -p.direction())));
-    // In a square image of a square lens, rays that step whole pixels in x and y pass through corners.
+    // In a square image, rays that move equally far in x and y pass through corners of pixels.
     all.push(Case::new("rays through the corners of cells", [64, 64], lens, |p: &Pixel| {
         p.aimed(3, DVec3::new(if p.y.is_multiple_of(2) { 1.0 } else { -1.0 }, 1.0, 0.0))
     }));
     all
 }
 
-/// Cases of normals that are no unit vectors, or do not face the camera.
+/// Makes cases of normals that are no unit vectors, or do not face the camera.
 fn normals() -> Vec<Case> {
     let lens = Lens::default();
     let case = |name: &str, change: fn(&Pixel, Vec3) -> Vec3| {
@@ -327,7 +335,7 @@ fn normals() -> Vec<Case> {
     ]
 }
 
-/// Cases of lit colours that are extreme or no numbers, at three roughness values.
+/// Makes cases of lit colours that are extreme or no numbers, at three roughness values.
 fn colors() -> Vec<Case> {
     let lens = Lens::default();
     let case = |name: &str, color: fn(&Pixel) -> Vec3, roughness: f32| {
@@ -352,12 +360,12 @@ fn colors() -> Vec<Case> {
     all
 }
 
-/// The colour `odd` in one pixel of ten, and a random colour in the others.
+/// Returns the grey `odd` in one pixel of ten, and a random colour in the others.
 fn odd_color(p: &Pixel, odd: f32) -> Vec3 {
     if p.uniform(0) < 0.1 { Vec3::splat(odd) } else { p.color() }
 }
 
-/// Cases of roughness and reflectivity that are extreme or no numbers.
+/// Makes cases of roughness and reflectivity that are extreme or no numbers.
 fn materials() -> Vec<Case> {
     let lens = Lens::default();
     let rough = |name: &str, roughness: fn(&Pixel) -> f32| {

@@ -1,5 +1,5 @@
-//! Methods that are made once for many cases. The pipelines take a driver longer to compile than to draw, and can be used for
-//! other G-buffers and cameras, like the maps that methods capture of a scene.
+//! Line-ups: methods that are made once for many cases. A driver takes longer to compile their pipelines than to draw
+//! with them, and the pipelines, like the maps that methods capture of a scene, serve other G-buffers and cameras, too.
 
 use crate::error::Result;
 use crate::stage::gbuffer::{self, reflection};
@@ -12,11 +12,13 @@ use ssct::passes::GBuffer;
 use ssct::passes::gbuffer::DrawnCounts;
 use ssct_scenes::{Camera, GBufferData, Material, ProjectionKind, Scene};
 
-/// The images that a frame left.
+/// The images that a method made in a frame, on the host.
 pub(super) struct FrameImages {
     pub reflection: Pixels,
     pub composite: Pixels,
+    /// Where the rays ended; `None` if the method writes no hits.
     pub hits: Option<Pixels>,
+    /// Times of the frame's passes.
     pub report: FrameReport,
 }
 
@@ -39,7 +41,7 @@ pub struct ScreenMethods {
 }
 
 impl ScreenMethods {
-    /// Makes the methods; those that see more than the screen are left out.
+    /// Makes the line-up for a size in pixels; methods that see more than the screen are left out.
     pub fn new(gpu: &Gpu, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
         let mut context = FrameContext::new(gpu)?;
         let setup = Setup::on_screen(extent);
@@ -50,12 +52,13 @@ impl ScreenMethods {
         Ok(Self { context, effects })
     }
 
-    /// The number of methods.
+    /// Returns the number of methods.
     pub(super) fn len(&self) -> usize {
         self.effects.len()
     }
 
-    /// Draws one frame of a method, given by its index, on a G-buffer of the line-up's size.
+    /// Draws one frame of the method with the index `n` on a G-buffer of the line-up's size. Returns the method and its
+    /// images.
     pub(super) fn reflect(
         &mut self,
         n: usize,
@@ -88,17 +91,17 @@ pub struct SceneMethods {
 }
 
 impl SceneMethods {
-    /// Makes methods that also show hits, if they have them.
+    /// Makes the line-up of some methods, which also write their hits, if they have any.
     pub fn with_hits(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
         Self::with(gpu, scene, setup, Wants::HITS, methods)
     }
 
-    /// Makes methods that show their reflection.
+    /// Makes the line-up of some methods, which also write an image of the reflection.
     pub fn new(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
         Self::with(gpu, scene, setup, Wants::REFLECTION, methods)
     }
 
-    /// Makes methods that write the images that `wants` names.
+    /// Makes the line-up of some methods, which write the images that `wants` names.
     fn with(gpu: &Gpu, scene: Scene, setup: &Setup, wants: Wants, methods: &[&'static MethodInfo]) -> Result<Self> {
         let extent = setup.extent;
         let mut stage = Stage::new(gpu, &scene)?;
@@ -113,22 +116,23 @@ impl SceneMethods {
         Ok(Self { scene, extent, kind, setup: setup.clone(), stage, shots, drawn: DrawnCounts::default() })
     }
 
-    /// The methods, in order.
+    /// Returns the methods, in order.
     pub(super) fn methods(&self) -> impl Iterator<Item = &'static MethodInfo> {
         self.shots.iter().map(|(method, _)| *method)
     }
 
-    /// Replaces the materials.
+    /// Replaces the scene's materials for all methods.
     pub(super) fn set_materials(&mut self, materials: &[Material]) -> Result<()> {
         Ok(self.shots.iter_mut().try_for_each(|(_, shot)| shot.set_materials(&mut self.stage, materials.to_vec()))?)
     }
 
-    /// Moves every method's captures.
+    /// Moves the captures of every method to places in the scene, in metres.
     pub(super) fn move_captures(&mut self, places: &[Vec3]) -> Result<()> {
         Ok(self.shots.iter_mut().try_for_each(|(_, shot)| shot.move_captures(&mut self.stage, places))?)
     }
 
-    /// Draws the G-buffer of a camera, which the methods then reflect. `None` if there are no methods.
+    /// Draws the G-buffer of a camera, which the methods then reflect, and reads it back. `None` if there are no
+    /// methods.
     pub(super) fn draw(&mut self, camera: Camera) -> Result<Option<GBufferData>> {
         let Some((_, shot)) = self.shots.first_mut() else { return Ok(None) };
         shot.camera = camera;
@@ -136,8 +140,8 @@ impl SceneMethods {
         Ok(Some(gbuffer::read(&mut self.stage.context, shot)?))
     }
 
-    /// Draws as many frames of a camera at rest as a history averages, so that methods with a history begin it before the
-    /// camera moves.
+    /// Begins the histories anew, and draws all but the last of the frames that an image of a camera at rest takes, so
+    /// that the histories are settled before the camera moves.
     pub(super) fn settle(&mut self, camera: Camera) -> Result<()> {
         for (_, shot) in &mut self.shots {
             shot.camera = camera;
@@ -146,17 +150,18 @@ impl SceneMethods {
         Ok(())
     }
 
-    /// Images that each method makes from the last G-buffer drawn.
+    /// Draws a frame of each method on the last G-buffer drawn, and returns its images.
     pub(super) fn read_images(&mut self) -> Result<Vec<FrameImages>> {
         self.each(Mode::Timed, FrameImages::read)
     }
 
-    /// The reflection that each method makes from the last G-buffer drawn.
+    /// Draws a frame of each method on the last G-buffer drawn, and returns its reflection.
     pub(super) fn reflections(&mut self) -> Result<Vec<Pixels>> {
         self.each(Mode::Plain, |context, _, output| Ok(reflection(context, output)?))
     }
 
-    /// Runs each method on the last G-buffer drawn, and returns what `read` makes of the frame.
+    /// Draws a frame of each method on the G-buffer that [`Self::draw`] drew last with the first shot, and returns what
+    /// `read` makes of each report and output.
     fn each<T>(
         &mut self,
         mode: Mode,

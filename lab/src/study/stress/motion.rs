@@ -1,4 +1,5 @@
-//! Stability in motion: how much a reflection changes from frame to frame, where its surface only moved on the screen.
+//! Stability in motion: how much a reflection changes from frame to frame at the same places of a surface, while the
+//! camera moves.
 
 use super::lineup::SceneMethods;
 use crate::error::Result;
@@ -25,17 +26,17 @@ use ssct_truth::reference::world::WorldReference;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
-    /// Sideways by an eighth of a pixel at the distance of the point looked at.
+    /// The camera moves sideways, by an eighth of a pixel at the distance of the point that it looks at.
     SubPixel,
-    /// Turned by a quarter of a pixel.
+    /// The camera turns by a quarter of a pixel.
     SlowPan,
 }
 
-/// Both motions.
+/// All motions.
 pub const MOTIONS: [Motion; 2] = [Motion::SubPixel, Motion::SlowPan];
 
 impl Motion {
-    /// The name in records.
+    /// Returns the name in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::SubPixel => "sub-pixel",
@@ -43,20 +44,22 @@ impl Motion {
         }
     }
 
-    /// The view of a frame, counted from 0, in an image of some rows.
+    /// Returns the view of a frame, counted from 0, in an image with a number of rows; `view` is that of the first
+    /// frame.
     fn view(self, scene: &Scene, view: &View, frame: u32, rows: u32) -> View {
         let lens = view.lens.unwrap_or(scene.lens);
-        // The size of a pixel in the middle of the image, as a slope.
-        let pixel = lens.height_at_m(1.0) / rows as f32;
+        // The height of a pixel in the middle of the image, in metres for each metre of distance.
+        let pixel_slope = lens.height_at_m(1.0) / rows as f32;
         let ahead = view.look_at - view.eye;
+        // To the right, and as long as the distance of the point looked at.
         let right = Vec3::Y.cross(ahead).normalize_or(Vec3::X) * ahead.length();
         let n = frame as f32;
         match self {
             Self::SubPixel => {
-                let step = right * (n * pixel / 8.0);
+                let step = right * (n * pixel_slope / 8.0);
                 View { eye: view.eye + step, look_at: view.look_at + step, ..view.clone() }
             }
-            Self::SlowPan => View { look_at: view.look_at + right * (n * pixel / 4.0), ..view.clone() },
+            Self::SlowPan => View { look_at: view.look_at + right * (n * pixel_slope / 4.0), ..view.clone() },
         }
     }
 }
@@ -108,7 +111,7 @@ impl AsDatum for Motion {
     }
 }
 
-/// A method's change compared with that of the world reference.
+/// A method's changes compared with those of the world reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WorldMotion {
     /// Flicker of the world reference, computed like [`MotionRecord::flicker`].
@@ -132,7 +135,8 @@ impl Row for MotionRecord {
         &self.program
     }
 
-    /// The flicker beside that of the screen reference, and beside that of the world reference if it was measured.
+    /// Makes the table of flicker against the screen reference, and that against the world reference, if it was
+    /// measured.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let screen = medians(rows, |r| r.ratio.zip(r.deviation));
         let mut tables = vec![Table::new("motion", "Flicker over the screen reference's own", ABOUT, screen)];
@@ -144,8 +148,9 @@ impl Row for MotionRecord {
     }
 }
 
-/// A table of methods × motions and roughness. Cells have medians over the views of two figures: the flicker divided by the
-/// reference's, and its deviation from the reference's (0 for the truth, 1 for a method that shows nothing).
+/// Makes the cells of a table with a line for each method and a column for each motion and roughness. A cell has the
+/// medians over the views of the two figures that `figures` returns: the flicker divided by the reference's, and the
+/// deviation.
 fn medians(records: &[MotionRecord], figures: impl Fn(&MotionRecord) -> Option<(f64, f64)>) -> Vec<Vec<String>> {
     let median = |mut values: Vec<f64>| {
         values.sort_by(f64::total_cmp);
@@ -160,35 +165,35 @@ fn medians(records: &[MotionRecord], figures: impl Fn(&MotionRecord) -> Option<(
 }
 
 impl MotionRecord {
-    /// The method, with its fallback and captures, if it has any.
+    /// Returns the name of the method, with its fallback and captures, if it has any.
     pub fn variant(&self) -> String {
         let setting = |name: &str| self.setup.get(name).map(cell).unwrap_or_default();
-        let named = |name: &str, words: &str| match setting(name).as_str() {
+        let addition = |name: &str, words: &str| match setting(name).as_str() {
             "" | "none" => String::new(),
             value => format!(" + {words}{value}"),
         };
-        format!("{}{}{}", self.method, named("fallback", ""), named("captures", "captures "))
+        format!("{}{}{}", self.method, addition("fallback", ""), addition("captures", "captures "))
     }
 }
 
-/// View and settings of a motion, in the scene of a line-up.
+/// View and settings of a cell of motion; the scene and the methods are those of a line-up.
 pub struct MotionSpec<'a> {
     /// View that the camera starts from.
     pub view: &'a View,
     /// Size in pixels, which is the line-up's.
     pub extent: [u32; 2],
-    /// Roughness of everything.
+    /// Roughness of every surface.
     pub roughness: f32,
     /// Frames, ≥ 2.
     pub frames: u32,
-    /// Rays per pixel in the references.
+    /// Rays a pixel of the references.
     pub rays: u32,
-    /// Whether the change is also compared with that of the world reference.
+    /// Whether the changes are also compared with those of the world reference.
     pub against_world: bool,
 }
 
 impl MotionSpec<'_> {
-    /// The name of the cell of a motion in a scene.
+    /// Returns the name of the cell with a motion in a scene.
     pub fn name(&self, scene: &Scene, motion: Motion) -> String {
         let [width, height] = self.extent;
         let Self { roughness, frames, rays, .. } = self;
@@ -197,7 +202,7 @@ impl MotionSpec<'_> {
     }
 }
 
-/// Methods on views of a scene, at several roughness values and with every motion of the camera.
+/// The study of stability in motion: each view of a scene, at each roughness, with each motion of the camera.
 pub struct MotionStudy {
     /// Scene.
     pub scene: Scene,
@@ -207,11 +212,11 @@ pub struct MotionStudy {
     pub methods: Vec<&'static MethodInfo>,
     /// Parameters of the methods, with the size.
     pub setup: Setup,
-    /// Roughness values of everything.
+    /// Roughness values, each of which every surface gets in turn.
     pub roughness: Vec<f32>,
     /// Frames of each motion, ≥ 2.
     pub frames: u32,
-    /// Rays per pixel in the references.
+    /// Rays a pixel of the references.
     pub rays: u32,
     /// The methods on the scene, once they are made.
     pub lineup: Option<SceneMethods>,
@@ -221,7 +226,7 @@ pub struct MotionStudy {
 pub type MotionCell = (usize, f32, Motion);
 
 impl MotionStudy {
-    /// The view and settings of a cell.
+    /// Returns the view and the settings of a cell.
     fn spec(&self, &(view, roughness, _): &MotionCell) -> MotionSpec<'_> {
         let (extent, frames, rays) = (self.setup.extent, self.frames, self.rays);
         MotionSpec { view: &self.views[view], extent, roughness, frames, rays, against_world: true }
@@ -252,25 +257,27 @@ impl Study for MotionStudy {
         cells
     }
 
-    /// Runs a motion. The methods are made anew if the view has another kind of projection.
+    /// Runs the motion of a cell. The methods of the last cell are used again if the view has the same kind of
+    /// projection.
     fn measure(&mut self, cell: &MotionCell, bench: &mut Bench) -> Result<Vec<MotionRecord>> {
-        let view = &self.views[cell.0];
+        let (view_index, _, motion) = *cell;
+        let view = &self.views[view_index];
         let kind = view.lens.unwrap_or(self.scene.lens).kind();
-        let made = match self.lineup.take().filter(|made| made.kind == kind) {
-            Some(made) => made,
+        let mut lineup = match self.lineup.take().filter(|lineup| lineup.kind == kind) {
+            Some(lineup) => lineup,
             None => {
                 let scene = Scene { views: vec![view.clone()], ..self.scene.clone() };
                 SceneMethods::new(bench.gpu, scene, &self.setup, &self.methods)?
             }
         };
-        let mut lineup = made;
-        let rows = run(bench.gpu, &self.spec(cell), cell.2, &mut lineup);
+        let rows = run(bench.gpu, &self.spec(cell), motion, &mut lineup);
         self.lineup = Some(lineup);
         rows
     }
 }
 
-/// Moves the camera, and compares the changes of the methods' images with those of the references.
+/// Draws the frames of a motion by the methods of `lineup`, compares the changes of their reflections from frame to
+/// frame with those of the references, and makes a record of each method.
 pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMethods) -> Result<Vec<MotionRecord>> {
     let globals = Globals { roughness: Some(spec.roughness), ..Globals::default() };
     let materials = globals.materials(&lineup.scene, spec.view);
@@ -280,6 +287,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMetho
         .map(|n| motion.view(&lineup.scene, spec.view, n, extent[1]).camera(&lineup.scene, extent))
         .collect();
     let methods: Vec<_> = lineup.methods().collect();
+    // The G-buffer of each frame, and for each method the reflection colours of each frame.
     let mut screens: Vec<GBufferData> = Vec::new();
     let mut images: Vec<Vec<Vec<Vec3>>> = vec![Vec::new(); methods.len()];
     if let Some(first) = cameras.first() {
@@ -287,8 +295,8 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMetho
     }
     for camera in cameras {
         screens.extend(lineup.draw(camera)?);
-        for (made, pixels) in images.iter_mut().zip(lineup.reflections()?) {
-            made.push(pixels.texels().map(|t| sound(Vec3::new(t[0], t[1], t[2]))).collect());
+        for (frames, pixels) in images.iter_mut().zip(lineup.reflections()?) {
+            frames.push(pixels.texels().map(|t| sound(Vec3::new(t[0], t[1], t[2]))).collect());
         }
     }
     // All frames share one seed, so that the noise of a pixel cancels in the difference of two frames, except where its
@@ -298,25 +306,28 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMetho
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
     let pairs: Vec<Vec<SamePlace>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
-    let of_all = |images: &[Vec<Vec3>]| all_changes(&pairs, images, extent);
-    let expected = of_all(&reference);
-    let reference_flicker = mean(&expected, |_, change| change);
-    let world = spec.against_world.then(|| {
+    let changes_of = |images: &[Vec<Vec3>]| all_changes(&pairs, images, extent);
+    let screen_changes = changes_of(&reference);
+    let reference_flicker = mean(&screen_changes, |_, change| change);
+    let world_changes = spec.against_world.then(|| {
         let world = World::new(&lineup.scene, &materials);
         let images: Vec<_> = screens.iter().map(|s| world_image(&world, s, bounces, spec.rays)).collect();
-        of_all(&images)
+        changes_of(&images)
     });
     let lens = spec.view.lens.unwrap_or(lineup.scene.lens);
-    let record = |(method, made): (&&MethodInfo, &Vec<Vec<Vec3>>)| {
-        let made = of_all(made);
-        let flicker = mean(&made, |_, change| change);
-        let off = mean(&made, |n, change| change - expected[n]);
-        let over = |v: f64, flicker: f64| (flicker > 0.0).then(|| v / flicker);
-        let against_world = |expected: &Vec<Vec3>| {
-            let reference_flicker = mean(expected, |_, change| change);
-            let off = mean(&made, |n, change| change - expected[n]);
-            let (ratio, deviation) = (over(flicker, reference_flicker), over(off, reference_flicker));
-            WorldMotion { reference_flicker, ratio, deviation }
+    let record = |(method, images): (&&MethodInfo, &Vec<Vec<Vec3>>)| {
+        let changes = changes_of(images);
+        let flicker = mean(&changes, |_, change| change);
+        let difference = mean(&changes, |n, change| change - screen_changes[n]);
+        let ratio = |v: f64, reference_flicker: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
+        let against_world = |world_changes: &Vec<Vec3>| {
+            let reference_flicker = mean(world_changes, |_, change| change);
+            let difference = mean(&changes, |n, change| change - world_changes[n]);
+            WorldMotion {
+                reference_flicker,
+                ratio: ratio(flicker, reference_flicker),
+                deviation: ratio(difference, reference_flicker),
+            }
         };
         MotionRecord {
             kind: "motion".to_owned(),
@@ -329,18 +340,18 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMetho
             height: extent[1],
             roughness: spec.roughness,
             setup: recorded(&lineup.setup, Some(method), &lens, &globals),
-            pairs: made.len(),
+            pairs: changes.len(),
             flicker,
             reference_flicker,
-            ratio: over(flicker, reference_flicker),
-            deviation: over(off, reference_flicker),
-            world: world.as_ref().map(against_world),
+            ratio: ratio(flicker, reference_flicker),
+            deviation: ratio(difference, reference_flicker),
+            world: world_changes.as_ref().map(against_world),
         }
     };
     Ok(methods.iter().zip(&images).map(record).collect())
 }
 
-/// The world reference of a G-buffer, with the seed of the screen reference.
+/// Traces the world reference of a G-buffer, with the seed of the screen reference, and returns its reflection colours.
 fn world_image(world: &World, screen: &GBufferData, bounces: u32, rays: u32) -> Vec<Vec3> {
     let first_hits = FirstHits::shown(world, screen);
     let reference = WorldReference::new(world, &first_hits, &screen.camera, 3).with_bounces(bounces);
@@ -349,7 +360,8 @@ fn world_image(world: &World, screen: &GBufferData, bounces: u32, rays: u32) -> 
     reference.image(&state).reflection
 }
 
-/// The change of each pair, frame after frame.
+/// Returns the change of colour over each pair of a pixel and the pixel that showed the same surface a frame before,
+/// frame after frame. `pairs` has a list for each two consecutive frames of `images`, whose width in pixels comes last.
 fn all_changes(pairs: &[Vec<SamePlace>], images: &[Vec<Vec3>], [width, _]: [u32; 2]) -> Vec<Vec3> {
     pairs
         .iter()

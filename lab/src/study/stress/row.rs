@@ -1,4 +1,4 @@
-//! Rows of the stress study, and their tables: method × failure, violations, motions, and all cases.
+//! The rows of the stress study, and their tables: method × failure, violations, motions, and all cases.
 
 use super::motion::MotionRecord;
 use super::{AGREEMENT, COMPARED_PIXELS, JUDGED, StressRecord};
@@ -9,7 +9,7 @@ use crate::study::record::Provenance;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// A row of the stress study: a case, or a motion of the camera.
+/// A row of the stress study: the record of a case, or of a motion of the camera.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum StressRow {
@@ -20,34 +20,34 @@ pub enum StressRow {
 }
 
 impl StressRow {
-    /// The record of a case; `None` for a motion.
+    /// Returns the record of a case; `None` for a motion.
     fn case(&self) -> Option<&StressRecord> {
         if let Self::Case(record) = self { Some(record) } else { None }
     }
 
-    /// The record of a motion; `None` for a case.
+    /// Returns the record of a motion; `None` for a case.
     fn motion(&self) -> Option<&MotionRecord> {
         if let Self::Motion(record) = self { Some(record) } else { None }
     }
 }
 
-/// The records of cases among some rows.
+/// Returns the records of cases among some rows.
 fn cases_of(rows: &[StressRow]) -> Vec<StressRecord> {
     rows.iter().filter_map(StressRow::case).cloned().collect()
 }
 
-/// The columns of the cases, which are empty for motions.
+/// The columns are those of cases, and are empty for motions; the times and ranges are those of both.
 impl Columns for StressRow {
     fn columns() -> ColumnSet<Self> {
-        let of_case = StressRecord::columns();
-        let column = |column: Column<StressRecord>| {
-            let (name, own) = (column.name.clone(), column);
-            Column::named(&name, move |row: &Self| row.case().map(|case| own.written(case)))
+        let of_cases = StressRecord::columns();
+        let row_column = |case_column: Column<StressRecord>| {
+            let name = case_column.name.clone();
+            Column::named(&name, move |row: &Self| row.case().map(|case| case_column.written(case)))
         };
-        let columns = of_case.columns.into_iter().map(column).collect();
-        let of_motion = MotionRecord::columns();
-        let times = of_case.times.into_iter().chain(of_motion.times).collect();
-        let ranges = of_case.ranges.into_iter().chain(of_motion.ranges).collect();
+        let columns = of_cases.columns.into_iter().map(row_column).collect();
+        let of_motions = MotionRecord::columns();
+        let times = of_cases.times.into_iter().chain(of_motions.times).collect();
+        let ranges = of_cases.ranges.into_iter().chain(of_motions.ranges).collect();
         ColumnSet { columns, times, ranges, series: None }
     }
 }
@@ -70,7 +70,7 @@ impl Row for StressRow {
         }
     }
 
-    /// The tables of methods, of violations, of motions and of all cases.
+    /// Makes the tables of methods, of violations, of motions and of all cases.
     fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
         let rule = format!(
             "Pixels are counted on the host's bits, in the reflection and, where the lit colour is sound, in the image. Hits \
@@ -94,13 +94,13 @@ impl Row for StressRow {
         all
     }
 
-    /// The records of cases and of motions have files of their own.
+    /// Returns the file of the records of cases, and the file of the records of motions.
     fn files(rows: &[Self]) -> Vec<(&'static str, Vec<Self>)> {
         let (cases, motions) = rows.iter().cloned().partition(|row| row.case().is_some());
         vec![("stress", cases), ("motion", motions)]
     }
 
-    /// Names the first case that must pass and does not; `None` if there is no such case.
+    /// Counts the cases that must pass and do not, and names the first, in a sentence; `None` if there is no such case.
     fn failure(rows: &[Self]) -> Option<String> {
         let violated: Vec<_> = rows.iter().filter_map(Self::case).filter(|r| r.judged && !r.pass).collect();
         let first = violated.first()?;
@@ -109,27 +109,32 @@ impl Row for StressRow {
     }
 }
 
-/// A table of method × failure: for each kind of wrong pixel, the number of such pixels, and the number of cases that
-/// have some.
+/// Makes the cells of a table with a line for each method: for each kind of wrong pixel, the number of these pixels
+/// over all cases, and the number of cases that have some.
 fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
     let header = ["method", "cases", "pass", "NaN", "infinite", "negative", "exhausted", "agreement %", "least %"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
     for name in distinct(records.iter().map(|r| &r.method)) {
         let here: Vec<&StressRecord> = records.iter().filter(|r| r.method == *name).collect();
-        let counted = |failed_pixels: fn(&StressRecord) -> usize| {
-            let cases = here.iter().filter(|r| failed_pixels(r) > 0).count();
+        let counted = |wrong_pixels: fn(&StressRecord) -> usize| {
+            let cases = here.iter().filter(|r| wrong_pixels(r) > 0).count();
             if cases == 0 {
                 "0".into()
             } else {
-                format!("{} px in {cases}", here.iter().map(|r| failed_pixels(r)).sum::<usize>())
+                format!("{} px in {cases}", here.iter().map(|r| wrong_pixels(r)).sum::<usize>())
             }
         };
         let exhausted =
             if here.iter().any(|r| r.exhausted.is_some()) { counted(|r| r.exhausted.unwrap_or(0)) } else { "-".into() };
+        // The number of compared pixels of each case, and the share of them that agree.
         let agreements: Vec<(usize, f64)> = here.iter().filter_map(|r| r.compared.zip(r.hit_agreement)).collect();
-        let (pixels, agreeing) = agreements.iter().fold((0, 0.0), |(n, a), (k, h)| (n + k, a + *k as f64 * h));
+        let (mut pixels, mut agreeing) = (0, 0.0);
+        for &(compared, share) in &agreements {
+            pixels += compared;
+            agreeing += compared as f64 * share;
+        }
         let percent = |v: f64| format!("{:.3}", 100.0 * v);
-        let least = agreements.iter().map(|(_, h)| *h).reduce(f64::min);
+        let least = agreements.iter().map(|(_, share)| *share).reduce(f64::min);
         rows.push(vec![
             name.clone(),
             here.len().to_string(),
@@ -145,7 +150,7 @@ fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// A line for each case that must pass and fails, and for each that took long.
+/// Makes the cells of a table with a line for each case that must pass and fails, or that took long.
 fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
     let header =
         ["method", "case", "why", "size", "NaN", "infinite", "negative", "exhausted", "agreement %", "ties", "ms"];
@@ -169,20 +174,21 @@ fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// A table of cases × methods, which says for each what was wrong.
+/// Makes the cells of a table with a line for each case and a column for each method, which say what was wrong.
 fn cases(records: &[StressRecord]) -> Vec<Vec<String>> {
     let (case, method) = (|r: &StressRecord| r.case.clone(), |r: &StressRecord| r.method.clone());
     pivot("case", records, [&case, &method], |here| here.first().map(|r| summary(r)))
 }
 
-/// Says what was wrong with one record, in a few words.
+/// Says in a few words what was wrong with the frame of a record, and the share of its hits that agree; "sound" for
+/// neither.
 fn summary(r: &StressRecord) -> String {
     let share = |n: usize| format!("{:.2} %", 100.0 * n as f64 / r.pixels.max(1) as f64);
     let mut words: Vec<String> =
         [("NaN", r.nan), ("inf", r.inf), ("neg", r.negative), ("exh", r.exhausted.unwrap_or(0))]
             .into_iter()
-            .filter(|(_, n)| *n > 0)
-            .map(|(what, n)| format!("{what} {}", share(n)))
+            .filter(|(_, count)| *count > 0)
+            .map(|(kind, count)| format!("{kind} {}", share(count)))
             .collect();
     words.extend(r.hit_agreement.map(|h| format!("{:.2} %", 100.0 * h)));
     words.extend(r.slow.then(|| "slow".to_owned()));
@@ -194,6 +200,7 @@ mod tests {
     use super::*;
     use ssct::gpu::DeviceInfo;
 
+    /// Makes the row of a case that must pass; one that does not has a NaN.
     fn case(pass: bool, slow: bool) -> StressRow {
         let device = DeviceInfo { name: "d".into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };
         let program = Provenance { definitions: 2, version: "1".into(), commit: "c".into(), device };

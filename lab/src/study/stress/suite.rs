@@ -1,4 +1,5 @@
-//! The suite of stress: hard G-buffers, hard places of the camera and of captures, hard triangles, and motions of the camera.
+//! The cells of the stress study: hard G-buffers, hard places of the camera and of captures, hard triangles, and
+//! motions of the camera.
 
 use super::captures::{self, CaptureCase};
 use super::cases::{Case, cases};
@@ -14,22 +15,22 @@ use serde_json::{Value, json};
 use ssct::methods::{MethodInfo, Setup};
 use ssct_scenes::{Scene, library};
 
-/// Size of the images of cases with a scene, in pixels, in a quick suite and in a whole one.
+/// Sizes in pixels of the images of cases with a scene: in a quick study, and in a whole study.
 const SCENE_SIZES: [[u32; 2]; 2] = [[161, 91], [321, 181]];
 
-/// Size of the images of cases with captures, in pixels; each case draws its captures again.
+/// Size in pixels of the images of cases with captures.
 const CAPTURE_SIZE: [u32; 2] = [161, 91];
 
-/// Size of the images of cases with triangles, in pixels.
+/// Size in pixels of the images of cases with triangles.
 const TREE_SIZE: [u32; 2] = [161, 91];
 
-/// Number of triangles of the largest case, in a quick suite and in a whole one.
+/// Number of triangles of the largest case: in a quick study, and in a whole study.
 const MOST_TRIANGLES: [usize; 2] = [20_000, 1_000_000];
 
-/// Roughness values of the camera's motions.
+/// Roughness values of the surfaces in the motions of the camera.
 const MOTION_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
-/// The suite of stress.
+/// The stress study.
 pub struct StressStudy {
     is_quick: bool,
     methods: Vec<&'static MethodInfo>,
@@ -43,12 +44,13 @@ pub struct StressStudy {
     trees: Vec<TreeCase>,
     /// Motions in the first scene: the index of the view, the roughness and the motion.
     motions: Vec<(usize, f32, Motion)>,
-    /// The methods that were made last, for G-buffers and for scenes, which later cells share.
+    /// The methods for G-buffers that were made last, with the size; later cells use them again.
     screen: LastMade<[u32; 2], ScreenMethods>,
+    /// The methods for a scene that were made last, with the name of the line-up; later cells use them again.
     scene: LastMade<String, SceneMethods>,
 }
 
-/// A cell of the suite, by its index among cells of its kind.
+/// A cell of the study, by its index among the cells of its kind.
 #[derive(Debug, Clone, Copy)]
 pub enum StressCell {
     /// A G-buffer.
@@ -64,45 +66,51 @@ pub enum StressCell {
 }
 
 impl StressStudy {
-    /// The suite for some methods: small images and one scene if `is_quick`, and only cases whose name contains `words`, if
-    /// given.
+    /// Makes the study of some methods. The images are small and of one scene if `is_quick`. If `words` are given, only
+    /// cases whose name contains them are run, and no motions.
     pub fn new(methods: Vec<&'static MethodInfo>, is_quick: bool, words: Option<&str>) -> Self {
         let names = if is_quick { &library::names()[..1] } else { library::names() };
-        let scenes: Vec<_> = names.iter().filter_map(|n| library::scene(n)).collect();
-        let chosen = |name: &str| words.is_none_or(|part| name.contains(part));
-        let of_each = || scenes.iter().enumerate();
-        let places = of_each().flat_map(|(n, s)| places(s).into_iter().map(move |p| (n, p)));
-        let captures = of_each().flat_map(|(n, s)| captures::cases(s).into_iter().map(move |c| (n, c)));
-        let views = scenes.first().filter(|_| words.is_none()).map_or(0, |s| if is_quick { 1 } else { s.views.len() });
-        let most = MOST_TRIANGLES[usize::from(!is_quick)];
+        let scenes: Vec<_> = names.iter().filter_map(|name| library::scene(name)).collect();
+        let is_chosen = |name: &str| words.is_none_or(|words| name.contains(words));
+        let indexed = || scenes.iter().enumerate();
+        let places = indexed().flat_map(|(n, scene)| places(scene).into_iter().map(move |place| (n, place)));
+        let captures = indexed().flat_map(|(n, scene)| captures::cases(scene).into_iter().map(move |case| (n, case)));
+        // Motions play in the views of the first scene: in one view if quick, and in none if words are given.
+        let views = match scenes.first() {
+            Some(_) if words.is_none() && is_quick => 1,
+            Some(scene) if words.is_none() => scene.views.len(),
+            _ => 0,
+        };
+        let most_triangles = MOST_TRIANGLES[usize::from(!is_quick)];
         let motions = (0..views).flat_map(|view| MOTION_ROUGHNESS.map(|roughness| (view, roughness)));
         Self {
             is_quick,
             methods,
-            cases: cases(is_quick).into_iter().filter(|c| chosen(&c.name)).collect(),
-            places: places.filter(|(_, p)| chosen(&p.name)).collect(),
-            captures: captures.filter(|(_, c)| chosen(&c.name)).collect(),
-            trees: trees::cases(most).into_iter().filter(|c| chosen(&c.name)).collect(),
-            motions: motions.flat_map(|(view, roughness)| MOTIONS.map(|m| (view, roughness, m))).collect(),
+            cases: cases(is_quick).into_iter().filter(|case| is_chosen(&case.name)).collect(),
+            places: places.filter(|(_, place)| is_chosen(&place.name)).collect(),
+            captures: captures.filter(|(_, case)| is_chosen(&case.name)).collect(),
+            trees: trees::cases(most_triangles).into_iter().filter(|case| is_chosen(&case.name)).collect(),
+            motions: motions.flat_map(|(view, roughness)| MOTIONS.map(|motion| (view, roughness, motion))).collect(),
             screen: LastMade::default(),
             scene: LastMade::default(),
             scenes,
         }
     }
 
-    /// Size of the images of cases with a scene, in pixels.
+    /// Returns the size in pixels of the images of cases with a scene.
     fn scene_size(&self) -> [u32; 2] {
         SCENE_SIZES[usize::from(!self.is_quick)]
     }
 
-    /// The view and the settings of the motion with index `n` in `motions`; all motions play in the first scene.
+    /// Returns the view and the settings of the motion with the index `n` among `motions`, which all play in the first
+    /// scene.
     fn motion_spec(&self, n: usize) -> MotionSpec<'_> {
         let (view, roughness, _) = self.motions[n];
         let (extent, frames, rays) = if self.is_quick { ([160, 90], 3, 16) } else { ([320, 180], 6, 64) };
         MotionSpec { view: &self.scenes[0].views[view], extent, roughness, frames, rays, against_world: false }
     }
 
-    /// The name of a cell.
+    /// Returns the name of a cell.
     fn name(&self, cell: StressCell) -> String {
         match cell {
             StressCell::Case(n) => self.cases[n].name.clone(),
@@ -114,7 +122,7 @@ impl StressStudy {
     }
 }
 
-/// Makes a row of each record of a case.
+/// Makes rows of the records of cases.
 fn of_cases(records: Vec<StressRecord>) -> Vec<StressRow> {
     records.into_iter().map(|record| StressRow::Case(Box::new(record))).collect()
 }
@@ -150,18 +158,20 @@ impl Study for StressStudy {
         cells.map(planned).collect()
     }
 
-    /// Runs a cell, with the methods of the cell before if they were made for the same size or scene.
+    /// Runs a cell. The methods of the last cell are used again if they were made for the same size or scene.
     fn measure(&mut self, cell: &StressCell, bench: &mut Bench) -> Result<Vec<StressRow>> {
         let (gpu, mut scene_lineup) = (bench.gpu, std::mem::take(&mut self.scene));
+        // A cell of a G-buffer does not put the methods for scenes back, so that they are dropped when it ends.
         if let StressCell::Case(n) = *cell {
             let Self { cases, methods, screen, .. } = self;
             let extent = cases[n].extent();
             let lineup = screen.get_or_make(extent, || ScreenMethods::new(gpu, extent, methods))?;
             return Ok(of_cases(run(gpu, &cases[n], lineup)?));
         }
-        // Methods for G-buffers are dropped, since those for scenes need their memory.
+        // Methods for G-buffers are dropped, since methods for scenes need their memory.
         self.screen = LastMade::default();
         let rows = match *cell {
+            // Such a cell was run above.
             StressCell::Case(_) => Vec::new(),
             StressCell::Place(n) => {
                 let (scene_index, place) = &self.places[n];
@@ -179,17 +189,14 @@ impl Study for StressStudy {
             }
             StressCell::Captures(n) => {
                 let (scene_index, case) = &self.captures[n];
-                let follow: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_captures).collect();
-                let make = || case.lineup(gpu, &self.scenes[*scene_index], CAPTURE_SIZE, &follow);
-                of_cases(captures::run(
-                    gpu,
-                    case,
-                    scene_lineup.get_or_make(format!("captures {scene_index} {:?}", case.key()), make)?,
-                )?)
+                let methods: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_captures).collect();
+                let make = || case.lineup(gpu, &self.scenes[*scene_index], CAPTURE_SIZE, &methods);
+                let lineup = scene_lineup.get_or_make(format!("captures {scene_index} {:?}", case.key()), make)?;
+                of_cases(captures::run(gpu, case, lineup)?)
             }
             StressCell::Tree(n) => {
-                let follow: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_triangles).collect();
-                of_cases(trees::run(gpu, &self.trees[n], TREE_SIZE, &follow)?)
+                let methods: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_triangles).collect();
+                of_cases(trees::run(gpu, &self.trees[n], TREE_SIZE, &methods)?)
             }
             StressCell::Motion(n) => {
                 let (spec, scene) = (self.motion_spec(n), &self.scenes[0]);

@@ -1,6 +1,6 @@
-//! Scenes whose triangles break trees and walks: a single one, slivers, all in one plane, far from the origin, inside a closed
-//! box, behind holes, and planes a millimetre apart. Methods that follow rays among triangles must show a number in every
-//! pixel, end every ray, and end it where the world does.
+//! Scenes whose triangles break trees and walks: a single triangle, slivers, triangles in one plane, far from the
+//! origin, inside a closed box, behind holes, and planes a millimetre apart. Methods that follow rays among triangles
+//! must show a sound number in every pixel, end every ray, and end it where it ends in the world.
 
 use super::lineup::{FrameImages, SceneMethods};
 use super::{ComparedRays, JudgedFrame, StressRecord};
@@ -24,32 +24,33 @@ use ssct_truth::reference::surface::World;
 /// Roughness values: a mirror, a narrow lobe and a wide one.
 const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
 
-/// Share of the mirror rays that must end where the world ends them, with ties counted as right: with triangles traced first,
-/// and with the screen traced first. On the screen, a hit is confirmed by the triangle of its pixel alone, whatever else the
-/// ray may pass.
+/// Share of the mirror rays that must end where they end in the world, with ties counted as right: if triangles are
+/// traced first, and if the screen is traced first. On the screen a hit is confirmed by the triangle of its pixel
+/// alone, whatever else the ray may pass.
 const RIGHT_ENDS: [f64; 2] = [0.999, 0.98];
 
-/// Tolerance of the place where a ray ends, as a share of the ray's length: so small that of two planes a millimetre apart the
-/// right one must be met.
+/// Tolerance of the place where a ray ends, as a share of the ray's length. It is so small that a ray must meet the
+/// right one of two planes a millimetre apart.
 const PLACE_SHARE: f64 = 1e-4;
 
-/// Tolerance of the place where a ray meets slivers. The weights of a sliver's corners are differences of products that are
-/// 10^5 times as large as its area, and lose as many of their digits.
+/// Tolerance like [`PLACE_SHARE`] for a ray that meets slivers. The weights of a sliver's corners are differences of
+/// products that are 10^5 times as large as its area, and lose five of their digits.
 const PLACE_SHARE_ON_SLIVERS: f64 = 1e-3;
 
 /// The greatest rounding of a scene's coordinates, in metres, at which ends are compared.
 const COMPARED_ROUNDING_M: f64 = 1e-3;
 
-/// A scene of triangles.
+/// A case: a scene of triangles.
 pub struct TreeCase {
     /// Name of the case in records.
     pub name: String,
+    /// Makes the scene.
     make: Box<dyn Fn() -> Scene>,
     /// Tolerance of the place where a ray ends, as a share of the ray's length.
     place_share: f64,
 }
 
-/// Every case; `most` is the number of triangles of the largest.
+/// Makes every case; `most` is the number of triangles of the largest.
 pub fn cases(most: usize) -> Vec<TreeCase> {
     let case = |name: String, make: Box<dyn Fn() -> Scene>| TreeCase {
         name: format!("triangles {name}"),
@@ -74,7 +75,8 @@ pub fn cases(most: usize) -> Vec<TreeCase> {
 }
 
 impl TreeCase {
-    /// The line-up of methods on the case's scene, which trace the triangles or the screen first.
+    /// Makes the line-up of methods on the case's scene, which trace the triangles or the screen first, as `first`
+    /// says.
     ///
     /// # Errors
     /// Errors of the device.
@@ -90,15 +92,15 @@ impl TreeCase {
     }
 }
 
-/// Runs the methods on a case, as mirrors and as gloss, with the triangles and with the screen traced first, and makes a record
-/// of each.
+/// Runs methods on a case, with the triangles and with the screen traced first, as mirrors and as glossy surfaces, and
+/// makes a record of each run.
 ///
 /// # Errors
 /// Errors of the device.
 pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Vec<StressRecord>> {
     let mut records = Vec::new();
-    let ways = [(FirstTraced::Triangles, "triangles first"), (FirstTraced::Screen, "screen first")];
-    for ((first, asked), least) in ways.into_iter().zip(RIGHT_ENDS) {
+    let orders = [(FirstTraced::Triangles, "triangles first"), (FirstTraced::Screen, "screen first")];
+    for ((first, order_name), least_right) in orders.into_iter().zip(RIGHT_ENDS) {
         let mut lineup = case.lineup(gpu, extent, first, methods)?;
         let view = lineup.scene.views[0].clone();
         let camera = view.camera(&lineup.scene, extent);
@@ -110,13 +112,13 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
             let made = lineup.read_images()?;
             // On a device that does not number triangles, rays begin at points that follow from depth, which are too inexact to
             // compare.
-            let is_known =
+            let is_compared =
                 roughness == 0.0 && gpu.numbers_triangles() && rounding_m(&lineup.scene) <= COMPARED_ROUNDING_M;
-            let truth = is_known.then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
-            let name = format!("{}, {asked}, roughness {roughness}", case.name);
+            let truth = is_compared.then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
+            let name = format!("{}, {order_name}, roughness {roughness}", case.name);
             let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
             records.extend(lineup.methods().zip(&made).map(|(m, made)| {
-                let compared = truth.as_ref().and_then(|truth| truth.compare(made, &data, least));
+                let compared = truth.as_ref().and_then(|truth| truth.compare(made, &data, least_right));
                 made.judge(gpu, &judged, m, &data, compared)
             }));
         }
@@ -124,19 +126,20 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
     Ok(records)
 }
 
-/// Rounding of a scene's coordinates: half a unit in the last place of the greatest coordinate, in metres.
+/// Returns the rounding of a scene's coordinates: half a unit in the last place of the greatest coordinate, in metres.
 fn rounding_m(scene: &Scene) -> f64 {
     let bounds = scene.bounds();
     ROUNDING * f64::from(bounds.min.abs().max(bounds.max.abs()).max_element())
 }
 
-/// Where the mirror rays of a G-buffer end among the triangles.
+/// The mirror rays of a G-buffer, and the triangles among which they end.
 struct Truth<'a> {
     world: World<'a>,
-    /// The mirror ray of each reflecting pixel, if it leads above the pixel's surface.
+    /// Indices of the reflecting pixels whose mirror ray leads above the pixel's surface, each with the ray.
     rays: Vec<(usize, WorldRay)>,
     /// Rounding of the point where a ray begins, in metres.
     rounding_m: f64,
+    /// Tolerance of the place where a ray ends, as a share of the ray's length.
     place_share: f64,
 }
 
@@ -144,22 +147,23 @@ impl<'a> Truth<'a> {
     /// Finds the mirror rays of a G-buffer in the scene that it shows.
     fn new(scene: &'a Scene, materials: &'a [Material], data: &GBufferData, place_share: f64) -> Self {
         let world = World::new(scene, materials);
-        let shown = FirstHits::shown(&world, data);
+        let first_hits = FirstHits::shown(&world, data);
         let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
-        let directions = RaySetup::new(data);
-        let ray = |i: usize| {
-            let receiver = shown.receivers[i].as_ref()?;
-            let direction = directions.mirror(i as u32 % data.width, i as u32 / data.width)?;
-            let direction = view_to_world.transform_vector3(direction).normalize();
+        let ray_setup = RaySetup::new(data);
+        let pixel_and_ray = |i: usize| {
+            let receiver = first_hits.receivers[i].as_ref()?;
+            let in_view = ray_setup.mirror(i as u32 % data.width, i as u32 / data.width)?;
+            let direction = view_to_world.transform_vector3(in_view).normalize();
             let origin = receiver.position;
+            // A ray begins a tenth of a millimetre off its surface, lest it meet this surface again.
             let ray = WorldRay { origin, direction, t_min: 1e-4, t_max: f64::INFINITY };
             receiver.is_above(direction).then_some((i, ray))
         };
-        let rays = (0..data.depth.len()).filter_map(ray).collect();
+        let rays = (0..data.depth.len()).filter_map(pixel_and_ray).collect();
         Self { world, rays, rounding_m: rounding_m(scene), place_share }
     }
 
-    /// Whether a ray of a method ends where the world ends the ray, within the tolerances.
+    /// Whether the end that a method reports of a ray is the ray's end in the world, within the tolerances.
     fn is_right(&self, ray: &WorldRay, end: &RayEnd) -> bool {
         match (self.world.closest(ray), end) {
             (None, end) => *end == RayEnd::Sky,
@@ -170,21 +174,22 @@ impl<'a> Truth<'a> {
         }
     }
 
-    /// Whether rounding alone explains the end of a ray: the world ends a ray there whose direction or start differs by some
-    /// units in the last place of an f32.
+    /// Whether rounding alone explains the end that a method reports of a pixel's ray. Random rays are tried, 32 of
+    /// them, whose direction and start differ from those of the ray by up to 16 roundings of an f32. The end is a tie
+    /// if one of them ends there in the world.
     fn is_tie(&self, ray: &WorldRay, end: &RayEnd, pixel: usize) -> bool {
         let random = Stream::new(23, pixel as u64);
+        // A random vector with coordinates from −1 to 1.
         let offset = |n: u64| DVec3::from_array([0, 1, 2].map(|axis| 2.0 * random.uniform(3 * n + axis) - 1.0));
         (0..32_u64).any(|n| {
-            let size = 16.0 * ROUNDING;
-            let direction = (ray.direction + size * offset(2 * n)).normalize();
+            let direction = (ray.direction + 16.0 * ROUNDING * offset(2 * n)).normalize();
             let origin = ray.origin + 16.0 * self.rounding_m * offset(2 * n + 1);
             self.is_right(&WorldRay { origin, direction, ..*ray }, end)
         })
     }
 
-    /// Compares the ends of a method's rays with those in the world; `least` is the share that must agree. `None` for a method
-    /// without hits.
+    /// Compares the ends of a method's rays, `made`, with their ends in the world; `least` is the share that must be
+    /// right. `None` for a method without hits.
     fn compare(&self, made: &FrameImages, data: &GBufferData, least: f64) -> Option<ComparedRays> {
         let ends = ray_ends(made.hits.as_ref()?, data);
         let wrong: Vec<&(usize, WorldRay)> =
@@ -194,10 +199,11 @@ impl<'a> Truth<'a> {
     }
 }
 
-/// A triangle's corners and material.
+/// The corners of a triangle, and the index of its material.
 type Corners = ([Vec3; 3], usize);
 
-/// A scene of single triangles, each with its own flat normal.
+/// Makes a scene of single triangles, each with its own flat normal, with one view from `eye` towards `look_at`;
+/// `far_m` is the distance of the far plane.
 fn scene(name: &str, triangles: impl IntoIterator<Item = Corners>, eye: Vec3, look_at: Vec3, far_m: f32) -> Scene {
     let materials = [mirror(), paint(), holes()];
     let mut meshes: Vec<Mesh> = (0..materials.len())
@@ -205,11 +211,11 @@ fn scene(name: &str, triangles: impl IntoIterator<Item = Corners>, eye: Vec3, lo
         .collect();
     for (corners, material) in triangles {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(Vec3::Y);
-        let along = (corners[1] - corners[0]).normalize_or(Vec3::X);
+        let first_edge = (corners[1] - corners[0]).normalize_or(Vec3::X);
         let mesh = &mut meshes[material];
         for (corner, uv) in corners.into_iter().zip([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]) {
             mesh.indices.push(mesh.vertices.len() as u32);
-            let tangent = along.extend(1.0).to_array();
+            let tangent = first_edge.extend(1.0).to_array();
             mesh.vertices.push(Vertex { position: corner.to_array(), normal: normal.to_array(), uv, tangent });
         }
     }
@@ -243,30 +249,32 @@ fn holes() -> Material {
     Material { name: "holes".into(), alpha_mask: Some(0), ..paint() }
 }
 
-/// A mask of 4×4 texels in a chequerboard of holes.
+/// A texture of 4×4 texels in a chequerboard of paint and holes.
 fn mask() -> Texture {
     let texel = |i: u32| [if (i % 4 + i / 4).is_multiple_of(2) { 255 } else { 0 }; 4];
     let rgba = (0..16).flat_map(texel).collect();
     Texture { name: "mask".into(), width: 4, height: 4, rgba, encoding: Encoding::Linear }
 }
 
-/// Two triangles that make a parallelogram, which faces in the direction of the cross product of its edges.
+/// Makes a parallelogram of two triangles, with the corner `origin` and the edges `a` and `b`. It faces in the
+/// direction of their cross product.
 fn quad(origin: Vec3, a: Vec3, b: Vec3, material: usize) -> [Corners; 2] {
     [([origin, origin + a, origin + a + b], material), ([origin, origin + a + b, origin + b], material)]
 }
 
-/// A mirror floor of 20 m a side around the origin.
+/// Makes a mirror floor of 20 m a side around the origin.
 fn floor() -> [Corners; 2] {
     quad(Vec3::new(-10.0, 0.0, -10.0), 20.0 * Vec3::Z, 20.0 * Vec3::X, 0)
 }
 
-/// A single triangle, whose tree is a single leaf; the mirror shows the sky.
+/// A scene of a single triangle, whose tree is a single leaf: a mirror, which shows the sky.
 fn one() -> Scene {
     let corners = [Vec3::new(-9.0, 0.0, -9.0), Vec3::new(0.0, 0.0, 9.0), Vec3::new(9.0, 0.0, -9.0)];
     scene("one", [(corners, 0)], Vec3::new(0.0, 2.0, -6.0), Vec3::ZERO, 100.0)
 }
 
-/// Triangles ten thousand times as long as they are wide, in all directions, above a mirror.
+/// A scene of `count` triangles: a mirror floor, and above it slivers in all directions, ten thousand times as long as
+/// wide.
 fn slivers(count: usize) -> Scene {
     let sliver = |n: usize| {
         let random = Stream::new(5, n as u64);
@@ -281,7 +289,7 @@ fn slivers(count: usize) -> Scene {
     scene("slivers", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
 }
 
-/// Triangles that lie over each other in the plane of a wall, before a mirror.
+/// A scene of a mirror floor, and `count` triangles that lie over each other in the plane of a wall.
 fn one_plane(count: usize) -> Scene {
     let wall = |n: usize| {
         let random = Stream::new(6, n as u64);
@@ -292,15 +300,17 @@ fn one_plane(count: usize) -> Scene {
     scene("one-plane", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
 }
 
-/// Many copies of one triangle, before a mirror.
+/// A scene of a mirror floor, and `count` copies of one triangle.
 fn same(count: usize) -> Scene {
     let corners = [Vec3::new(-4.0, 0.0, 4.0), Vec3::new(0.0, 5.0, 4.0), Vec3::new(4.0, 0.0, 4.0)];
     let all = floor().into_iter().chain((0..count).map(|_| (corners, 1)));
     scene("same", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
 }
 
-/// A closed box of mirrors around the camera, with smaller boxes inside; `offset` moves all of them along each axis.
+/// A scene of a closed box of mirrors around the camera, with smaller boxes inside. `offset` moves all of it along each
+/// axis, in metres.
 fn closed_box(offset: f32) -> Scene {
+    // A cube with a corner and a size, whose faces look in or out.
     let cube = |corner: Vec3, size: f32, inwards: bool, material: usize| {
         let axes = [[Vec3::X, Vec3::Y, Vec3::Z], [Vec3::Y, Vec3::Z, Vec3::X], [Vec3::Z, Vec3::X, Vec3::Y]];
         axes.into_iter().flat_map(move |[a, b, c]| {
@@ -319,8 +329,8 @@ fn closed_box(offset: f32) -> Scene {
     scene("closed-box", walls.chain(boxes), moved(Vec3::new(0.0, 0.0, -9.5)), moved(Vec3::new(0.0, -2.0, 0.0)), 100.0)
 }
 
-/// A wall behind planes with holes in half of their area, before a mirror, so that a ray passes many triangles without being
-/// stopped.
+/// A scene of a mirror floor, and a wall behind a number of planes with holes in half of their area. A ray passes many
+/// triangles without being stopped.
 fn behind_holes(planes: usize) -> Scene {
     let plane = |n: usize| {
         let z = 1.0 + 0.1 * n as f32;
@@ -331,8 +341,9 @@ fn behind_holes(planes: usize) -> Scene {
     scene("behind-holes", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
 }
 
-/// A chequerboard of mirror squares in two planes a millimetre apart, before a wall. No ray may meet the plane that it begins
-/// on, and no ray that begins on the lower plane may miss the sides of the upper plane.
+/// A scene of a chequerboard of mirror squares in two planes a millimetre apart, before a wall; `distance` is about
+/// their distance from the camera, in metres. No ray may meet the plane that it begins on, and no ray from the lower
+/// plane may miss a square of the upper plane on its way.
 fn near_planes(distance: f32) -> Scene {
     let side = distance / 8.0;
     let squares = (0..256).flat_map(|n| {

@@ -1,4 +1,4 @@
-//! The cells and rows of the time study, their table, bars and raw samples.
+//! The cells and rows of the time study, with its tables, chart and CSV files.
 
 use super::{LastShots, TimeSpec, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
 use crate::error::Result;
@@ -23,7 +23,7 @@ use ssct_scenes::{Scene, View};
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-/// Methods on a view, at several sizes and with several sets of factors.
+/// A job of the time study: variants on a view, at several sizes and with several sets of factors.
 pub struct TimeJob {
     /// Scene.
     pub scene: Rc<Scene>,
@@ -39,7 +39,7 @@ pub struct TimeJob {
     pub has_reference: bool,
 }
 
-/// The thesis's figures that times are compared with.
+/// Which of the thesis's figures times are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "Beside")]
 pub enum ThesisFigures {
@@ -60,13 +60,13 @@ pub struct TimeSettings {
     pub samples: usize,
     /// Whether methods are timed against themselves.
     pub a_a: bool,
-    /// Whether each setting gets a verdict against the first, with which it was timed in turn.
+    /// Whether each setting gets a verdict against the first setting of its place, with which it was timed in turn.
     #[serde(default)]
     pub judges: bool,
 }
 
 impl TimeSettings {
-    /// The settings that a list of cells keeps; if they cannot be read, settings without samples.
+    /// Reads the settings that a list of cells keeps; if they cannot be read, returns settings without samples.
     fn from_list(list: &CellList) -> Self {
         let none = Self { beside: ThesisFigures::Nothing, samples: 0, a_a: false, judges: false };
         Self::deserialize(&list.settings).unwrap_or(none)
@@ -76,18 +76,23 @@ impl TimeSettings {
 /// The time study.
 pub struct TimeStudy {
     jobs: Vec<TimeJob>,
+    /// Digest of each job's scene.
     digests: Vec<String>,
     settings: TimeSettings,
+    /// Number of frames that warm up.
     warmup: usize,
+    /// Rays a pixel of the world reference.
     reference_rays: u32,
     timer: LastShots,
 }
 
-/// A size and a set of factors of a job, given by its index: all variants, or the reference.
+/// A cell: a job at one size with one set of factors, in which all variants are timed, or the world reference.
 pub struct TimeCell {
+    /// Index of the job.
     job: usize,
     extent: [u32; 2],
     globals: Globals,
+    /// Whether the world reference is timed, instead of the variants.
     is_reference: bool,
 }
 
@@ -101,7 +106,7 @@ impl TimeStudy {
 }
 
 impl TimeJob {
-    /// The study of one scene and view that times this job.
+    /// Returns the inputs by which this job is timed.
     fn spec<'a>(&'a self, gpu: &'a Gpu, warmup: usize, settings: &TimeSettings) -> TimeSpec<'a> {
         TimeSpec {
             gpu,
@@ -116,7 +121,7 @@ impl TimeJob {
         }
     }
 
-    /// The name of the cell of a size and a set of factors.
+    /// Returns the name of the cell of a size and a set of factors.
     fn place(&self, extent: [u32; 2], globals: &Globals) -> String {
         cell_name(&self.scene.name, &self.view.name, extent, globals.roughness)
     }
@@ -126,6 +131,7 @@ impl Study for TimeStudy {
     type Cell = TimeCell;
     type Row = TimeRow;
 
+    /// Returns the scenes of the jobs, each once, sorted by name.
     fn scenes(&self) -> Vec<&Scene> {
         let mut scenes: Vec<&Scene> = self.jobs.iter().map(|job| &*job.scene).collect();
         scenes.sort_by(|a, b| a.name.cmp(&b.name));
@@ -140,17 +146,17 @@ impl Study for TimeStudy {
     /// Lists the cells of all jobs; the cells that time the world reference come last.
     fn cells(&self) -> Vec<Planned<TimeCell>> {
         let (mut cells, mut references) = (Vec::new(), Vec::new());
-        for (n, job) in self.jobs.iter().enumerate() {
-            let view = format!("{:?}", job.view);
+        for (job_index, job) in self.jobs.iter().enumerate() {
+            let (digest, view) = (&self.digests[job_index], format!("{:?}", job.view));
             for &extent in &job.sizes {
                 for &globals in &job.globals {
                     let variants = recorded(&job.variants, extent);
                     let TimeSettings { samples, a_a, .. } = self.settings;
-                    let setup = json!([self.digests[n], view, globals, variants, self.warmup, samples, a_a]);
-                    let time_cell = |is_reference| TimeCell { job: n, extent, globals, is_reference };
+                    let setup = json!([digest, view, globals, variants, self.warmup, samples, a_a]);
+                    let time_cell = |is_reference| TimeCell { job: job_index, extent, globals, is_reference };
                     cells.push(Planned { name: job.place(extent, &globals), setup, cell: time_cell(false) });
                     if job.has_reference {
-                        let setup = json!([self.digests[n], view, globals, extent, self.reference_rays]);
+                        let setup = json!([digest, view, globals, extent, self.reference_rays]);
                         let name = format!("{}-reference", job.place(extent, &globals));
                         references.push(Planned { name, setup, cell: time_cell(true) });
                     }
@@ -161,8 +167,8 @@ impl Study for TimeStudy {
         cells
     }
 
-    /// The reference is one result; each variant of any other cell has a result, whose key begins the keys of its
-    /// samples.
+    /// Returns one key for a cell of the reference. For any other cell, returns for each variant the beginning of its
+    /// samples' keys and the head of its record.
     fn results(&self, gpu: &Gpu, planned: &Planned<TimeCell>) -> Vec<(String, Value)> {
         let cell = &planned.cell;
         if cell.is_reference {
@@ -179,8 +185,8 @@ impl Study for TimeStudy {
         if cell.is_reference { 1 } else { frames_of_a_group(variants, self.warmup, samples, a_a) }
     }
 
-    /// Times the reference, or every sample that the journal lacks. Rows of samples are made of the journal, and not
-    /// returned.
+    /// Times the reference and returns its row, or measures every sample that the journal lacks. No rows of samples are
+    /// returned, since [`TimeRow::read`] makes them of the journal.
     fn measure(&mut self, cell: &TimeCell, bench: &mut Bench) -> Result<Vec<TimeRow>> {
         let job = &self.jobs[cell.job];
         if cell.is_reference {
@@ -211,7 +217,7 @@ pub enum TimeRow {
 }
 
 impl TimeRow {
-    /// The head of the record.
+    /// Returns the head of the record.
     fn head(&self) -> &Head {
         match self {
             Self::Reference(time) => &time.head,
@@ -220,22 +226,23 @@ impl TimeRow {
     }
 }
 
-/// The records of methods among some rows.
+/// Returns the records of methods among some rows.
 fn methods(rows: &[TimeRow]) -> Vec<TimeRecord> {
     let method_record = |row: &TimeRow| if let TimeRow::Method(record) = row { Some((**record).clone()) } else { None };
     rows.iter().filter_map(method_record).collect()
 }
 
+/// The columns are those of the head, and the median total of a method or the time of the reference.
 impl Columns for TimeRow {
     fn columns() -> ColumnSet<Self> {
-        let own = TimeRecord::columns();
-        let mut all = ColumnSet { times: own.times, ranges: own.ranges, ..ColumnSet::default() };
+        let of_methods = TimeRecord::columns();
+        let mut all = ColumnSet { times: of_methods.times, ranges: of_methods.ranges, ..ColumnSet::default() };
         part().add(("head", ""), Self::head, &mut all);
-        let total = |row: &Self| match row {
+        let total_ms = |row: &Self| match row {
             Self::Reference(time) => time.wall_ms,
             Self::Method(record) => record.total.median_ms,
         };
-        all.columns.push(Column::named("total.median_ms", total));
+        all.columns.push(Column::named("total.median_ms", total_ms));
         all
     }
 }
@@ -249,7 +256,8 @@ impl Row for TimeRow {
         &self.head().program
     }
 
-    /// The thesis's figures beside the times, if they are asked for; all times; and verdicts, if they are asked for.
+    /// Makes the table of the thesis's figures beside the times, if it is asked for; the table of all times; and the
+    /// table of verdicts, if it is asked for.
     fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
         let records = methods(rows);
         let settings = TimeSettings::deserialize(settings).ok();
@@ -271,11 +279,12 @@ impl Row for TimeRow {
         first.into_iter().chain([every]).chain(verdicts).collect()
     }
 
+    /// Makes the chart of the stages of all methods.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         vec![chart(&methods(rows))]
     }
 
-    /// The file of raw samples, and the file of medians.
+    /// Makes the file of raw samples, and the file of medians.
     fn sheets(rows: &[Self]) -> Vec<Sheet> {
         let records = methods(rows);
         vec![
@@ -295,7 +304,7 @@ impl Row for TimeRow {
         }
     }
 
-    /// Reads the kept rows of a reference, or makes the record of a method from its samples in the journal.
+    /// Reads the row of the reference, or makes the record of a method from its samples in the journal.
     fn read(list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         let Ok(head) = Head::deserialize(&result.record_head) else {
             return kept(journal, &result.key).unwrap_or_default();
@@ -305,22 +314,23 @@ impl Row for TimeRow {
     }
 }
 
-/// The file of raw samples.
+/// Name of the file of raw samples.
 pub const SAMPLES: &str = "time-samples.csv";
-/// The file of medians, with the groups of passes of the printed table.
+/// Name of the file of medians, in which passes are grouped as in the printed table.
 pub const MEDIANS: &str = "pass-medians.csv";
-/// Columns of the file of medians.
+/// Names of the columns of the file of medians.
 pub const MEDIAN_COLUMNS: [&str; 9] =
     ["scene", "view", "width", "height", "roughness", "method", "pass", "counted", "median_ms"];
-/// The columns of a sample that name its subject, before the columns of settings.
+/// Names of the first columns of the file of samples, which say what was measured; the columns of settings follow.
 pub const PLACE: [&str; 3] = ["scene", "view", "method"];
-/// The columns of a sample with the measured values, after the columns of settings.
+/// Names of the last columns of the file of samples, behind the columns of settings, which have the measured values.
 pub const MEASURED: [&str; 6] = ["sample", "pass", "counted", "ms", FLOORS[0], FLOORS[1]];
-/// The columns of noise floors, of the pass and of the total; empty if they were not measured.
+/// Names of the columns of the noise floors of the pass and of the total, whose cells are empty if they were not
+/// measured.
 pub const FLOORS: [&str; 2] = ["noise_floor", "total_noise_floor"];
 
-/// Raw samples of time records: one row a sample and pass, and one column for each setting of any of the methods. A setting
-/// that a method does not have is empty.
+/// Makes the cells of the file of samples, header first: a row for each pass of each sample, with a column for each
+/// setting of any of the methods. The cell of a setting that a method does not have is empty.
 pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let settings: BTreeSet<&String> = records.iter().flat_map(|r| r.head.setup.keys()).collect();
     let columns = settings.iter().map(|name| name.as_str());
@@ -329,11 +339,11 @@ pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     for r in records {
         let place = [&r.head.scene, &r.head.view, &r.head.method].map(Clone::clone);
         let set: Vec<String> = settings.iter().map(|name| r.head.setting(name)).collect();
-        for (n, sample) in r.samples.iter().enumerate() {
-            for (pass, ms) in r.passes.iter().zip(sample) {
-                let floor = |floor: Option<f64>| floor.map(|f| format!("{f:.6}")).unwrap_or_default();
+        for (n, pass_times) in r.samples.iter().enumerate() {
+            for (pass, ms) in r.passes.iter().zip(pass_times) {
+                let floor_text = |floor: Option<f64>| floor.map(|f| format!("{f:.6}")).unwrap_or_default();
                 let (counted, ms) = (pass.counted.to_string(), format!("{ms:.6}"));
-                let floors = [floor(pass.noise_floor), floor(r.noise_floor)];
+                let floors = [floor_text(pass.noise_floor), floor_text(r.noise_floor)];
                 let measured = [n.to_string(), pass.name.clone(), counted, ms].into_iter().chain(floors);
                 cells.push(place.iter().chain(&set).cloned().chain(measured).collect());
             }
@@ -342,8 +352,9 @@ pub fn sample_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     cells
 }
 
-/// Medians in milliseconds: a row for each group of passes of each record, including passes that do not count, and one
-/// for the total. The column `method` names the variant, like the printed table.
+/// Makes the cells of the file of medians, header first: for each record a row for each group of passes, first those
+/// that do not count, and a row for the total. The column `method` has the name of the variant, as in the printed
+/// table.
 fn median_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = vec![MEDIAN_COLUMNS.map(str::to_owned).to_vec()];
     for r in records {
@@ -361,7 +372,8 @@ fn median_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// Medians of each stage of each record, and the totals.
+/// Makes the cells of the table of all times, header first: for each record the medians of its stages, the statistics
+/// of the total, and the median of the frame, in milliseconds. Drift and noise floor have columns if a record has any.
 fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let stages = distinct(records.iter().flat_map(|r| r.stages()).map(|(name, _)| name));
     let mut header: Vec<String> = ["scene view", "size", "roughness", "method"].map(str::to_owned).to_vec();
@@ -380,8 +392,8 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
             roughness(r.head.roughness),
             r.head.variant(),
         ];
-        let found = r.stages();
-        row.extend(stages.iter().map(|s| match found.iter().find(|(n, _)| n == s) {
+        let own_stages = r.stages();
+        row.extend(stages.iter().map(|stage| match own_stages.iter().find(|(name, _)| name == stage) {
             Some((_, ms)) => format!("{ms:.3}"),
             None => "-".into(),
         }));
@@ -395,7 +407,7 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// The chart of a bar for each record, divided into the medians of the effect's stages.
+/// Makes a chart with a bar for each record, which is divided into the medians of the effect's stages.
 pub fn chart(records: &[TimeRecord]) -> Chart {
     let bar = |r: &TimeRecord| {
         let Head { scene, view, width, height, .. } = &r.head;
@@ -408,21 +420,22 @@ pub fn chart(records: &[TimeRecord]) -> Chart {
 
 /// A timed frame, with its method and a label.
 pub struct TimedFrame {
-    /// The method.
+    /// Name of the method.
     pub method: String,
-    /// Size, roughness and number, for labels.
+    /// Size, roughness and number of the frame, in words.
     pub label: String,
     /// Times of the passes and of the host.
     pub report: FrameReport,
 }
 
-/// Every timed frame of a run in the journal, including the second series of each method.
+/// Returns every timed frame that a run's journal has, including those of the second series of each method.
 pub fn frames(list: &CellList, journal: &Journal) -> Vec<TimedFrame> {
     let TimeSettings { samples, a_a, .. } = TimeSettings::from_list(list);
     let mut frames = Vec::new();
     for result in list.cells.iter().flat_map(|cell| &cell.results) {
         let Ok(head) = Head::deserialize(&result.record_head) else { continue };
         let rough = head.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
+        // The last key is that of the frame whose work is counted, which is not timed.
         let keys = keys(&result.key, samples, a_a);
         for (n, key) in keys[..keys.len() - 1].iter().enumerate() {
             if let Some(Sample { report, .. }) = interleave::kept(journal, key) {

@@ -1,5 +1,5 @@
-//! Verdicts on settings that were timed in turn: each is compared with the first of its place (docs/definitions.md,
-//! "Verdicts").
+//! Verdicts on settings that were timed in turn: each setting is compared with the first setting of its place
+//! (docs/definitions.md, "Verdicts").
 
 use crate::study::compare::{self, Run, Subject, THRESHOLD, TimeComparison, TimeSample};
 use crate::study::exhibit::Table;
@@ -7,45 +7,45 @@ use crate::study::record::{Head, PassRecord, TimeRecord};
 use ssct_truth::metrics::bootstrap::CONFIDENCE;
 use std::sync::Arc;
 
-/// The samples of a record, rounded as in its file.
+/// Returns the samples of a record, rounded as in the file of its samples.
 fn samples(record: &TimeRecord) -> Vec<TimeSample> {
     let subject = Arc::new(subject(&record.head));
-    // The file has six digits; rounding here makes samples that are read from the file get the same verdict.
-    let written = |value: f64| format!("{value:.6}").parse().unwrap_or(value);
+    // The file has six digits. By the same rounding, samples that are read from the file get the same verdict.
+    let rounded = |value: f64| format!("{value:.6}").parse().unwrap_or(value);
     let frame = |(n, times): (usize, &Vec<f64>)| {
         let sample = |(pass, ms): (&PassRecord, &f64)| TimeSample {
             subject: Arc::clone(&subject),
             sample: n as u64,
             pass: pass.name.clone(),
             counted: pass.counted,
-            ms: written(*ms),
-            floors: [pass.noise_floor, record.noise_floor].map(|floor| floor.map(written)),
+            ms: rounded(*ms),
+            floors: [pass.noise_floor, record.noise_floor].map(|floor| floor.map(rounded)),
         };
         record.passes.iter().zip(times).map(sample).collect::<Vec<_>>()
     };
     record.samples.iter().enumerate().flat_map(frame).collect()
 }
 
-/// The subject of a record's frames.
+/// Returns the subject of a record's frames.
 fn subject(head: &Head) -> Subject {
-    let place = [("scene", &head.scene), ("view", &head.view), ("method", &head.method)];
-    let place = place.map(|(name, value)| (name.to_owned(), value.clone()));
-    Subject(head.setup.keys().map(|name| (name.clone(), head.setting(name))).chain(place).collect())
+    let names = [("scene", &head.scene), ("view", &head.view), ("method", &head.method)];
+    let names = names.map(|(name, value)| (name.to_owned(), value.clone()));
+    Subject(head.setup.keys().map(|name| (name.clone(), head.setting(name))).chain(names).collect())
 }
 
-/// Compares each record with the first of its place. The records of a place follow each other.
+/// Compares each record with the first record of its place. The records of a place must follow each other.
 fn verdicts(records: &[TimeRecord]) -> Vec<TimeComparison> {
     let is_one_place = |a: &TimeRecord, b: &TimeRecord| subject(&a.head).place() == subject(&b.head).place();
-    let of_place = |records: &[TimeRecord]| {
+    let verdicts_of_place = |records: &[TimeRecord]| {
         let device = records.first().map(|record| record.head.program.device.clone());
         let series: Vec<_> = records.iter().map(samples).collect();
         let run = Run { name: String::new(), device, samples: Vec::new() };
         compare::in_turns(&run, &series, THRESHOLD)
     };
-    records.chunk_by(is_one_place).flat_map(of_place).collect()
+    records.chunk_by(is_one_place).flat_map(verdicts_of_place).collect()
 }
 
-/// The verdicts as a table; `None` where no place has two settings.
+/// Makes the table of the verdicts; `None` if no place has two settings.
 pub fn table(records: &[TimeRecord]) -> Option<Table> {
     let found = verdicts(records);
     let bound = 100.0 * THRESHOLD;
@@ -57,7 +57,7 @@ pub fn table(records: &[TimeRecord]) -> Option<Table> {
     (!found.is_empty()).then(|| Table::new("verdicts", &title, &about, cells))
 }
 
-/// The description of the table.
+/// Returns the description of the table.
 fn about() -> String {
     format!(
         "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, from low to high \

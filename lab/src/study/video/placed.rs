@@ -1,51 +1,55 @@
-//! Places of a film's camera, and of the things that move before it.
+//! The camera of each frame of a film, and the places of the meshes that move.
 
 use super::VideoStudy;
 use ssct_scenes::{Camera, Placement};
 
-/// Number of frames after which the jitter of the image, by parts of a pixel, repeats.
+/// Number of frames after which the jitter, which shifts the image by parts of a pixel, repeats.
 const JITTER_PERIOD: u32 = 8;
 
 impl VideoStudy {
-    /// The camera of a frame, for a size in pixels.
+    /// Returns the camera of a frame, for a size in pixels; with the jitter, if the film has one.
     pub(super) fn camera(&self, frame: u32, extent: [u32; 2]) -> Camera {
         let camera = self.unshifted(frame, extent);
         if self.jitter { camera.jittered(shift(frame), extent) } else { camera }
     }
 
-    /// The camera of a frame, without the jitter.
+    /// Returns the camera of a frame without the jitter.
     fn unshifted(&self, frame: u32, extent: [u32; 2]) -> Camera {
         self.way.view(frame, self.frames, self.frames_per_second).camera(&self.scene, extent)
     }
 
-    /// The placements of the meshes that move in a frame, each with the mesh's name: by the motion that is played, by
+    /// Returns the names of the meshes that move, each with its placement in a frame: by the motion that is played, by
     /// steps, or with the camera.
     pub(super) fn placed(&self, frame: u32) -> Vec<(&str, Placement)> {
         let time_s = frame as f32 / self.frames_per_second;
         let played = self.play.iter().flat_map(|motion| motion.placements_at(time_s));
         let steps = self.step_frames.map_or(frame, |last| frame.min(last));
-        let moved = self.moving.iter().map(|name| (name.as_str(), (steps as f32 * self.step_m).into()));
+        let stepped = self.moving.iter().map(|name| (name.as_str(), (steps as f32 * self.step_m).into()));
+        // The size of the image does not matter here.
         let [first, now] = [0, frame].map(|n| self.unshifted(n, [1, 1]));
-        let carried = carried_placement(&first, &now);
-        played.chain(moved).chain(self.held.iter().map(|name| (name.as_str(), carried))).collect()
+        let with_camera = carried_placement(&first, &now);
+        let carried = self.held.iter().map(|name| (name.as_str(), with_camera));
+        played.chain(stepped).chain(carried).collect()
     }
 }
 
-/// The placement of a thing that the camera carries, relative to its place before the first camera.
+/// Returns the placement of a mesh that the camera carries, where the camera was `first` in the first frame and is
+/// `now`.
 fn carried_placement(first: &Camera, now: &Camera) -> Placement {
-    let along = now.world_to_view.as_dmat4().inverse() * first.world_to_view.as_dmat4();
-    let (_, turn, offset) = along.to_scale_rotation_translation();
+    let first_to_now = now.world_to_view.as_dmat4().inverse() * first.world_to_view.as_dmat4();
+    let (_, turn, offset) = first_to_now.to_scale_rotation_translation();
     Placement { turn: turn.as_quat().normalize(), size: 1.0, offset: offset.as_vec3() }
 }
 
-/// The shift of a frame in pixels, x to the right and y down.
+/// Returns the jitter of a frame: the shift of its image in pixels, x to the right and y down, each within half a
+/// pixel.
 fn shift(frame: u32) -> [f32; 2] {
-    // The sequence begins at 1, since its element 0 is 0.
+    // Begins with element 1 of the sequence of Halton, since element 0 is the point (0, 0).
     [2, 3].map(|base| radical_inverse(frame % JITTER_PERIOD + 1, base) - 0.5)
 }
 
-/// Mirrors the digits of a number, written to a base, at the point: 6 is 110 to the base 2, and becomes 0.011. Counting
-/// up gives the sequence of Halton (1960), in one dimension.
+/// Mirrors the digits of a number, written to a base, at the point: 6 is 110 to the base 2, and becomes 0.011. The
+/// results for 0, 1, 2 and so on are one coordinate of the sequence of Halton (1960).
 fn radical_inverse(mut number: u32, base: u32) -> f32 {
     let (mut sum, mut place_value) = (0.0, 1.0);
     while number > 0 {

@@ -1,4 +1,4 @@
-//! The record of a film, and its display on a page.
+//! The record of a variant's film, with the table, the chart and the clips of such records.
 
 use crate::study::columns::{Column, columns, figure, part, series, time};
 use crate::study::engine::Row;
@@ -72,23 +72,26 @@ columns! {
 }
 
 impl VideoRecord {
-    /// A mean change divided by the flicker of the world reference; `None` if the reference does not change.
+    /// Returns a mean change divided by the flicker of the world reference; `None` if the reference does not change.
     fn over_reference(&self, change: f64) -> Option<f64> {
         (self.reference_flicker > 0.0).then(|| change / self.reference_flicker)
     }
 
-    /// The title of a group: films of one scene, view, way, size and roughness are shown together.
+    /// Returns the title of the record's group of films: those of one scene, view, way, size and roughness, which pages
+    /// show together.
     fn group(&self) -> String {
         let Head { scene, view, width, height, .. } = &self.head;
         format!("{scene} {view}, {}, {width}x{height}, roughness {}", self.way, roughness(self.head.roughness))
     }
 
-    /// The file of an animated picture from this record's measurement.
+    /// Returns the path of a film of the record's cell in the folder of the run; `name` is a variant's name, or
+    /// [`WORLD`].
     pub(super) fn clip_file(&self, name: &str) -> String {
         let Head { scene, view, width, height, .. } = &self.head;
         let stem = cell_name(scene, &format!("{view}-{}", self.way), [*width, *height], self.head.roughness);
-        let word = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
-        let name = name.chars().map(word).collect::<String>().replace("---", "-");
+        let safe = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+        // A " + " between two words becomes a single hyphen.
+        let name = name.chars().map(safe).collect::<String>().replace("---", "-");
         format!("{CLIPS}/{stem}-{name}.webp")
     }
 }
@@ -96,7 +99,7 @@ impl VideoRecord {
 /// Folder of the animated pictures.
 const CLIPS: &str = "clips";
 
-/// Name of the world reference among the films.
+/// The name that stands for a variant in the file of the world reference's film.
 pub(super) const WORLD: &str = "world";
 
 const ABOUT: &str = "Each film is held against that of the world, frame by frame: FLIP and RMSE of the reflection colour as \
@@ -114,7 +117,7 @@ impl Row for VideoRecord {
         &self.head.program
     }
 
-    /// One table, with changes divided by those of the world.
+    /// Makes one table, with two further columns: the changes, divided by those of the world.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let more = [
             Column::derived("flicker over the world's", 2, |r: &Self| r.over_reference(r.flicker)),
@@ -123,7 +126,7 @@ impl Row for VideoRecord {
         vec![Table { about: ABOUT.to_owned(), ..Table::with_columns("table", rows, more) }]
     }
 
-    /// Draws FLIP over the frames, a line for each record.
+    /// Draws a line for each record: FLIP over the frames.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
         let line = |r: &Self| {
@@ -134,7 +137,7 @@ impl Row for VideoRecord {
         vec![Chart::new("video", "FLIP from frame to frame", Drawing::Lines(axes, rows.iter().map(line).collect()))]
     }
 
-    /// The films of variants, grouped with the film of the world beside them.
+    /// Returns the films in groups, each of which begins with the film of the world.
     fn clips(rows: &[Self]) -> Vec<ClipGroup> {
         let mut groups: Vec<ClipGroup> = Vec::new();
         for r in rows {
@@ -144,7 +147,9 @@ impl Row for VideoRecord {
             }
             let caption = format!("{:.2} JOD, {:.1} ms", r.jod, r.time_ms);
             let clip = Clip { file: r.clip_file(&r.head.variant()), name: r.head.variant(), caption };
-            groups.iter_mut().rev().take(1).for_each(|group| group.clips.push(clip.clone()));
+            if let Some(group) = groups.last_mut() {
+                group.clips.push(clip);
+            }
         }
         groups
     }

@@ -1,4 +1,4 @@
-//! Ways of the camera through a film.
+//! The ways in which a film's camera can move.
 
 use glam::{Quat, Vec3};
 use ssct_scenes::{CameraPath, View};
@@ -8,10 +8,10 @@ use ssct_scenes::{CameraPath, View};
 pub enum CameraWay {
     /// Along a path, from its beginning to its end.
     Path(CameraPath),
-    /// From a view towards the point that it looks at, at a person's walking pace, or slower, so that the camera comes at most
-    /// half of the way.
+    /// From a view towards the point that the view looks at, at a person's walking pace. If that would lead past half
+    /// of the distance, the camera moves so slowly that it ends there.
     Walk(View),
-    /// At rest in a view for a third of the film, then a quick turn to the right, and at rest again.
+    /// At rest in a view for a third of the film, then turning quickly to the right, and at rest again.
     Turn(View),
     /// Sideways from a view for a third of the film, then at rest.
     Stop(View),
@@ -19,15 +19,15 @@ pub enum CameraWay {
     Rest(View),
 }
 
-/// Speed of a walk, in metres a second.
+/// Speed of [`CameraWay::Walk`], in metres a second.
 const WALK: f32 = 1.4;
-/// Speed of the motion to the side, in metres a second.
+/// Speed of [`CameraWay::Stop`], in metres a second.
 const ASIDE: f32 = 1.0;
-/// Angle of the turn in degrees, and its duration in seconds.
+/// Angle of [`CameraWay::Turn`] in degrees, and its duration in seconds.
 const TURN: (f32, f32) = (45.0, 0.2);
 
 impl CameraWay {
-    /// Name of the way in records.
+    /// Returns the name of the way in records.
     pub fn name(&self) -> &str {
         match self {
             Self::Path(path) => &path.name,
@@ -38,7 +38,7 @@ impl CameraWay {
         }
     }
 
-    /// The view at the beginning of the way; a path's view has the path's name.
+    /// Returns the view at the beginning of the way; that of a path has the path's name.
     pub fn start(&self) -> View {
         match self {
             Self::Path(path) => {
@@ -49,10 +49,10 @@ impl CameraWay {
         }
     }
 
-    /// The view of a frame in a film of `frames` frames, shown at `frames_per_second`.
+    /// Returns the view of a frame, counted from 0, in a film of `frames` frames that is shown at `frames_per_second`.
     pub fn view(&self, frame: u32, frames: u32, frames_per_second: f32) -> View {
         let last = frames.saturating_sub(1).max(1) as f32;
-        let of_second = |n: u32| n as f32 / frames_per_second;
+        let seconds_of = |frames: u32| frames as f32 / frames_per_second;
         match self {
             Self::Path(path) => {
                 let (eye, look_at) = path.eye_and_look_at(frame as f32 / last);
@@ -60,19 +60,19 @@ impl CameraWay {
             }
             Self::Walk(view) => {
                 let ahead = view.look_at - view.eye;
-                let way = (WALK * last / frames_per_second).min(0.5 * ahead.length());
-                let step = ahead.normalize_or_zero() * (way * frame as f32 / last);
+                let whole_m = (WALK * last / frames_per_second).min(0.5 * ahead.length());
+                let step = ahead.normalize_or_zero() * (whole_m * frame as f32 / last);
                 View { eye: view.eye + step, look_at: view.look_at + step, ..view.clone() }
             }
             Self::Turn(view) => {
                 let (degrees, seconds) = TURN;
-                let part = of_second(frame.saturating_sub(frames / 3)) / seconds;
-                let turned = Quat::from_rotation_y(degrees.to_radians() * part.min(1.0));
+                let share = seconds_of(frame.saturating_sub(frames / 3)) / seconds;
+                let turned = Quat::from_rotation_y(degrees.to_radians() * share.min(1.0));
                 View { look_at: view.eye + turned * (view.look_at - view.eye), ..view.clone() }
             }
             Self::Stop(view) => {
-                let aside = Vec3::Y.cross(view.look_at - view.eye).normalize_or_zero();
-                let step = aside * (ASIDE * of_second(frame.min(frames / 3)));
+                let right = Vec3::Y.cross(view.look_at - view.eye).normalize_or_zero();
+                let step = right * (ASIDE * seconds_of(frame.min(frames / 3)));
                 View { eye: view.eye + step, look_at: view.look_at + step, ..view.clone() }
             }
             Self::Rest(view) => view.clone(),
@@ -84,10 +84,12 @@ impl CameraWay {
 mod tests {
     use super::*;
 
+    /// Makes a view that looks along z at a point 2 m ahead.
     fn view() -> View {
         View { eye: Vec3::new(1.0, 1.5, 0.0), look_at: Vec3::new(1.0, 1.5, 2.0), ..View::default() }
     }
 
+    /// Tests the last view of a walk towards a point far away, and towards a near point.
     #[test]
     fn who_walks_goes_ahead_and_no_farther_than_half_of_the_way() {
         let far = View { look_at: Vec3::new(1.0, 1.5, 100.0), ..view() };
@@ -102,10 +104,10 @@ mod tests {
     #[test]
     fn who_stops_goes_aside_for_a_third_of_the_film_and_rests() {
         let way = CameraWay::Stop(view());
-        let gone = |frame| way.view(frame, 60, 30.0).eye - view().eye;
-        assert_eq!(gone(0), Vec3::ZERO);
-        assert!((gone(10) - Vec3::X / 3.0).length() < 1e-5, "{}", gone(10));
-        assert!((gone(20) - Vec3::X * 2.0 / 3.0).length() < 1e-5 && gone(59) == gone(20), "{}", gone(59));
+        let moved = |frame| way.view(frame, 60, 30.0).eye - view().eye;
+        assert_eq!(moved(0), Vec3::ZERO);
+        assert!((moved(10) - Vec3::X / 3.0).length() < 1e-5, "{}", moved(10));
+        assert!((moved(20) - Vec3::X * 2.0 / 3.0).length() < 1e-5 && moved(59) == moved(20), "{}", moved(59));
     }
 
     #[test]

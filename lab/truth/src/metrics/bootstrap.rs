@@ -6,15 +6,15 @@ use super::percentile;
 use serde::Serialize;
 use ssct_ground::math::random::Stream;
 
-/// The number of resamples of an interval. Fifty resamples lie beyond each end, so that the number beyond an end varies by
-/// about a seventh.
+/// The number of resamples from which an interval is made. Fifty of them lie beyond each end of the interval; this
+/// count varies by about a seventh (1 / √50).
 pub const RESAMPLES: u32 = 2000;
 
 /// The share of the resamples that lies inside the interval; the other resamples are split evenly between both ends.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// With fewer samples on either side there is no verdict. Even the range from the least to the greatest of four samples
-/// contains the true median only seven times in eight (1 − 2 · 2⁻⁴).
+/// The least number of samples of each side that a verdict needs. Even the range from the least to the greatest of four
+/// samples contains the true median only seven times in eight (1 − 2 · 2⁻⁴).
 pub const MIN_SAMPLES: usize = 5;
 
 /// The ratio of B's median to A's, with its interval over resamples: 0 ≤ `low` ≤ `high`. The ratio is infinite if A's
@@ -29,17 +29,17 @@ pub struct Ratio {
     pub high: f64,
 }
 
-/// Verdict of an interval on B compared with A.
+/// The verdict whether B is faster or slower than A, from the interval of the [`Ratio`] of B's median time to A's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Verdict {
-    /// The whole interval lies below 1 − bound, the greater of threshold and noise floor.
+    /// The whole interval lies below 1 − bound, where the bound is the greater of threshold and noise floor.
     Faster,
-    /// The whole interval lies above 1 + bound, the greater of threshold and noise floor.
+    /// The whole interval lies above 1 + bound, where the bound is the greater of threshold and noise floor.
     Slower,
     /// The whole interval lies within 1 ± threshold.
     Same,
-    /// None of the above.
+    /// The interval meets none of the conditions of the other verdicts.
     Undecided,
 }
 
@@ -47,8 +47,9 @@ impl Verdict {
     /// All verdicts, in the order in which a summary lists them.
     pub const ALL: [Self; 4] = [Self::Faster, Self::Slower, Self::Same, Self::Undecided];
 
-    /// The verdict for an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %) and a noise floor, a share ≥ 0. A change within
-    /// the greater of both is neither faster nor slower; the noise floor does not widen the range that counts as the same.
+    /// Returns the verdict for the interval of `ratio`. The threshold (0 ≤ t < 1) and the noise floor (at least 0) are
+    /// shares: 0.05 is 5 %. A change up to the greater of both is neither faster nor slower. The noise floor does not
+    /// widen the range that counts as the same.
     pub fn for_ratio(ratio: &Ratio, threshold: f64, floor: f64) -> Self {
         let bound = threshold.max(floor);
         match (ratio.low, ratio.high) {
@@ -70,25 +71,28 @@ impl Verdict {
     }
 }
 
-/// Greatest number of samples that is predicted; beyond it, the ratio lies too near to the bound.
+/// The greatest number of samples that [`samples_to_decide`] predicts. If more are needed, the ratio lies too near to
+/// the bound.
 pub const MOST_FORETOLD: u64 = 10_000;
 
-/// About how many samples would decide a verdict that `n` samples left undecided, if the ratio does not change: the interval
-/// and the noise floor narrow with the square root of the number of samples. The result is at least [`MIN_SAMPLES`] and more
-/// than `n`; `None` above [`MOST_FORETOLD`].
+/// Returns about how many samples would decide a verdict that `n` samples left undecided, if the ratio does not change.
+/// The widths of the interval and of the noise floor are taken to fall with the square root of the number of samples.
+/// The result is at least [`MIN_SAMPLES`] and more than `n`; `None` above [`MOST_FORETOLD`].
 pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) -> Option<u64> {
     if n < MIN_SAMPLES {
         return Some(MIN_SAMPLES as u64);
     }
     let Ratio { ratio, low, high } = *ratio;
     let change = (ratio - 1.0).abs();
-    // Distance from the ratio to the end of the interval that is nearer to 1.
+    // Width of the half of the interval that is on the side of 1.
     let toward_one = if ratio > 1.0 { ratio - low } else { high - ratio };
-    // The share to which the interval and the noise floor must narrow, so that the interval lies beyond the bound or,
-    // for a small change, within the threshold.
+    // The factor by which the widths of the interval and of the noise floor must shrink.
     let narrowed = if change > threshold {
+        // For a faster or slower B, the interval must end beyond the threshold and beyond the noise floor, which
+        // shrinks, too.
         ((change - threshold) / toward_one).min(change / (toward_one + floor))
     } else {
+        // For the same time, the upper and the lower half of the interval must lie within 1 ± threshold.
         ((1.0 + threshold - ratio) / (high - ratio)).min((ratio - 1.0 + threshold) / (ratio - low))
     };
     let needed = n as f64 / (narrowed * narrowed);
@@ -96,8 +100,8 @@ pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) ->
     is_foretold.then(|| (needed.ceil() as u64).max(n as u64 + 1))
 }
 
-/// The bootstrap interval of the median of some samples, at [`CONFIDENCE`], over [`RESAMPLES`] resamples.
-/// `None` with fewer than [`MIN_SAMPLES`] samples.
+/// Returns the ends [low, high] of the bootstrap interval of the median of the samples, at [`CONFIDENCE`], over
+/// [`RESAMPLES`] resamples. `None` with fewer than [`MIN_SAMPLES`] samples.
 pub fn interval_of_median(samples: &[f64], seed: u64) -> Option<[f64; 2]> {
     if samples.len() < MIN_SAMPLES {
         return None;
@@ -105,52 +109,57 @@ pub fn interval_of_median(samples: &[f64], seed: u64) -> Option<[f64; 2]> {
     interval([samples], seed, |[samples]| median(samples))
 }
 
-/// The ratio of B's median to A's, with its interval over [`RESAMPLES`] resamples. Both sides are drawn
-/// independently and with replacement. Samples must be finite and ≥ 0. `None` if a side has no samples.
+/// Returns the ratio of the median of `b` to the median of `a`, with its interval over [`RESAMPLES`] resamples. Both
+/// sides are resampled independently and with replacement. Samples must be finite and ≥ 0. `None` if a side has no
+/// samples.
 pub fn ratio_of_medians(a: &[f64], b: &[f64], seed: u64) -> Option<Ratio> {
     let ratio = quotient(median(&mut a.to_vec())?, median(&mut b.to_vec())?);
     let [low, high] = interval([a, b], seed, |[a, b]| Some(quotient(median(a)?, median(b)?)))?;
     Some(Ratio { ratio, low, high })
 }
 
-/// The median of the ratios b / a of pairs that were timed in turn, with its interval over [`RESAMPLES`] resamples of the
-/// pairs. A disturbance that slows both times of a pair does not change their ratio. Times must be finite and ≥ 0. `None`
-/// without pairs.
+/// Returns the median of the ratios b / a of pairs [a, b] of times that were measured in turn, with its interval over
+/// [`RESAMPLES`] resamples of the pairs. A disturbance that slows both times of a pair by one factor does not change
+/// their ratio. Times must be finite and ≥ 0. `None` without pairs.
 pub fn median_of_ratios(pairs: &[[f64; 2]], seed: u64) -> Option<Ratio> {
     let ratios: Vec<f64> = pairs.iter().map(|[a, b]| quotient(*a, *b)).collect();
     let [low, high] = interval([&ratios], seed, |[ratios]| median(ratios))?;
     Some(Ratio { ratio: median(&mut ratios.clone())?, low, high })
 }
 
-/// The interval of a statistic over resamples of some series, which are drawn one after the other with replacement.
+/// Returns the ends [low, high] of the interval that contains the share [`CONFIDENCE`] of the values of `statistic`
+/// over [`RESAMPLES`] resamples. A resample draws from each series, with replacement, as many samples as the series
+/// has. `None` if `statistic`, which may reorder the resample, has no value.
 fn interval<const N: usize>(
     series: [&[f64]; N],
     seed: u64,
     statistic: impl Fn(&mut [Vec<f64>; N]) -> Option<f64>,
 ) -> Option<[f64; 2]> {
-    let mut drawn = series.map(|samples| Vec::with_capacity(samples.len()));
-    let mut found = Vec::with_capacity(RESAMPLES as usize);
+    let mut resampled = series.map(|samples| Vec::with_capacity(samples.len()));
+    let mut statistics = Vec::with_capacity(RESAMPLES as usize);
     for resample in 0..RESAMPLES {
         let stream = Stream::new(seed, resample.into());
+        // Index of the next random number of the stream, which all series share.
         let mut position = 0;
-        for (drawn, samples) in drawn.iter_mut().zip(series) {
+        for (drawn, samples) in resampled.iter_mut().zip(series) {
             drawn.clear();
             for _ in samples {
-                let n = (stream.uniform(position) * samples.len() as f64) as usize;
-                drawn.push(samples[n.min(samples.len() - 1)]);
+                let index = (stream.uniform(position) * samples.len() as f64) as usize;
+                drawn.push(samples[index.min(samples.len() - 1)]);
                 position += 1;
             }
         }
-        found.push(statistic(&mut drawn)?);
+        statistics.push(statistic(&mut resampled)?);
     }
-    found.sort_by(f64::total_cmp);
+    statistics.sort_by(f64::total_cmp);
     let tail = (1.0 - CONFIDENCE) / 2.0;
-    Some([percentile(&found, tail)?, percentile(&found, 1.0 - tail)?])
+    Some([percentile(&statistics, tail)?, percentile(&statistics, 1.0 - tail)?])
 }
 
-/// The noise floor: how far a time strays from itself, as a share. Two series of the same work, timed in turn, have the
-/// same true median, so that the ratio of their medians is truly 1. The distance from 1 to the farther end of the
-/// ratio's confidence interval is therefore noise. `None` if a series has fewer than [`MIN_SAMPLES`].
+/// Returns the noise floor: how far a time strays from itself, as a share. The series `a` and `again` are times of the
+/// same work, measured in turn, so that the ratio of their true medians is 1. The distance from 1 to the farther end of
+/// the ratio's confidence interval is therefore noise. `None` if a series has fewer than [`MIN_SAMPLES`] or the
+/// distance is infinite.
 pub fn noise_floor(a: &[f64], again: &[f64], seed: u64) -> Option<f64> {
     if a.len().min(again.len()) < MIN_SAMPLES {
         return None;
@@ -159,19 +168,21 @@ pub fn noise_floor(a: &[f64], again: &[f64], seed: u64) -> Option<f64> {
     Some((1.0 - low).max(high - 1.0).max(0.0)).filter(|floor| floor.is_finite())
 }
 
-/// The median of some samples, as in [`ratio_of_medians`]; NaN without samples.
+/// Returns the median of the samples: for an even number of them, the mean of the middle two; NaN without samples.
 pub fn median_of(samples: impl IntoIterator<Item = f64>) -> f64 {
     median(&mut samples.into_iter().collect::<Vec<_>>()).unwrap_or(f64::NAN)
 }
 
-/// The median, which for an even number of samples is the mean of the middle two. Sorts the samples.
+/// Sorts the samples and returns their median: for an even number of them, the mean of the middle two; `None` without
+/// samples.
 fn median(samples: &mut [f64]) -> Option<f64> {
     samples.sort_by(f64::total_cmp);
     let n = samples.len();
+    // Both indices are equal for an odd number of samples.
     Some((samples.get(n.checked_sub(1)? / 2)? + samples.get(n / 2)?) / 2.0)
 }
 
-/// b / a, or 1 where both are equal: a coarse clock may measure 0 for both.
+/// Returns b / a, or 1 if both are equal: a coarse clock may measure 0 for both, and 0 / 0 is not a number.
 fn quotient(a: f64, b: f64) -> f64 {
     if a == b { 1.0 } else { b / a }
 }
@@ -180,12 +191,12 @@ fn quotient(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Samples spread evenly over `width` around `center`.
+    /// Returns `n` random samples, uniform over an interval of `width` around `center`.
     fn noise(center: f64, width: f64, n: u64, seed: u64) -> Vec<f64> {
         (0..n).map(|i| center + width * (Stream::new(seed, 99).uniform(i) - 0.5)).collect()
     }
 
-    /// The verdict on B compared with A for a threshold of 5 % and no noise floor.
+    /// Returns the verdict on the times `b` compared with `a`, for a threshold of 5 % and no noise floor.
     fn verdict(a: &[f64], b: &[f64]) -> Verdict {
         Verdict::for_ratio(&ratio_of_medians(a, b, 1).expect("samples"), 0.05, 0.0)
     }
@@ -214,13 +225,14 @@ mod tests {
 
     #[test]
     fn the_interval_of_three_samples_is_that_of_their_order_statistics() {
-        // A is constant, so the ratio is the median of a resample of {1, 2, 3}: 1 with probability 3 · 2/27 + 1/27 = 7/27, the
-        // same for 3. Both probabilities exceed the 2.5 % of a tail.
+        // A is constant, so that the ratio is the median of a resample of {1, 2, 3}. It is 1 with probability 3 · 2/27
+        // + 1/27 = 7/27, and 3 with the same probability. Both probabilities exceed the 2.5 % of a tail.
         let r = ratio_of_medians(&[1.0; 5], &[2.0, 3.0, 1.0], 1).expect("samples");
         assert_eq!(r, Ratio { ratio: 2.0, low: 1.0, high: 3.0 });
-        // With seven values, the least is drawn four times or more with probability Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 < 0.025,
-        // which is less than a tail. One of the least two is drawn so often with probability 0.108 > 0.025, so that the second
-        // value is the end of the interval.
+        // The median of a resample of seven values is the least value if that is drawn four times or more. The
+        // probability, Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 for k ≥ 4, is less than the 0.025 of a tail. One of the least
+        // two values is drawn so often with probability 0.108 > 0.025, so that the second value is the end of the
+        // interval.
         let seven: Vec<f64> = (1..=7).map(f64::from).collect();
         let r = ratio_of_medians(&[1.0; 5], &seven, 1).expect("samples");
         assert_eq!(r, Ratio { ratio: 4.0, low: 2.0, high: 6.0 });
@@ -234,7 +246,8 @@ mod tests {
             r.low <= 1.0 && 1.0 <= r.high
         };
         let covered = (0..200).filter(|t| covers(*t)).count();
-        // `covered` has a standard deviation of 3, and the percentile interval of a median is a little wide.
+        // The expected number is the share `CONFIDENCE` of all trials, with a standard deviation of 3. It is exceeded,
+        // since the percentile interval of a median is a little wide.
         assert!((180..=200).contains(&covered), "{covered}");
         assert!(covered < 200, "an interval that never misses is too wide");
     }
@@ -249,7 +262,7 @@ mod tests {
 
     #[test]
     fn what_slows_both_of_a_pair_does_not_widen_the_interval() {
-        // A load doubles each time in some turns; the second time of a pair is always a fifth longer.
+        // A load doubles both times of every third pair; the second time of a pair is always a fifth longer.
         let load = |n: u32| if n.is_multiple_of(3) { 2.0 } else { 1.0 };
         let pairs: Vec<[f64; 2]> = (0..12).map(|n| [load(n), 1.2 * load(n)]).collect();
         let r = median_of_ratios(&pairs, 1).expect("pairs");
@@ -288,15 +301,16 @@ mod tests {
     #[test]
     fn as_many_samples_decide_as_are_foretold() {
         let foretold = |ratio, low, high, floor| samples_to_decide(&Ratio { ratio, low, high }, 10, 0.05, floor);
-        // The lower end is four times as far from the ratio as allowed, which takes sixteen times as many samples. The last
-        // digit of a root may round the number up.
+        // The end of the interval is four times as far from the ratio as allowed, which takes sixteen times as many
+        // samples. Rounding may raise the number by one.
         let is_about = |found: Option<u64>, n: u64| assert!(found == Some(n) || found == Some(n + 1), "{found:?}, {n}");
         is_about(foretold(1.1, 0.9, 1.3, 0.0), 160);
         is_about(foretold(0.9, 0.7, 1.1, 0.0), 160);
-        // Within the bound, the end of the interval that needs more samples decides.
+        // If the ratio is within the threshold, the end of the interval that needs more samples decides.
         is_about(foretold(1.0, 0.9, 1.1, 0.0), 40);
         is_about(foretold(1.025, 0.925, 1.125, 0.0), 160);
-        // An interval without a width is undecided by its noise floor alone, which narrows with more samples, too.
+        // An interval without a width is undecided only because of the noise floor, which shrinks with more samples,
+        // too.
         is_about(foretold(1.1, 1.1, 1.1, 0.2), 40);
         assert_eq!([foretold(1.0501, 0.9, 1.2, 0.0), foretold(f64::INFINITY, 1.0, f64::INFINITY, 0.0)], [None; 2]);
         assert_eq!(samples_to_decide(&Ratio { ratio: 1.0, low: 0.9, high: 1.1 }, 4, 0.05, 0.0), Some(5));

@@ -1,32 +1,34 @@
-//! Flicker: how much an image changes from frame to frame, at places where the surface only moved on the screen
-//! (docs/definitions.md, "Films").
+//! Flicker: how much an image changes from one frame to the next at the same places of a surface, which may have moved
+//! over the screen (docs/definitions.md, "Films").
 
 use glam::{DMat4, DVec3, Vec3};
 use ssct_scenes::GBufferData;
 
-/// Replaces a colour that is not finite by black.
+/// Returns the colour, or black if a channel is not finite.
 pub fn sound(color: Vec3) -> Vec3 {
     if color.is_finite() { color } else { Vec3::ZERO }
 }
 
-/// A pixel, with the place where its surface was a frame before.
+/// A pixel of a frame, with the place in the previous frame that shows the same point of its surface.
 pub struct SamePlace {
-    /// Index of the pixel.
+    /// Index of the pixel in this frame.
     now: usize,
-    /// Place in the image before, in pixels.
+    /// Place [x, y] in the previous frame, in pixels; pixel centres are at one half.
     before: [f64; 2],
 }
 
-/// The reflecting pixels whose surface was on the screen a frame before, and reflected in all four pixels around its
-/// place.
+/// Finds the reflecting pixels of the frame `now` whose surface was on the screen in the previous frame `before`. The
+/// four pixels of `before` around that place must reflect, too, and show the same surface. The surface itself is taken
+/// to stand still.
 pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
+    // View to clip space, clip to view space, and world to view space.
     let matrices = |data: &GBufferData| {
         let projection = data.view_to_clip();
         (projection, projection.inverse(), data.camera.world_to_view.as_dmat4())
     };
-    let (_, to_view, view_now) = matrices(now);
-    let (to_clip, before_to_view, view_before) = matrices(before);
-    let moved: DMat4 = view_before * view_now.inverse();
+    let (_, now_to_view, world_to_view_now) = matrices(now);
+    let (to_clip_before, before_to_view, world_to_view_before) = matrices(before);
+    let now_to_before: DMat4 = world_to_view_before * world_to_view_now.inverse();
     let mut pairs = Vec::new();
     for y in 0..now.height {
         for x in 0..now.width {
@@ -35,9 +37,15 @@ pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
                 continue;
             }
             let depth = f64::from(now.depth[index]);
-            let position =
-                moved.transform_point3(now.unproject(f64::from(x) + 0.5, f64::from(y) + 0.5, depth, &to_view));
-            let Some(place) = before.project(position, &to_clip) else { continue };
+            // The surface point in the view space of the previous camera.
+            let position = now_to_before.transform_point3(now.unproject(
+                f64::from(x) + 0.5,
+                f64::from(y) + 0.5,
+                depth,
+                &now_to_view,
+            ));
+            let Some(place) = before.project(position, &to_clip_before) else { continue };
+            // The first of the 2 × 2 pixels whose centres are around the place.
             let corner = [place.x - 0.5, place.y - 0.5].map(f64::floor);
             let inside = corner[0] >= 0.0
                 && corner[1] >= 0.0
@@ -46,18 +54,18 @@ pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
             if !inside {
                 continue;
             }
-            let same = (0..4).all(|k| {
-                let (px, py) = (corner[0] as u32 + k % 2, corner[1] as u32 + k / 2);
+            let is_same = (0..4).all(|neighbour| {
+                let (px, py) = (corner[0] as u32 + neighbour % 2, corner[1] as u32 + neighbour / 2);
                 let i = before.index(px, py);
-                let there = before.unproject(
+                let neighbour_position = before.unproject(
                     f64::from(px) + 0.5,
                     f64::from(py) + 0.5,
                     f64::from(before.depth[i]),
                     &before_to_view,
                 );
-                before.reflects(i) && is_one_surface(there, position)
+                before.reflects(i) && is_one_surface(neighbour_position, position)
             });
-            if same {
+            if is_same {
                 pairs.push(SamePlace { now: index, before: [place.x, place.y] });
             }
         }
@@ -65,25 +73,29 @@ pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
     pairs
 }
 
-/// Whether the depths of two points differ by at most 2 %, the tolerance of docs/definitions.md, "World agreement", for places
-/// that the screen shows.
+/// Returns whether the view depths of two points differ by at most 2 % of the depth of `b`. The tolerance is that of
+/// docs/definitions.md, "World agreement", for places that the screen shows.
 fn is_one_surface(a: DVec3, b: DVec3) -> bool {
     (a.z - b.z).abs() <= 0.02 * b.z
 }
 
-/// The change of each pair from one image to the next.
+/// Returns, for each pair, its colour in the image `now` minus the interpolated colour at its place in the image
+/// `before`. Both images are `width` pixels wide, rows from the top.
 pub fn changes(pairs: &[SamePlace], before: &[Vec3], now: &[Vec3], width: u32) -> Vec<Vec3> {
     pairs.iter().map(|p| now[p.now] - bilinear(before, width, p.before)).collect()
 }
 
-/// The mean absolute value, over changes and channels, of `measure`, which is called with a change's index and the change.
+/// Returns the mean absolute value of `measure` over all changes and channels; 0 without changes. `measure` gets the
+/// index of a change and the change, and returns the colour difference to average.
 pub fn mean(changes: &[Vec3], measure: impl Fn(usize, Vec3) -> Vec3) -> f64 {
-    let sum: f64 = changes.iter().enumerate().map(|(n, c)| f64::from(measure(n, *c).abs().element_sum()) / 3.0).sum();
+    let channel_mean = |(n, change): (usize, &Vec3)| f64::from(measure(n, *change).abs().element_sum()) / 3.0;
+    let sum: f64 = changes.iter().enumerate().map(channel_mean).sum();
     if changes.is_empty() { 0.0 } else { sum / changes.len() as f64 }
 }
 
-/// Interpolates between the four pixels around a place, all of which are on the screen.
+/// Interpolates bilinearly between the four pixels around the place [x, y], in pixels. All four must be in the image.
 fn bilinear(image: &[Vec3], width: u32, [x, y]: [f64; 2]) -> Vec3 {
+    // Pixel centres are at one half, so that the shifted coordinates are whole there.
     let (x, y) = (x - 0.5, y - 0.5);
     let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
     let texel = |dx: usize, dy: usize| image[(y as usize + dy) * width as usize + x as usize + dx];

@@ -13,8 +13,9 @@ pub struct FlipMap {
 }
 
 impl FlipMap {
-    /// Compares two display images: 3 · width · height sRGB bytes each, rows from the top. The viewing distance
-    /// is ꟻLIP's default, at which a pixel spans 1/67 of a degree (a 4K display 0.7 m wide, 0.7 m away).
+    /// Returns the errors of the display image `test` compared with `reference`: 3 · width · height sRGB bytes each,
+    /// rows from the top. The viewing distance is ꟻLIP's default, at which a pixel spans 1/67 of a degree (a 4K display
+    /// 0.7 m wide, 0.7 m away).
     ///
     /// # Panics
     /// If an image has another size than stated.
@@ -26,13 +27,15 @@ impl FlipMap {
         Self { width, height, errors: map.to_vec() }
     }
 
-    /// The mean error, the single number that ꟻLIP's authors recommend; 0 if there are no pixels.
+    /// Returns the mean error over all pixels, the single number that ꟻLIP's authors recommend; 0 if there are no
+    /// pixels.
     pub fn mean(&self) -> f64 {
         let sum: f64 = self.errors.iter().map(|e| f64::from(*e)).sum();
         sum / self.errors.len().max(1) as f64
     }
 
-    /// The map in the "magma" colours of ꟻLIP's own tool: 3 · width · height bytes.
+    /// Returns the map as a picture in the "magma" colours of ꟻLIP's own tool: 3 · width · height bytes, rows from the
+    /// top.
     pub fn picture(&self) -> Vec<u8> {
         let map = nv_flip::FlipImageFloat::with_data(self.width, self.height, &self.errors);
         map.apply_color_lut(&nv_flip::magma_lut()).to_vec()
@@ -43,7 +46,7 @@ impl FlipMap {
 mod tests {
     use super::*;
 
-    /// An image of 32 × 24 pixels of one colour.
+    /// Returns an image of 32 × 24 pixels of one colour, as sRGB bytes.
     fn flat(color: [u8; 3]) -> Vec<u8> {
         color.repeat(32 * 24)
     }
@@ -56,10 +59,11 @@ mod tests {
 
     #[test]
     fn flat_colours_have_the_error_of_the_papers_formula() {
-        // Flat images have no features, and no filter changes them, so the error is the colour term alone. This term is the
-        // HyAB distance in Hunt-adjusted L*a*b* to the power 0.7, mapped to 0…0.95 up to 0.4 of its greatest value and to
-        // 0.95…1 beyond. Black and white are 100 apart. The greatest distance is the distance of green to blue, computed here
-        // from their L*a*b* values, (87.735, −86.183, 83.180) and (32.297, 79.188, −107.860), with a* and b* scaled by L*/100.
+        // Flat images have no features, and no filter changes them, so that the error is the colour term alone: the
+        // HyAB distance in Hunt-adjusted L*a*b* to the power 0.7. Up to 0.4 of its greatest value it is mapped to
+        // 0…0.95, and beyond to 0.95…1. The distance of black and white is 100. The greatest distance is that of green
+        // and blue, whose L*a*b* values are (87.735, −86.183, 83.180) and (32.297, 79.188, −107.860). Hunt's adjustment
+        // scales a* and b* by L*/100.
         let hyab = |a: [f64; 3], b: [f64; 3]| {
             let hunt = |c: [f64; 3], i: usize| c[0] / 100.0 * c[i];
             (a[0] - b[0]).abs() + (hunt(a, 1) - hunt(b, 1)).hypot(hunt(a, 2) - hunt(b, 2))

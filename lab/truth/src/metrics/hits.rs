@@ -10,25 +10,25 @@ pub struct HitAgreement {
     /// The number of reflecting pixels.
     #[serde(skip)]
     pub pixels: usize,
-    /// Share of pixels where both miss, or both hit and |Δx| ≤ 1 and |Δy| ≤ 1 pixel.
+    /// Share of pixels where method and oracle both miss, or both hit with |Δx| ≤ 1 and |Δy| ≤ 1 pixel.
     pub hit_agreement: Option<f64>,
     /// Share of pixels where only the method hits.
     #[serde(rename = "false")]
     pub false_hits: Option<f64>,
     /// Share of pixels where only the oracle hits.
     pub missed: Option<f64>,
-    /// Share of pixels where both hit, but further apart.
+    /// Share of pixels where both hit, but further apart than one pixel in x or in y.
     pub displaced: Option<f64>,
-    /// Median distance in pixels over the pixels where both hit; null if there are none.
+    /// Median distance in pixels between both hits, over the pixels where both hit; null if there are none.
     pub hit_error_px_p50: Option<f64>,
-    /// The 99th percentile of the same distance.
+    /// The 99th percentile of the distance between both hits, in pixels.
     pub hit_error_px_p99: Option<f64>,
 }
 
 /// How the two hits of one pixel compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HitVerdict {
-    /// Method and oracle both miss, or both hit within one pixel.
+    /// Method and oracle both miss, or both hit within one pixel in x and in y.
     Agrees,
     /// Only the method hits.
     False,
@@ -39,33 +39,35 @@ pub enum HitVerdict {
 }
 
 impl HitVerdict {
-    /// Compares a method's hit with the oracle's, in pixels; `None` is a miss.
+    /// Compares a method's hit with the oracle's; hits are pixel coordinates [x, y], and `None` is a miss.
     pub fn compare(method: Option<[f64; 2]>, oracle: Option<[f64; 2]>) -> Self {
         match (method, oracle) {
             (None, None) => Self::Agrees,
             (Some(_), None) => Self::False,
             (None, Some(_)) => Self::Missed,
             (Some(m), Some(o)) if (m[0] - o[0]).abs() <= 1.0 && (m[1] - o[1]).abs() <= 1.0 => Self::Agrees,
-            // A method's hit at NaN ends here, too.
+            // A hit of the method at NaN is displaced, since no comparison with NaN holds.
             (Some(_), Some(_)) => Self::Displaced,
         }
     }
 }
 
 impl HitAgreement {
-    /// Compares hits over the reflecting pixels. Hits are in continuous pixel coordinates, rows from the top;
-    /// `None` is a miss.
+    /// Compares a method's hits with the oracle's over the reflecting pixels. The slices have one element for each
+    /// pixel. Hits are continuous pixel coordinates [x, y], rows from the top; `None` is a miss.
     ///
     /// # Panics
     /// If the slices differ in length.
     pub fn new(reflecting: &[bool], method: &[Option<[f64; 2]>], oracle: &[Option<[f64; 2]>]) -> Self {
         assert!(reflecting.len() == method.len() && method.len() == oracle.len(), "the images must have equal sizes");
+        // The hits (method, oracle) of each reflecting pixel.
         let pairs = || reflecting.iter().zip(method.iter().zip(oracle)).filter(|(r, _)| **r).map(|(_, pair)| pair);
         let pixels = pairs().count();
         let share = |verdict| {
             let n = pairs().filter(|(m, o)| HitVerdict::compare(**m, **o) == verdict).count();
             (pixels > 0).then(|| n as f64 / pixels as f64)
         };
+        // Distances in pixels, where both hit.
         let mut errors: Vec<f64> =
             pairs().filter_map(|(m, o)| m.zip(*o)).map(|(m, o)| (m[0] - o[0]).hypot(m[1] - o[1])).collect();
         errors.sort_by(f64::total_cmp);

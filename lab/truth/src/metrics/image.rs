@@ -5,8 +5,8 @@ use super::rmse;
 /// A linear image: [red, green, blue] for each pixel, rows from the top.
 pub type LinearPixels<'a> = &'a [[f32; 3]];
 
-/// Root of the mean squared difference over the three channels of the mask's pixels. 0 if the mask is empty;
-/// NaN where a compared value is NaN.
+/// Returns the root of the mean squared difference over the three channels of the mask's pixels: 0 if the mask is
+/// empty, and NaN if a compared value is NaN.
 ///
 /// # Panics
 /// If the images and the mask differ in length.
@@ -14,8 +14,8 @@ pub fn masked_rmse(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -
     rmse(select(reference, mask).as_flattened(), select(test, mask).as_flattened())
 }
 
-/// Mean squared difference, divided by the mean squared value of the reference, over the three channels of the mask's pixels.
-/// `None` if the reference is black there.
+/// Returns the mean squared difference, divided by the mean squared value of the reference, over the three channels of
+/// the mask's pixels. `None` if the reference is black in all of them.
 ///
 /// # Panics
 /// If the images and the mask differ in length.
@@ -27,8 +27,8 @@ pub fn masked_relative_mse(reference: LinearPixels, test: LinearPixels, mask: &[
     (energy != 0.0).then(|| rmse(reference.as_flattened(), test.as_flattened()).powi(2) * values / energy)
 }
 
-/// The error of each pixel: the root of the mean squared difference over its three channels, and 0 outside the
-/// mask. The root mean square of this map over the mask is [`masked_rmse`].
+/// Returns the error of each pixel: the root of the mean squared difference over its three channels, and 0 outside the
+/// mask. The root mean square of the map over the mask is [`masked_rmse`].
 ///
 /// # Panics
 /// If the images and the mask differ in length.
@@ -39,13 +39,13 @@ pub fn error_map(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -> 
     pairs.map(|((a, b), masked)| if *masked { rmse(a, b) as f32 } else { 0.0 }).collect()
 }
 
-/// The pixels of an image that belong to a mask.
+/// Returns the pixels of an image that belong to a mask, in order.
 fn select(image: LinearPixels, mask: &[bool]) -> Vec<[f32; 3]> {
     check(image, mask.len());
     image.iter().zip(mask).filter(|(_, masked)| **masked).map(|(rgb, _)| *rgb).collect()
 }
 
-/// Checks the number of an image's pixels.
+/// Panics unless the image has `pixels` pixels.
 fn check(image: LinearPixels, pixels: usize) {
     assert_eq!(image.len(), pixels, "images and masks must have equal sizes");
 }

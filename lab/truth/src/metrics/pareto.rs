@@ -1,9 +1,10 @@
 //! The Pareto front of run time and error.
 
-/// Indices, in order of time, of the points (time, error) that no other point beats. A point beats another if it is no slower,
-/// has no greater error, and is better in time or error. Points that are not finite are never on the front.
+/// Returns the indices, in order of time, of the points (time, error) that no other point beats. A point beats another
+/// if it is no slower, has no greater error, and is better in time or error. Points that are not finite are never on
+/// the front.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
-    let exact = |(cost, error): &(f64, f64)| MeasuredPoint { least: *cost, most: *cost, error: *error };
+    let exact = |(time, error): &(f64, f64)| MeasuredPoint { least: *time, most: *time, error: *error };
     front_of_measured(&points.iter().map(exact).collect::<Vec<_>>())
 }
 
@@ -19,17 +20,17 @@ pub struct MeasuredPoint {
 }
 
 impl MeasuredPoint {
-    /// Whether this point keeps `other` off the front. This point must be possibly as fast as `other`, with no greater
-    /// error; this point must also be certainly faster, or have a smaller error.
+    /// Returns whether this point keeps `other` off the front. For that, its interval must allow it to be as fast as
+    /// `other`, and its error must be no greater. Moreover, it must be certainly faster or have a smaller error.
     fn beats(&self, other: &Self) -> bool {
         let may_be_as_fast = self.least <= other.most;
         may_be_as_fast && self.error <= other.error && (self.most < other.least || self.error < other.error)
     }
 }
 
-/// Indices, in order of least time, of the points that no other point beats, for times that are known as intervals. If
-/// the intervals of two points overlap and their errors are equal, neither point beats the other. Points that are not
-/// finite are never on the front.
+/// Returns the indices, in order of least time, of the points that no other point beats; times are known as intervals.
+/// If the intervals of two points overlap and their errors are equal, neither point beats the other. Points that are
+/// not finite are never on the front.
 pub fn front_of_measured(points: &[MeasuredPoint]) -> Vec<usize> {
     let finite = |p: &MeasuredPoint| p.least.is_finite() && p.most.is_finite() && p.error.is_finite();
     let mut front: Vec<usize> = (0..points.len())
@@ -46,7 +47,7 @@ mod tests {
     #[test]
     fn copies_share_the_front_and_noise_gives_no_place_on_it() {
         let timed = |time: f64, noise: f64, error| MeasuredPoint { least: time - noise, most: time + noise, error };
-        // Two copies of one thing, one of them faster by noise alone.
+        // Two copies of one point, one of them faster by noise alone.
         assert_eq!(front_of_measured(&[timed(1.0, 0.1, 0.5), timed(1.1, 0.1, 0.5)]), [0, 1]);
         // The second is faster by noise alone and clearly worse; the third is clearly faster.
         assert_eq!(front_of_measured(&[timed(1.0, 0.1, 0.5), timed(0.9, 0.1, 0.6), timed(0.5, 0.1, 0.6)]), [2, 0]);

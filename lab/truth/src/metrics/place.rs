@@ -1,5 +1,5 @@
-//! Place agreement (docs/definitions.md, "Place agreement"): how often a method's rays end where the same rays end among the
-//! scene's triangles; it also judges methods that see more than the screen.
+//! Place agreement (docs/definitions.md, "Place agreement"): how often a method's rays end where the same rays, traced
+//! against the scene's triangles, end. The measure also suits methods that see more than the screen.
 
 use crate::reference::world_hits::WorldHit;
 use glam::DVec3;
@@ -16,8 +16,8 @@ pub enum RayEnd {
     Unknown,
 }
 
-/// Whether the end of a ray by a method is right: within 2 % of the ray's length plus 2 cm of its end in the world, or in the
-/// sky if the ray escapes. `None` if there is no ray.
+/// Returns whether a method ends a ray in the right place: within 2 % of the true ray's length plus 2 cm of its true
+/// end, or in the sky if the true ray escapes. `None` if the pixel does not reflect, so that there is no ray.
 pub fn is_right(truth: &WorldHit, method: &RayEnd) -> Option<bool> {
     match (*truth, *method) {
         (WorldHit::NotReflecting, _) => None,
@@ -29,14 +29,15 @@ pub fn is_right(truth: &WorldHit, method: &RayEnd) -> Option<bool> {
     }
 }
 
-/// The share of the rays that a method ends right; `None` if nothing reflects. `truth` is the result of
-/// [`world_hits`](crate::reference::world_hits::world_hits).
+/// Returns the share of the rays that a method ends in the right place ([`is_right`]); `None` if nothing reflects.
+/// `truth` is the result of [`world_hits`](crate::reference::world_hits::world_hits). Both slices have one element for
+/// each pixel.
 ///
 /// # Panics
 /// If the slices differ in length.
 pub fn agreement(truth: &[WorldHit], method: &[RayEnd]) -> Option<f64> {
     assert_eq!(truth.len(), method.len(), "the images must have equal sizes");
-    let judged: Vec<bool> = truth.iter().zip(method).filter_map(|(t, m)| is_right(t, m)).collect();
+    let judged: Vec<bool> = truth.iter().zip(method).filter_map(|(world, end)| is_right(world, end)).collect();
     (!judged.is_empty()).then(|| judged.iter().filter(|right| **right).count() as f64 / judged.len() as f64)
 }
 
@@ -44,7 +45,7 @@ pub fn agreement(truth: &[WorldHit], method: &[RayEnd]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A hit at `z` metres on the z axis, after a ray of `length_m` metres.
+    /// Returns a true hit at `z` metres on the z axis, at the end of a ray of `length_m` metres.
     fn hit(z: f64, length_m: f64) -> WorldHit {
         WorldHit::Hit { position: DVec3::Z * z, pixel: None, view_z_m: z, length_m, visible: false }
     }

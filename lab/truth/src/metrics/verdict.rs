@@ -1,5 +1,5 @@
-//! Verdict on the reflection of a pixel: whether it is right, and if it is wrong, whether the screen reference is right
-//! (docs/dump.md, "Verdict").
+//! Verdict on the reflection of a pixel: whether it matches the world reference, and if not, whether the screen
+//! reference does (docs/dump.md, "Verdict").
 
 use crate::reference::pixel::EstimatedColor;
 use glam::Vec3;
@@ -9,7 +9,7 @@ use ssct_ground::math::linear_to_srgb;
 /// The [`difference`] of two reflections above which they count as different.
 pub const WRONG: f32 = 0.1;
 
-/// Number of standard errors of a reference that are added to [`WRONG`].
+/// The number of standard errors of a reference by which a difference may exceed [`WRONG`].
 const STANDARD_ERRORS: f32 = 3.0;
 
 /// Result of comparing a pixel's reflection with the references.
@@ -26,12 +26,13 @@ pub enum PixelVerdict {
 }
 
 impl PixelVerdict {
-    /// Judges a reflection, after its fade, by the references of the same pixel.
+    /// Judges the reflection that a pixel shows after its fade (linear RGB) by the screen reference and the world
+    /// reference of the same pixel.
     pub fn judge(shown: Vec3, screen: &EstimatedColor, world: &EstimatedColor) -> Self {
-        // Whether the shown reflection and the screen reference differ from the world reference.
-        let [own, best] =
+        // The shown colour has no standard error.
+        let [shown_differs, screen_differs] =
             [EstimatedColor { color: shown, ..EstimatedColor::default() }, *screen].map(|one| differs(&one, world));
-        match (own, best) {
+        match (shown_differs, screen_differs) {
             (false, _) => Self::Right,
             (true, false) => Self::WrongByScreen,
             (true, true) => Self::WrongByWorld,
@@ -55,27 +56,29 @@ impl Serialize for PixelVerdict {
     }
 }
 
-/// The difference of two linear colours as a display shows them: root mean square over the channels, in shares of the way from
-/// black to white. In linear values, a missing dark reflection would look like a small error.
+/// Returns the difference of two linear colours as a display shows them: the root mean square over the sRGB channels,
+/// where black and white differ by 1. In linear values, a missing dark reflection would count as a small error.
 pub fn difference(a: Vec3, b: Vec3) -> f32 {
     rms(display(a) - display(b))
 }
 
-/// The colour that a display shows for a linear colour, 0…1 in each channel.
+/// Returns the sRGB colour that a display shows for a linear colour, 0…1 in each channel; NaN stays NaN.
 fn display(color: Vec3) -> Vec3 {
     color.map(|v| linear_to_srgb(if v.is_nan() { v } else { v.clamp(0.0, 1.0) }))
 }
 
-/// The root mean square of three numbers.
+/// Returns the root mean square of the three components.
 fn rms(v: Vec3) -> f32 {
     (v.length_squared() / 3.0).sqrt()
 }
 
-/// Whether two colours differ by more than [`WRONG`] and more than their standard errors explain; NaN always differs.
+/// Returns whether the [`difference`] of two colours exceeds [`WRONG`] by more than their standard errors explain; NaN
+/// always differs.
 fn differs(a: &EstimatedColor, b: &EstimatedColor) -> bool {
-    let reach = |one: &EstimatedColor| difference(one.color + STANDARD_ERRORS * one.standard_error, one.color);
+    // The displayed difference that `STANDARD_ERRORS` standard errors of one colour make.
+    let uncertainty = |one: &EstimatedColor| difference(one.color + STANDARD_ERRORS * one.standard_error, one.color);
     let found = difference(a.color, b.color);
-    found.is_nan() || found > WRONG + reach(a).hypot(reach(b))
+    found.is_nan() || found > WRONG + uncertainty(a).hypot(uncertainty(b))
 }
 
 #[cfg(test)]
@@ -102,8 +105,7 @@ mod tests {
     fn a_dark_reflection_that_is_missing_is_wrong() {
         let dark = exact(0.09);
         assert_eq!(PixelVerdict::judge(Vec3::ZERO, &dark, &dark), PixelVerdict::WrongByScreen);
-        // A display shows 0.36 in place of 0.29 here, which is hardly visible, although the linear value is half as bright
-        // again.
+        // A display hardly shows the difference of these values, although one of them is nearly half as bright again.
         assert!(difference(Vec3::splat(0.1), Vec3::splat(0.07)) < WRONG);
         assert_eq!(difference(Vec3::splat(7.0), Vec3::ONE), 0.0, "a display shows nothing above white");
     }

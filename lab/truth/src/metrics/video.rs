@@ -4,8 +4,8 @@
 use colorvideovdp::{Color, Cvvdp, DisplayModel, Geometry, Image, Options, Photometry};
 use ssct_ground::{Error, Result};
 
-/// The display that the viewer looks at. The display's light is that of the metric's monitor of this name (at most 200 cd/m²,
-/// under the 250 lux of an office), and its pixels have the size of [`FlipMap`](super::flip::FlipMap).
+/// The name of the monitor of the metric on which the films are judged. Its light is used (at most 200 cd/m², under the
+/// 250 lux of an office), but its pixels span the same angle as in [`FlipMap`](super::flip::FlipMap).
 const DISPLAY: &str = "standard_4k";
 
 /// Greatest working memory of the metric, in bytes.
@@ -22,8 +22,8 @@ pub struct Film {
     pub frames: Vec<Vec<u8>>,
 }
 
-/// The quality of a film compared with a reference of equal length and size: 10 if nobody sees a difference, and one less if 75
-/// % of people prefer the reference.
+/// Returns the quality of a film in JOD, compared with a reference of equal length and size: 10 if nobody sees a
+/// difference, and one less if 75 % of people prefer the reference.
 ///
 /// # Errors
 /// [`Error::Usage`] if the films differ in size or length, or the metric refuses them as too large or too short.
@@ -36,38 +36,39 @@ pub fn jod(film: &Film, reference: &Film, frames_per_second: f32) -> Result<f64>
         };
         film.frames.iter().map(image).collect::<colorvideovdp::Result<Vec<_>>>()
     };
-    let compared = || -> colorvideovdp::Result<f64> {
+    let compare = || -> colorvideovdp::Result<f64> {
         let monitor = DisplayModel::from_name(DISPLAY)?;
         let pixels = [film.width as usize, film.height as usize];
         let geometry = Geometry::from_ppd(pixels, f64::from(nv_flip::DEFAULT_PIXELS_PER_DEGREE))?;
         let photometry: Photometry = monitor.photometry;
         let display = DisplayModel::new(DISPLAY, photometry, geometry, monitor.color_space)?;
         let metric = Cvvdp::new(display, Options::default().with_memory_limit_bytes(MEMORY))?;
-        let seen = metric.predict_video(&images(film)?, &images(reference)?, frames_per_second, Color::Srgb)?;
-        Ok(f64::from(seen.jod))
+        let quality = metric.predict_video(&images(film)?, &images(reference)?, frames_per_second, Color::Srgb)?;
+        Ok(f64::from(quality.jod))
     };
-    compared().map_err(refused)
+    compare().map_err(refused)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A texture that moves by a pixel a frame.
+    /// Returns a grey film of 12 frames, in which a texture moves by one pixel a frame.
     fn film() -> Film {
         let (width, height) = (64, 48);
         let texel = |n: u32, x: u32, y: u32| (((x + n) * 37 + y * 91) % 200 + 20) as u8;
         let frame = |n| {
-            let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-            all.flat_map(|(x, y)| [texel(n, x, y); 3]).collect()
+            let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            pixels.flat_map(|(x, y)| [texel(n, x, y); 3]).collect()
         };
         Film { width, height, frames: (0..12).map(frame).collect() }
     }
 
-    /// The film with `change`, a function of frame and pixel, added to it.
+    /// Returns the film with `change(frame, pixel)` added to each byte of the pixel, within 0…255.
     fn with(mut film: Film, change: impl Fn(usize, usize) -> i16) -> Film {
         for (n, frame) in film.frames.iter_mut().enumerate() {
             for (i, byte) in frame.iter_mut().enumerate() {
+                // A pixel has three bytes.
                 *byte = (i16::from(*byte) + change(n, i / 3)).clamp(0, 255) as u8;
             }
         }
@@ -84,8 +85,8 @@ mod tests {
         assert!(weak < 10.0 && strong < weak - 0.2, "{weak}, {strong}");
     }
 
-    /// Tests what a metric of single images cannot measure: the same difference in each frame counts less if it stands still
-    /// than if its sign alternates.
+    /// Tests that a difference counts less if it is the same in each frame than if its sign alternates, which no metric
+    /// of single images can measure.
     #[test]
     fn what_flickers_is_worth_less_than_what_stands_still() {
         let grey = with(film(), |_, _| -255);

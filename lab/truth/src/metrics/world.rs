@@ -1,10 +1,10 @@
-//! World agreement (docs/definitions.md, "World agreement"): how often a method hits what the ray hits in the scene's triangles
-//! if the screen shows the end of the ray, and misses if it does not.
+//! World agreement (docs/definitions.md, "World agreement"): how often a method's ray ends like the same ray among the
+//! scene's triangles. The method should hit there if the screen shows that end, and should miss if it does not.
 
-/// The largest distance, in x and in y, between a method's hit and the world's, in pixels.
+/// The largest distance, in x and in y, between a method's hit and the world's that agree, in pixels.
 pub const WITHIN_PIXELS: f64 = 2.0;
 
-/// Counts over the reflecting pixels.
+/// Counts of the reflecting pixels, by how a method's hit compares with the world's.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct WorldAgreement {
     /// The number of reflecting pixels.
@@ -16,7 +16,7 @@ pub struct WorldAgreement {
     pub false_hits: u64,
     /// Number of pixels where the method misses, although the screen shows the end of the ray.
     pub missed: u64,
-    /// Number of pixels where both hit, but further apart.
+    /// Number of pixels where both hit, but further apart than [`WITHIN_PIXELS`].
     pub displaced: u64,
 }
 
@@ -27,14 +27,15 @@ impl WorldAgreement {
     }
 }
 
-/// Whether two pixel coordinates are within [`WITHIN_PIXELS`] of each other in x and in y.
+/// Returns whether two pixel coordinates [x, y] are within [`WITHIN_PIXELS`] of each other in x and in y.
 pub fn is_same_place(a: [f64; 2], b: [f64; 2]) -> bool {
     (0..2).all(|i| (a[i] - b[i]).abs() <= WITHIN_PIXELS)
 }
 
-/// Compares a method's hits with the world's. All three slices have equal length. For each pixel, `reflects` says whether it
-/// reflects, and `visible` has the end of its ray in the world, if the screen shows it. `method` has the method's hit, if any,
-/// in pixel coordinates like `visible`. A hit that is not finite counts as false or displaced.
+/// Compares a method's hits with the world's. All three slices have one element for each pixel: `reflects` says whether
+/// it reflects. `visible` has the pixel coordinates where the screen shows the end of its ray in the world, if it does.
+/// `method` has the pixel coordinates of the method's hit, if any. A hit that is not finite counts as false or
+/// displaced.
 pub fn agreement(reflects: &[bool], visible: &[Option<[f64; 2]>], method: &[Option<[f64; 2]>]) -> WorldAgreement {
     let mut counts = WorldAgreement::default();
     for ((_, world), method) in reflects.iter().zip(visible).zip(method).filter(|((reflects, _), _)| **reflects) {

@@ -1,10 +1,10 @@
-//! A capture on the host (docs/definitions.md, "Images"): images in which the references follow rays.
+//! A capture on the CPU (docs/definitions.md, "Images"): six images of the scene, in which the references follow rays.
 
 use glam::Vec3;
 use ssct_scenes::capture::face_camera;
 use ssct_scenes::{Capture, GBufferData, Surface, sky};
 
-/// Six images of the scene around a place.
+/// Six images of the scene around a place, the faces of a cube.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaptureData {
     /// Place from which the images were made, in the world, in metres.
@@ -15,8 +15,9 @@ pub struct CaptureData {
 }
 
 impl CaptureData {
-    /// Makes a capture from a function of direction. `texel` gives the view depth in metres, infinite for sky, the normal in
-    /// world axes and the lit colour. The direction is in world axes, and its greatest component is 1.
+    /// Makes the images of a capture. `texel` gets the direction of each texel, in world axes, whose greatest component
+    /// is 1. It returns what the texel shows: the view depth in metres (infinite for sky), the normal in world axes,
+    /// and the lit colour.
     pub fn from_texels(capture: &Capture, mut texel: impl FnMut(Vec3) -> (f64, Vec3, Vec3)) -> Self {
         let side = capture.resolution;
         let count = (side * side) as usize;
@@ -33,11 +34,13 @@ impl CaptureData {
                 color: Vec::with_capacity(count),
                 surface: vec![Surface::Lit; count],
             };
-            let project = data.view_to_clip();
+            let view_to_clip = data.view_to_clip();
             for i in 0..side * side {
                 let uv = [i % side, i / side].map(|v| (v as f32 + 0.5) / side as f32);
                 let (z, normal, color) = texel(sky::face_direction(face, uv[0], uv[1]));
-                let depth = if z.is_finite() { project.project_point3(glam::DVec3::new(0.0, 0.0, z)).z } else { 0.0 };
+                // Reversed depth depends on z alone, and sky has 0.
+                let depth =
+                    if z.is_finite() { view_to_clip.project_point3(glam::DVec3::new(0.0, 0.0, z)).z } else { 0.0 };
                 data.depth.push(depth.clamp(0.0, 1.0) as f32);
                 data.normal.push(camera.world_to_view.transform_vector3(normal));
                 data.color.push(color);

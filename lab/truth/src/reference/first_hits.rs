@@ -1,6 +1,6 @@
-//! The surface that each pixel of an image sees first, and the point on it that reflects. First hits can be traced through the
-//! pixels' centres, which needs no G-buffer and is therefore independent evidence. First hits can also be taken from a
-//! G-buffer, which leaves the reflection as the only difference between a method and the reference.
+//! First hits: the surface that each pixel of an image shows, and the point on it that reflects. First hits can be
+//! traced through the pixels' centres, which needs no G-buffer and is therefore independent evidence. They can also be
+//! taken from a G-buffer, so that a method and the reference differ in the reflection alone.
 
 use super::surface::{SurfacePoint, World, sky_color};
 use glam::{DMat4, DVec3, Vec3};
@@ -24,7 +24,7 @@ pub struct FirstHits {
     pub lit: Vec<Vec3>,
     /// View-space z in metres; infinite where there is no surface.
     pub view_z_m: Vec<f64>,
-    /// The points that reflect; `None` for pixels that do not (docs/definitions.md, "Surfaces").
+    /// The reflecting point of each pixel; `None` for a pixel that does not reflect (docs/definitions.md, "Surfaces").
     pub receivers: Vec<Option<Receiver>>,
 }
 
@@ -46,7 +46,7 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// The point that a camera ray hits; `None` if it does not reflect.
+    /// Returns the point that a camera ray hits as a receiver; `None` if it does not reflect.
     pub fn hit_by(ray: &WorldRay, point: &SurfacePoint) -> Option<Self> {
         (point.reflectivity > f64::from(GBufferData::REFLECTS_ABOVE)).then_some(Self {
             position: point.position,
@@ -58,14 +58,14 @@ impl Receiver {
         })
     }
 
-    /// The unit mirror direction.
+    /// Returns the unit mirror direction in world space.
     pub fn mirror(&self) -> DVec3 {
         self.incoming.reflect(self.normal).normalize()
     }
 
-    /// Whether a direction leaves the surface: it must be above the planes of both the shading normal and the
-    /// triangle. A direction that does not leave carries no light, but still counts as a sample (docs/definitions.md,
-    /// "Surfaces").
+    /// Returns whether a direction leaves the surface: it must point above the plane of the shading normal and above
+    /// that of the triangle. A direction that does not leave carries no light, but still counts as a sample
+    /// (docs/definitions.md, "Surfaces").
     pub fn is_above(&self, direction: DVec3) -> bool {
         direction.dot(self.normal) > 0.0 && direction.dot(self.geometric_normal) > 0.0
     }
@@ -83,7 +83,7 @@ pub struct PrimaryRays {
 }
 
 impl PrimaryRays {
-    /// The rays of a camera for an image of `extent` pixels.
+    /// Returns the rays of a camera for an image of `extent` (width, height) pixels.
     pub fn new(camera: &Camera, extent: [u32; 2]) -> Self {
         Self {
             kind: camera.kind(),
@@ -95,30 +95,32 @@ impl PrimaryRays {
         }
     }
 
-    /// The ray through the centre of pixel `index`, and the view-space z that it advances per metre.
+    /// Returns the ray in world space through the centre of pixel `index`, and the view-space z by which it advances
+    /// with each metre.
     pub fn ray(&self, index: usize) -> (WorldRay, f64) {
         self.ray_within(index, [0.5, 0.5])
     }
 
-    /// The ray through a place within the pixel (0 to 1 from its left and from its upper side), and the view-space z
-    /// that the ray advances per metre.
+    /// Returns the ray in world space through a place within pixel `index`, and the view-space z by which it advances
+    /// with each metre. The place is [u, v], 0 to 1 from the pixel's left and upper side.
     pub fn ray_within(&self, index: usize, [u, v]: [f64; 2]) -> (WorldRay, f64) {
         let [width, height] = self.extent.map(f64::from);
         let (x, y) = (index as u32 % self.extent[0], index as u32 / self.extent[0]);
         let (x, y) = (f64::from(x) + u, f64::from(y) + v);
         let ndc = DVec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, 0.5);
         let point = self.clip_to_view.project_point3(ndc);
-        // A ray begins at the eye, or, for parallel rays, beside it.
+        // Direction in view space, and the view-space origin of a parallel ray, which begins beside the eye.
         let (along, beside) = match self.kind {
             ProjectionKind::Perspective => (point.normalize(), None),
             ProjectionKind::Orthographic => (DVec3::Z, Some(DVec3::new(point.x, point.y, 0.0))),
         };
         let direction = self.view_to_world.transform_vector3(along).normalize();
-        let origin = beside.map_or(self.view_to_world.w_axis.truncate(), |b| self.view_to_world.transform_point3(b));
+        let eye = self.view_to_world.w_axis.truncate();
+        let origin = beside.map_or(eye, |point| self.view_to_world.transform_point3(point));
         (WorldRay { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
     }
 
-    /// Everything, except the extent, that the rays depend on.
+    /// Returns all numbers that the rays depend on, except the extent and the kind of projection, for a fingerprint.
     pub(super) fn numbers(&self) -> Vec<f64> {
         [&self.clip_to_view.to_cols_array()[..], &self.view_to_world.to_cols_array(), &[self.near_m, self.far_m]]
             .concat()
@@ -126,11 +128,11 @@ impl PrimaryRays {
 }
 
 impl FirstHits {
-    /// Traces the rays through the pixels' centres.
+    /// Traces the camera's rays through the centres of `extent` (width, height) pixels against the world.
     pub fn trace(world: &World, camera: &Camera, extent: [u32; 2]) -> Self {
         let rays = PrimaryRays::new(camera, extent);
         let pixels = extent[0] as usize * extent[1] as usize;
-        let seen: Vec<_> = (0..pixels)
+        let traced: Vec<_> = (0..pixels)
             .into_par_iter()
             .map(|index| {
                 let (ray, z_per_metre) = rays.ray(index);
@@ -140,35 +142,35 @@ impl FirstHits {
                 }
             })
             .collect();
-        let mut all = Self::empty(extent);
-        for (lit, view_z_m, receiver) in seen {
-            all.lit.push(lit);
-            all.view_z_m.push(view_z_m);
-            all.receivers.push(receiver);
+        let mut first_hits = Self::empty(extent);
+        for (lit, view_z_m, receiver) in traced {
+            first_hits.lit.push(lit);
+            first_hits.view_z_m.push(view_z_m);
+            first_hits.receivers.push(receiver);
         }
-        all
+        first_hits
     }
 
-    /// The lit colour, the view-space z and the receiver of the point that a camera ray hits.
+    /// Returns the lit colour, the view-space z in metres and the receiver of the point that a camera ray hits.
     fn seen(world: &World, ray: &WorldRay, hit: &TriangleHit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
         let point = world.point(ray, hit);
         (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, Receiver::hit_by(ray, &point))
     }
 
-    /// Takes the pixels of a G-buffer: positions from its depth, with its normals and materials.
+    /// Takes the first hits from a G-buffer: positions from its depth, with its normals and materials.
     pub fn from_gbuffer(gbuffer: &GBufferData) -> Self {
         let clip_to_view = gbuffer.view_to_clip().inverse();
         let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
-        let mut all = Self::empty([gbuffer.width, gbuffer.height]);
-        all.lit.clone_from(&gbuffer.color);
+        let mut first_hits = Self::empty([gbuffer.width, gbuffer.height]);
+        first_hits.lit.clone_from(&gbuffer.color);
         for (index, &depth) in gbuffer.depth.iter().enumerate() {
             let x = f64::from(index as u32 % gbuffer.width) + 0.5;
             let y = f64::from(index as u32 / gbuffer.width) + 0.5;
             let view = gbuffer.unproject(x, y, f64::from(depth), &clip_to_view);
             let sight = if gbuffer.camera.kind().is_orthographic() { DVec3::Z } else { view };
             let normal = view_to_world.transform_vector3(gbuffer.normal[index].as_dvec3()).normalize_or_zero();
-            all.view_z_m.push(if depth > 0.0 { view.z } else { f64::INFINITY });
-            all.receivers.push(gbuffer.reflects(index).then(|| Receiver {
+            first_hits.view_z_m.push(if depth > 0.0 { view.z } else { f64::INFINITY });
+            first_hits.receivers.push(gbuffer.reflects(index).then(|| Receiver {
                 position: view_to_world.transform_point3(view),
                 incoming: view_to_world.transform_vector3(sight).normalize(),
                 normal,
@@ -177,34 +179,36 @@ impl FirstHits {
                 reflectivity: f64::from(gbuffer.reflectivity[index]),
             }));
         }
-        all
+        first_hits
     }
 
-    /// Takes the pixels of a G-buffer that shows a world, with the points where the camera's rays meet the world, and the
-    /// triangles' planes there, below which no light leads. The depths alone are too inexact on a device that rounds vertices
-    /// to fractions of a pixel. At a grazing angle, points from these depths lie millimetres beside the surface, so
-    /// that rays from there would meet the surface itself. A point stays in place if the world has no surface near it.
+    /// Takes the first hits from a G-buffer that shows a world, and moves the reflecting points to where the camera's
+    /// rays meet the world. Their geometric normals become those of the triangles. The depths alone are too inexact on
+    /// a device that rounds vertices to fractions of a pixel. At a grazing angle, points from these depths lie
+    /// millimetres beside the surface, so that rays from there would meet the surface itself. A point stays in place if
+    /// the world has no surface near it.
     pub fn shown(world: &World, gbuffer: &GBufferData) -> Self {
         Self::from_gbuffer(gbuffer).onto(world, gbuffer)
     }
 
-    /// Takes one pixel as [`Self::shown`] does; all other pixels have no receivers.
+    /// Takes the first hits as [`Self::shown`] does, but only pixel `index` has a receiver.
     pub fn shown_at(world: &World, gbuffer: &GBufferData, index: usize) -> Self {
-        let mut alone = Self::from_gbuffer(gbuffer);
-        let receiver = alone.receivers.get(index).copied().flatten();
-        alone.receivers.fill(None);
-        if let Some(place) = alone.receivers.get_mut(index) {
-            *place = receiver;
+        let mut first_hits = Self::from_gbuffer(gbuffer);
+        let receiver = first_hits.receivers.get(index).copied().flatten();
+        first_hits.receivers.fill(None);
+        if let Some(only) = first_hits.receivers.get_mut(index) {
+            *only = receiver;
         }
-        alone.onto(world, gbuffer)
+        first_hits.onto(world, gbuffer)
     }
 
-    /// Moves receivers from the points given by the G-buffer's depths to the points where the camera's rays meet a world.
+    /// Moves receivers from the points that the G-buffer's depths give to the points where the camera's rays meet a
+    /// world, if a surface is there within [`STORED_DEPTH_ERROR`].
     fn onto(self, world: &World, gbuffer: &GBufferData) -> Self {
-        let mut all = self;
+        let mut moved = self;
         let (kind, reach) = (gbuffer.camera.kind(), gbuffer.camera.reach_m(1.0));
         let eye = gbuffer.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
-        all.receivers.par_iter_mut().flatten().for_each(|receiver| {
+        moved.receivers.par_iter_mut().flatten().for_each(|receiver| {
             let direction = receiver.incoming;
             let ray = match kind {
                 ProjectionKind::Perspective => {
@@ -227,10 +231,10 @@ impl FirstHits {
                 (receiver.position, receiver.geometric_normal) = (point.position, point.geometric_normal);
             }
         });
-        all
+        moved
     }
 
-    /// An image without pixels yet, with room for those of `extent`.
+    /// Returns first hits of an image of `extent` (width, height) pixels to which no pixel has been added yet.
     fn empty(extent: [u32; 2]) -> Self {
         let pixels = extent[0] as usize * extent[1] as usize;
         Self {

@@ -1,6 +1,6 @@
-//! The floor of the screen's picture (docs/definitions.md, "Floor of the screen"): the reflection that has the screen's colour
-//! for each ray whose end the screen shows, and the truth for all other rays. Better hits on the screen cannot bring a method
-//! nearer to the world than this floor.
+//! The floor of the screen (docs/definitions.md, "Floor of the screen"): the reflection that has the screen's colour
+//! for each ray whose end the screen shows, and the true colour for all other rays. A method that takes colours from
+//! the screen cannot come nearer to the world reference than this floor by finding better hits.
 
 use super::first_hits::FirstHits;
 use super::partial_sums::PartialSums;
@@ -10,7 +10,8 @@ use super::world_hits::ShownPlaces;
 use glam::{DVec3, Vec3};
 use ssct_scenes::GBufferData;
 
-/// Sums over the rays of a world reference, in which rays that end on the screen have the screen's colour.
+/// Sums of colours over the rays of a world reference, in which rays that end at places that the screen shows have the
+/// screen's colour.
 #[derive(Debug, Clone)]
 pub struct ScreenFloor<'a> {
     screen: ShownPlaces<'a>,
@@ -18,27 +19,29 @@ pub struct ScreenFloor<'a> {
 }
 
 impl<'a> ScreenFloor<'a> {
-    /// The floor of a G-buffer and its first hits, without samples.
+    /// Makes the floor of a G-buffer and its first hits, without samples yet.
     pub fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
         let screen = ShownPlaces::new(gbuffer, first_hits);
         Self { screen, sums: PartialSums::new(0, gbuffer.depth.len()) }
     }
 
-    /// Adds samples to the state of a reference of the same size, and the same samples with the screen's colours to the sums.
+    /// Adds `samples` samples a pixel to `state`, the state of a world reference of the same size. Adds the same
+    /// samples, with the screen's colours where the screen shows their ends, to the sums of the floor.
     pub fn add(&mut self, reference: &WorldReference, state: &mut WorldState, samples: u32) {
         let Self { screen, sums, .. } = self;
         let last = state.samples().saturating_add(samples);
         while let Some(stop) = sums.next_stop(last) {
             reference.add_beside(state, stop, sums.open(), |sum, sample| {
-                let on_screen = sample.end.and_then(|end| screen.color(end, sample.direction));
-                // The screen does not show light of further bounces, which is taken from the reference.
-                *sum += on_screen.map_or(sample.radiance, |color| color + sample.bounced);
+                let screen_color = sample.end.and_then(|end| screen.color(end, sample.direction));
+                // The screen does not show the light of further bounces, which is taken from the reference.
+                *sum += screen_color.map_or(sample.radiance, |color| color + sample.bounced);
             });
             sums.close(stop);
         }
     }
 
-    /// The reflection colour, linear, rows from the top. All samples must have been added to `state`.
+    /// Returns the linear reflection colour of each pixel, rows from the top: the sums divided by the numbers of
+    /// samples. `state` must be the one to which [`Self::add`] added all samples.
     pub fn image(&self, state: &WorldState) -> Vec<Vec3> {
         let pixels = state.sample_counts().enumerate();
         pixels.map(|(pixel, samples)| (self.sums.total(pixel) / f64::from(samples.max(1))).as_vec3()).collect()
@@ -56,8 +59,9 @@ mod tests {
 
     const COLOR: Vec3 = Vec3::new(1.0, 0.5, 0.25);
 
-    /// A mirror floor 1 m below the eye and a wall at z = 4 that stands on it, both of one colour. The camera looks down by 25°
-    /// and sees 30° up and down, so that the upper edge of its image rises by 5° and shows the wall up to 0.35 m above the eye.
+    /// Returns a scene and its camera: a mirror floor 1 m below the eye, and on it a wall at z = 4 m, both of one
+    /// colour. The camera looks down by 25° and sees 30° up and down from there. The upper edge of its image therefore
+    /// rises by 5° and shows the wall up to 0.35 m above the eye.
     fn stage(wall: Surface) -> (Scene, Camera) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let behind = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
@@ -73,13 +77,14 @@ mod tests {
 
     /// Difference of the floor from the truth at a pixel.
     struct Difference {
+        /// Linear colour of the floor minus that of the truth.
         color: Vec3,
         /// Metres from the screen's upper edge up to the end of the mirror ray; `None` outside the middle columns.
         above_m: Option<f64>,
     }
 
-    /// The differences at the reflecting pixels, where `on_screen` replaces the screen's colour on surfaces that do not
-    /// reflect.
+    /// Returns the differences at the reflecting pixels. `on_screen`, if any, replaces the screen's colour on surfaces
+    /// that do not reflect.
     fn differences(wall: Surface, on_screen: Option<Vec3>) -> Vec<Difference> {
         let (scene, camera) = stage(wall);
         let world = World::new(&scene, &scene.materials);
@@ -97,16 +102,18 @@ mod tests {
         let truth = reference.image(&state).reflection;
         let pixels = floor.image(&state).into_iter().zip(truth).zip(&first_hits.receivers).enumerate();
         let difference = |(i, ((floor, truth), receiver)): (usize, ((Vec3, Vec3), &Option<Receiver>))| {
-            // A ray rises as steeply as it fell, from z = 1 / slope, and reaches 4 slope − 2 above the eye.
+            // A ray falls with some slope to the floor at z = 1 / slope. It rises as steeply, and reaches the wall at
+            // the height 4 · slope − 2 above the eye.
             let above = receiver.as_ref()?.position.z.recip() * 4.0 - 2.0 - 4.0 * 5_f64.to_radians().tan();
             Some(Difference { color: floor - truth, above_m: (8..16).contains(&(i % 24)).then_some(above) })
         };
         pixels.filter_map(difference).collect()
     }
 
-    /// The colour differences of pixels in the middle columns whose mirror rays end in a range above the upper edge.
+    /// Returns the colour differences of pixels in the middle columns whose mirror rays end in a range of metres above
+    /// the upper edge.
     fn middle(all: &[Difference], range: std::ops::Range<f64>) -> Vec<Vec3> {
-        all.iter().filter(|d| d.above_m.is_some_and(|a| range.contains(&a))).map(|d| d.color).collect()
+        all.iter().filter(|d| d.above_m.is_some_and(|above| range.contains(&above))).map(|d| d.color).collect()
     }
 
     #[test]
@@ -120,7 +127,8 @@ mod tests {
         // The wall is unlit, so that its colour is a fifth of its albedo.
         let (wrong, truth) = (Vec3::new(0.7, 0.1, 0.3), 0.2 * COLOR);
         let all = differences(Surface::Lit, Some(wrong));
-        // A pixel's rays end up to half a metre apart, and colours are bilinear, so that pixels near the edges are left out.
+        // A pixel's rays end up to half a metre apart, and colours are bilinear. Pixels whose rays end near the upper
+        // edge of the screen are therefore left out.
         let (on, off) = (middle(&all, -1.0..-0.4), middle(&all, 0.4..9.0));
         assert!(on.len() > 10 && off.len() > 40, "{} {}", on.len(), off.len());
         assert!(off.iter().all(|found| found.length() < 1e-6), "the screen does not show it: {off:?}");

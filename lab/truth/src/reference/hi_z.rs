@@ -1,9 +1,9 @@
 //! The Hi-Z chain on the CPU (thesis §4.2.4, Alg. 3, Eq. 4.1): the twin of `passes::hi_z` and
-//! `shaders-glsl/thesis/hi_z.frag`. Both agree bit for bit, because only minima and maxima are taken.
+//! `shaders-glsl/thesis/hi_z.frag`. Twin and shader agree bit for bit, because they only take minima and maxima.
 
 use super::Level;
 
-/// The least and the greatest standard depth that a cell of the chain has captured.
+/// A texel of the chain: the least and the greatest standard depth of its cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MinMax {
     /// Nearest depth.
@@ -13,19 +13,22 @@ pub struct MinMax {
 }
 
 impl MinMax {
-    /// A texel of a device's chain; `max` is NaN if the chain keeps no maxima.
+    /// Returns a texel that was read back from a device's chain, given by its one or two channels; `max` is NaN if the
+    /// chain keeps no maxima.
     pub fn from_texel(texel: &[f32]) -> Self {
         Self { min: texel[0], max: texel.get(1).copied().unwrap_or(f32::NAN) }
     }
 }
 
-/// Eq. 4.1: the offset to the right (or down) of the second texel, for a side of the level below.
+/// Eq. 4.1: returns the offset in texels from the first to the second texel that a cell reads along an axis. `side` is
+/// the size of the finer level along this axis.
 pub fn offset(side: u32) -> u32 {
     if side.is_multiple_of(2) { 1 } else { 2 }
 }
 
-/// Alg. 3 over a whole level, which must have a coarser one. The thesis does not say what a fetch beyond the
-/// edge returns (which occurs for a side of 1); here, as in the shader, it returns the texel at the edge.
+/// Alg. 3 over a whole level: returns the next coarser level; `None` if `below` has a single texel. The thesis does not
+/// say what a fetch beyond the edge returns (which occurs for a side of 1). Here, as in the shader, it returns the
+/// texel at the edge.
 ///
 /// Four texels determine a cell, even if it covers six or nine, which is the erratum of Alg. 3.
 pub fn reduce(below: &Level<MinMax>) -> Option<Level<MinMax>> {
@@ -33,16 +36,16 @@ pub fn reduce(below: &Level<MinMax>) -> Option<Level<MinMax>> {
     let (offset_x, offset_y) = (offset(below.width), offset(below.height));
     Some(Level::from_fn(width, height, |x, y| {
         let (x, y) = (2 * x, 2 * y);
-        let read = [(0, 0), (offset_x, 0), (0, offset_y), (offset_x, offset_y)];
-        let z = read.map(|(dx, dy)| below.at_clamped(x + dx, y + dy));
+        let offsets = [(0, 0), (offset_x, 0), (0, offset_y), (offset_x, offset_y)];
+        let texels = offsets.map(|(dx, dy)| below.at_clamped(x + dx, y + dy));
         MinMax {
-            min: z.map(|z| z.min).into_iter().fold(f32::INFINITY, f32::min),
-            max: z.map(|z| z.max).into_iter().fold(f32::NEG_INFINITY, f32::max),
+            min: texels.map(|texel| texel.min).into_iter().fold(f32::INFINITY, f32::min),
+            max: texels.map(|texel| texel.max).into_iter().fold(f32::NEG_INFINITY, f32::max),
         }
     }))
 }
 
-/// The whole chain, whose level 0 is the given standard depth.
+/// Returns the whole chain, down to a single texel; level 0 has the given standard depth as minimum and maximum.
 pub fn chain(depth: &Level<f32>) -> Vec<Level<MinMax>> {
     let finest = Level {
         width: depth.width,
@@ -56,7 +59,7 @@ pub fn chain(depth: &Level<f32>) -> Vec<Level<MinMax>> {
 mod tests {
     use super::*;
 
-    /// A level of these standard depths.
+    /// Returns a level of the given standard depths.
     fn depth(width: u32, height: u32, texels: &[f32]) -> Level<f32> {
         Level { width, height, texels: texels.to_vec() }
     }

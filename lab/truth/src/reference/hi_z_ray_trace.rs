@@ -7,14 +7,14 @@ use super::hi_z::MinMax;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use ssct_scenes::Camera;
 
-/// The parameters that the traversal reads from a preset of `methods::thesis`.
+/// The parameters of the traversal that a preset of `methods::thesis` sets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HiZConstants {
     /// The level at which the traversal begins.
     pub start_level: u32,
     /// Greatest number of iterations.
     pub iterations: u32,
-    /// How far a ray is pushed past a cell boundary, in pixels.
+    /// How far a ray is pushed past a cell boundary, in pixels, so that it lies in the next cell.
     pub cross_offset: f32,
 }
 
@@ -29,7 +29,8 @@ pub struct Step {
     pub cell_count: Vec2,
     /// The minimum depth of the cell.
     pub minimum_plane: f32,
-    /// Whether the ray crossed the cell's boundary before its depth plane. If so, the walk goes up a level, otherwise down.
+    /// Whether the ray crossed the cell's boundary before it reached the minimum depth. If so, the walk goes up a
+    /// level, otherwise down.
     pub crossed: bool,
     /// The ray's position after the step: texture coordinates and standard depth.
     pub ray: Vec3,
@@ -46,28 +47,28 @@ pub enum End {
     Exhausted,
 }
 
-/// The record of a traversal, for one ray.
+/// The traversal of one ray. Positions are texture coordinates and standard depth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HiZTrace {
-    /// The ray's origin at its pixel.
+    /// The position of the pixel at which the ray begins.
     pub from: Vec3,
     /// The position where the ray left its first cell.
     pub entered: Vec3,
     /// Every iteration, in order.
     pub steps: Vec<Step>,
-    /// End of the traversal.
+    /// How the traversal ended.
     pub end: End,
 }
 
 impl HiZTrace {
-    /// The last position of the ray.
+    /// Returns the last position of the ray: texture coordinates and standard depth.
     pub fn last(&self) -> Vec3 {
         self.steps.last().map_or(self.entered, |s| s.ray)
     }
 }
 
-/// Alg. 2: the reflection vector V_ss of a pixel P_ss (texture coordinates and standard depth) that has a unit
-/// view-space normal. `offset` is the algorithm's ε in metres.
+/// Alg. 2: returns the reflection vector V_ss of a pixel P_ss, both in texture coordinates and standard depth. `normal`
+/// is the pixel's unit normal in view space, and `offset` is the algorithm's ε in metres.
 pub fn reflection_ray(camera: &Camera, p_ss: Vec3, normal: Vec3, offset: f32) -> Vec3 {
     // Inverted in f64 and rounded once, like the matrices that the shader receives.
     let projection = camera.view_to_clip().as_dmat4();
@@ -79,17 +80,19 @@ pub fn reflection_ray(camera: &Camera, p_ss: Vec3, normal: Vec3, offset: f32) ->
     (o_ps.xy() * half + 0.5).extend(o_ps.z) - p_ss
 }
 
-/// Alg. 4 over a Hi-Z chain, whose finest level comes first. V_ss.z must be above 0.
+/// Alg. 4: follows the ray from P_ss along V_ss over a Hi-Z chain, whose finest level comes first. Both are in texture
+/// coordinates and standard depth, and V_ss.z must be above 0.
 pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZConstants) -> HiZTrace {
     let resolution = cell_count(chain, 0);
     let sign = Vec2::select(v_ss.xy().cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
     let cross_offset = sign * (constants.cross_offset / resolution);
     let cross_step = sign.max(Vec2::ZERO);
 
-    // Eq. 4.4.
+    // Eq. 4.4: the ray is parametrised by its depth z.
     let direction = v_ss / v_ss.z;
     let origin = p_ss + direction * -p_ss.z;
     let point_at = |z: f32| origin + direction * z;
+    // The point at which the ray leaves a cell of a level with `count` cells, pushed past the boundary.
     let to_boundary = |cell: Vec2, count: Vec2| {
         let delta = ((cell + cross_step) / count + cross_offset - origin.xy()) / direction.xy();
         point_at(delta.min_element())
@@ -127,7 +130,7 @@ pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZCon
     HiZTrace { from: p_ss, entered, steps, end }
 }
 
-/// Numbers of cells of a level across and down.
+/// Returns the numbers of cells of a level across and down.
 fn cell_count(chain: &[Level<MinMax>], level: usize) -> Vec2 {
     Vec2::new(chain[level].width as f32, chain[level].height as f32)
 }
@@ -137,7 +140,7 @@ mod tests {
     use super::*;
     use crate::reference::hi_z;
 
-    /// A distant floor and, from column 12 of 16 on, a wall at depth 0.5.
+    /// Returns the chain of 16 × 16 depths: 0.9, and from column 12 on a wall at depth 0.5.
     fn wall() -> Vec<Level<MinMax>> {
         hi_z::chain(&Level::from_fn(16, 16, |x, _| if x >= 12 { 0.5 } else { 0.9 }))
     }

@@ -2,11 +2,13 @@
 //! method does", items 2 to 4). The Monte Carlo reference uses it. The traversal's agreement with [`super::oracle`] is evidence
 //! for both; the two share only the set-up of rays and the pixels' blocks, which have tests of their own.
 //!
-//! At every image size, a cell of level l covers exactly the pixels whose indices, shifted right by l, equal the cell's index.
-//! The cell stores the interval from the farthest back to the nearest front of their blocks. The ray's depth over a cell is an
-//! interval too, whichever way the ray runs. If the two intervals do not meet, the ray passes the whole cell in one step. The
-//! bounds stay conservative under rounding because depths and crossings are monotonic expressions that are evaluated at the
-//! same boundaries on every level.
+//! At every image size, a cell of level l covers exactly the pixels whose indices, shifted right by l, equal the cell's
+//! index. The cell stores the interval of reversed depth from the farthest back to the nearest front of its pixels'
+//! blocks. The ray's depth over a cell is an interval, too, whichever way the ray runs. If the two intervals do not
+//! meet, the ray passes the whole cell in one step. The bounds stay conservative under rounding because depths and
+//! crossings are monotonic expressions that are evaluated at the same boundaries on every level.
+//!
+//! The parameter s of a ray runs from 0 at its start to 1 at its end ([`Segment`]).
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
@@ -15,7 +17,7 @@ use glam::DVec3;
 use ssct_ground::math::OracleVersion;
 use ssct_scenes::GBufferData;
 
-/// The pyramid of a G-buffer.
+/// The pyramid of a G-buffer, over which rays are traced.
 #[derive(Debug, Clone)]
 pub struct Hierarchy<'a> {
     rays: RaySetup<'a>,
@@ -25,28 +27,28 @@ pub struct Hierarchy<'a> {
 }
 
 impl<'a> Hierarchy<'a> {
-    /// Builds the pyramid. Traversals follow version 1 of the oracle.
+    /// Builds the pyramid of a G-buffer. Rays hit by version 1 of the oracle until [`Self::of_version`] says otherwise.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let levels = std::iter::successors(Some(thickness::blocks(gbuffer)), coarser).collect();
         Self { rays: RaySetup::new(gbuffer), levels, version: OracleVersion::V1 }
     }
 
-    /// Makes traversals follow a version of the oracle.
+    /// Returns the same pyramid, over which rays hit by the rules of the given version of the oracle.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
 
-    /// The set-up of rays for the same G-buffer.
+    /// Returns the set-up of rays for the same G-buffer.
     pub fn rays(&self) -> &RaySetup<'a> {
         &self.rays
     }
 
-    /// Traces the mirror ray of a pixel.
+    /// Traces the mirror ray of the pixel (x, y).
     pub fn trace(&self, x: u32, y: u32) -> Trace {
         self.rays.mirror(x, y).map_or(Trace::NO_RAY, |direction| self.trace_direction(x, y, direction))
     }
 
-    /// Traces a ray from a pixel's centre, at the pixel's own depth, along a view-space direction of any
+    /// Traces a ray from the centre of the pixel (x, y), at the pixel's own depth, along a view-space direction of any
     /// length.
     pub fn trace_direction(&self, x: u32, y: u32, direction: DVec3) -> Trace {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
@@ -56,9 +58,10 @@ impl<'a> Hierarchy<'a> {
     /// block, and up a level where the ray left the parent cell.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let sides = [self.levels[0].width, self.levels[0].height];
+        // The walks along x and along y; their pixels are the column and the row in which the ray is.
         let mut lanes = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
         let mut steps = 0;
-        // The starting pixel itself is not tested.
+        // The s at which the ray enters the current cell. The starting pixel is left without being tested.
         let mut entry = lanes[0].exit(0).min(lanes[1].exit(0));
         if entry >= 1.0 {
             return self.miss(&lanes, segment, 1.0, steps);
@@ -74,19 +77,20 @@ impl<'a> Hierarchy<'a> {
             };
             steps += 1;
             let exit = lanes[0].exit(level).min(lanes[1].exit(level));
+            // The ray's reversed depths over the cell; the greater one is nearer.
             let (near, far) = {
-                let (a, b) = (segment.depth_at(entry), segment.depth_at(exit.min(1.0)));
-                if a > b { (a, b) } else { (b, a) }
+                let (at_entry, at_exit) = (segment.depth_at(entry), segment.depth_at(exit.min(1.0)));
+                if at_entry > at_exit { (at_entry, at_exit) } else { (at_exit, at_entry) }
             };
-            // In version 2, the surface in the first pixel may be the one that the ray is leaving.
-            let (is_second, is_first) = (self.version == OracleVersion::V2, entry == start);
-            let leaves = is_second && is_first && self.inward(&lanes, segment) < 0.0;
+            // By version 2, the first pixel cannot be hit if it may show the surface that the ray is leaving.
+            let (is_version_2, is_first) = (self.version == OracleVersion::V2, entry == start);
+            let leaves = is_version_2 && is_first && self.inward(&lanes, segment) < 0.0;
             if far <= cell.front && near >= cell.back && !leaves {
                 if level > 0 {
                     level -= 1;
                     continue;
                 }
-                if is_second && !is_first && self.is_behind(&lanes, segment, entry, cell) {
+                if is_version_2 && !is_first && self.is_behind(&lanes, segment, entry, cell) {
                     return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
                 }
                 return Trace { outcome: hit(segment, &lanes, cell.front, [entry, exit.min(1.0)], [near, far]), steps };
@@ -106,7 +110,7 @@ impl<'a> Hierarchy<'a> {
         }
     }
 
-    /// The cell that contains the current pixel; `None` off screen.
+    /// Returns the interval of depth of the cell of a level that contains the current pixel; `None` off screen.
     fn cell(&self, lanes: &[AxisWalk; 2], level: usize) -> Option<DepthBlock> {
         let [x, y] = lanes.map(|lane| u32::try_from(lane.pixel).ok());
         let (x, y, finest) = (x?, y?, &self.levels[0]);
@@ -116,43 +120,50 @@ impl<'a> Hierarchy<'a> {
         })
     }
 
-    /// The cosine of the angle between a ray and the reversed normal of the current pixel; negative if the ray runs along the
-    /// normal.
+    /// Returns the cosine of the angle between a ray and the reversed normal of the current pixel. The cosine is
+    /// negative if the ray runs away from the surface, and 0 without a normal.
     fn inward(&self, lanes: &[AxisWalk; 2], segment: &Segment) -> f64 {
         let [x, y] = lanes.map(|lane| lane.pixel as u32);
         segment.direction.dot(-self.rays.normal(x, y).unwrap_or(DVec3::ZERO))
     }
 
-    /// Whether a ray that enters a pixel's block at `entry` comes from behind it (`oracle`, version 2).
+    /// Returns whether a ray that enters the current pixel at `entry` comes from behind the pixel's block (version 2 of
+    /// the oracle, [`super::oracle`]). It does if it was behind the front of the pixel before. At an edge between the
+    /// two surfaces, it also does if it is deeper in the block than the thickness times the cosine between ray and
+    /// reversed normal.
     fn is_behind(&self, lanes: &[AxisWalk; 2], segment: &Segment, entry: f64, block: DepthBlock) -> bool {
         let depth = segment.depth_at(entry);
-        let before = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(DepthBlock::EMPTY);
-        let is_torn = block.front - before.front > JOINED * (block.thickness() + before.thickness());
+        let previous = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(DepthBlock::EMPTY);
+        let is_edge = block.front - previous.front > JOINED * (block.thickness() + previous.thickness());
         let is_deep = block.front - depth > self.inward(lanes, segment).max(0.0) * block.thickness();
-        depth < block.front && (depth < before.front || is_torn && is_deep)
+        depth < block.front && (depth < previous.front || is_edge && is_deep)
     }
 
-    /// The result for a ray that ends at `end`, in the pixel where the ray is just before its end.
+    /// Returns the miss of a ray that ends at s = `end`. The miss is behind if the ray ends behind the block of the
+    /// pixel in which it is just before its end.
     fn miss(&self, lanes: &[AxisWalk; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
-        let before = lanes.map(|lane| lane.before(end));
-        let behind = self.cell(&before, 0).is_some_and(|b| b.front >= b.back && segment.depth_at(end) < b.back);
+        let last = lanes.map(|lane| lane.before(end));
+        let behind =
+            self.cell(&last, 0).is_some_and(|block| block.front >= block.back && segment.depth_at(end) < block.back);
         Trace { outcome: Outcome::Miss { reason: segment.end, behind }, steps }
     }
 }
 
-/// Halves a level, rounding its sides up; `None` if the level has a single cell.
+/// Returns the next coarser level, with half the width and height, rounded up; `None` if the level has a single cell.
 fn coarser(below: &Level<DepthBlock>) -> Option<Level<DepthBlock>> {
     let side = |n: u32| n.div_ceil(2);
     (below.width > 1 || below.height > 1).then(|| {
         Level::from_fn(side(below.width), side(below.height), |x, y| {
-            // At an odd edge the same block counts twice, which changes nothing.
+            // At an odd edge the same block counts twice, which does not change the union.
             let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| below.at_clamped(2 * x + dx, 2 * y + dy));
             four.into_iter().fold(DepthBlock::EMPTY, DepthBlock::union)
         })
     })
 }
 
-/// The hit of a ray in a pixel. The ray's depth is between `far` and `near` from `entry` to `exit`.
+/// Returns the hit of a ray in the current pixel, whose block has the given front. The ray is in the pixel from s =
+/// `entry` to s = `exit`, and its reversed depth is there between `far` and `near`. The hit lies where the ray crosses
+/// the front, or at the entry if the ray does not cross it in the pixel.
 fn hit(
     segment: &Segment,
     lanes: &[AxisWalk; 2],
@@ -168,7 +179,7 @@ fn hit(
     Outcome::Hit { pixel: lanes.map(|lane| lane.pixel as u32), position: segment.point_at(s) }
 }
 
-/// The walk along one axis; `pixel` is the column (or row) in which the ray is.
+/// The walk of a ray along one axis of the image.
 #[derive(Debug, Clone, Copy)]
 struct AxisWalk<'s> {
     segment: &'s Segment,
@@ -177,13 +188,15 @@ struct AxisWalk<'s> {
     direction: i32,
     /// The column (or row) in which the ray begins.
     first: i32,
+    /// The column (or row) in which the ray is now.
     pixel: i32,
     /// The number of pixels along this axis.
     side: i32,
 }
 
 impl<'s> AxisWalk<'s> {
-    /// The walk at the start of a segment, along axis 0 (x) or 1 (y) of an image with `side` pixels along this axis.
+    /// Begins the walk at the start of a segment, along axis 0 (x) or 1 (y) of an image with `side` pixels along this
+    /// axis.
     fn new(segment: &'s Segment, axis: usize, side: u32) -> Self {
         let delta = segment.delta[axis];
         let first = segment.start[axis].floor() as i32;
@@ -191,31 +204,33 @@ impl<'s> AxisWalk<'s> {
         Self { segment, axis, direction, first, pixel: first, side: side as i32 }
     }
 
-    /// The s at which the ray leaves the cell of the given level that contains the current pixel. The last cell may extend
-    /// beyond the screen, whose edge then counts, since the ray's end is rounded to it.
+    /// Returns the s at which the ray leaves the cell of the given level that contains the current pixel. The last cell
+    /// may extend beyond the screen; then the ray leaves it at the screen's edge, to which the ray's end is rounded.
     fn exit(&self, level: usize) -> f64 {
         let cell = self.pixel >> level;
         self.crossing(((if self.direction > 0 { cell + 1 } else { cell }) << level).min(self.side))
     }
 
-    /// The s at which the ray crosses the boundary before column (or row) `boundary`.
+    /// Returns the s at which the ray crosses the boundary before column (or row) `boundary`.
     fn crossing(&self, boundary: i32) -> f64 {
         self.segment.crossing(self.axis, boundary)
     }
 
-    /// Advances to the pixel in which the ray is from s on, past every boundary that it crosses up to and
-    /// including s.
+    /// Advances to the column (or row) in which the ray is just after s, past every boundary that it crosses at s or
+    /// before.
     fn advance(&mut self, s: f64) {
         self.pixel = self.pixel_at(s, |crossing| crossing <= s);
     }
 
-    /// The walk along the axis, at the pixel in which the ray is just before s, past every boundary that it crosses before s.
+    /// Returns the walk at the column (or row) in which the ray is just before s, past every boundary that it crosses
+    /// before s.
     fn before(&self, s: f64) -> Self {
         Self { pixel: self.pixel_at(s, |crossing| crossing < s), ..*self }
     }
 
-    /// The pixel behind all boundaries for which `crossed` is true. The position at s gives a first guess; corrections then
-    /// make sure that the result does not depend on the rounding of the position.
+    /// Returns the column (or row) that the ray has reached after all boundaries for whose s `crossed` is true. The
+    /// position at s gives a first guess. The two loops correct it, so that the result does not depend on the rounding
+    /// of the position.
     fn pixel_at(&self, s: f64, crossed: impl Fn(f64) -> bool) -> i32 {
         if self.direction == 0 {
             return self.first;

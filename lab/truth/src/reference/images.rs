@@ -1,25 +1,26 @@
-//! The oracle of images (docs/definitions.md, "Images"): finds what a reflection ray hits in the screen and in captures
-//! by examining every pixel on its path, in f64. The code is slow, short and meant to be read.
+//! The oracle of images (docs/definitions.md, "Images"): finds where a reflection ray hits in the screen and in
+//! captures by examining every pixel on its path, in f64. The code is slow, short and meant to be read.
 //!
 //! The screen is one image of the scene, and each face of a capture is another. In each image the ray is a straight line over a
 //! field of blocks, as in [`super::oracle`].
 //!
-//! - **The screen** gives the hits of version 2 of the oracle while it sees the ray. The screen loses the ray at the
-//!   first pixel whose block the ray passes behind, or where a miss ends. A ray that leaves through the far plane ends
-//!   in the sky. Any other ray that hits nothing is followed in captures, from where the screen lost it.
-//! - **A capture sees a point** if the point is not behind the back of its block there, and not before the near plane.
-//!   A lost ray goes on in the nearest capture that sees the point where it was lost.
-//! - **A face follows a ray** until the ray leaves it or is behind the front of a block. A ray that leaves by a side goes on in
-//!   the next face, through the far plane it ends in the sky, and through the near plane it is lost. A ray behind the front of
-//!   a block that runs along the normal there passes inside the block, because it leaves that surface; behind the block's back
-//!   it is lost. A ray that runs against the normal hits if it was in front of the block where it entered the pixel.
-//!   Such a ray also hits if it came through the joint to the previous pixel's block, by the rule of version 2 of the
-//!   oracle; else the ray is lost. A ray that begins inside the block hits at once. A ray from another face also hits
-//!   if it is behind the block by no more than the thickness of that face's last block. The ray then came through the
-//!   joint of a surface that both faces show.
-//! - **A ray that a capture lost** goes on in the nearest other capture that sees the point where it was lost. A capture in
-//!   which the ray did not advance is left out until the ray advances in another. If no capture is left, the end of the ray is
-//!   unknown.
+//! - **The screen** shows where a ray hits by version 2 of the oracle, as long as it sees the ray. The screen loses a
+//!   ray at the first pixel whose block the ray passes behind, or where a miss ends. A ray that leaves through the far
+//!   plane ends in the sky. Any other ray that hits nothing is followed in captures, from where the screen lost it.
+//! - **A capture sees a point** if the point is not behind the back of the block in its texel, and not before the near
+//!   plane. A lost ray goes on in the nearest capture that sees the point where it was lost.
+//! - **A face follows a ray** until the ray leaves the face or is behind the front of a block. A ray that leaves by a
+//!   side goes on in the next face. A ray that leaves through the far plane ends in the sky, and one that leaves
+//!   through the near plane is lost.
+//! - **Behind the front of a block**, a ray that runs along the normal leaves that surface: inside the block it goes
+//!   on, and behind the block's back it is lost. A ray that runs against the normal hits if it was in front of the
+//!   block where it entered the pixel. Such a ray also hits if it came through the joint to the previous pixel's block,
+//!   by the rule of version 2 of the oracle; else the ray is lost. A ray that begins inside the block hits at once. A
+//!   ray from another face also hits if it is behind the block by no more than the thickness of that face's last block.
+//!   Such a ray came through the joint of a surface that both faces show.
+//! - **A ray that a capture lost** goes on in the nearest other capture that sees the point where it was lost. A
+//!   capture in which the ray did not advance is left out until the ray advances in another. If no capture is left, the
+//!   end of the ray is unknown.
 //! - **Outside the scene's bounds** there is no surface, so that a ray that an image lost there ends in the sky.
 
 use super::capture_data::CaptureData;
@@ -50,7 +51,7 @@ pub enum EndInImages {
     Unknown,
 }
 
-/// A ray that the screen lost, from where it was lost.
+/// A ray that the screen lost, from the place where it was lost. The name tells it from the f32 twin's lost ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExactLostRay {
     /// Where the screen lost the ray, relative to the eye, in world axes, in metres.
@@ -74,16 +75,17 @@ pub enum ScreenRayEnd {
 #[derive(Debug, Clone)]
 pub struct ImageOracle<'a> {
     screen: Oracle<'a>,
+    /// Rotation from the screen's view axes to world axes.
     view_to_world: DMat3,
     captures: Vec<Cube<'a>>,
-    /// The corners of the scene's bounds relative to the eye.
+    /// The least and the greatest corner of the scene's bounds, relative to the eye, in metres.
     bounds: [DVec3; 2],
 }
 
 /// A capture.
 #[derive(Debug, Clone)]
 struct Cube<'a> {
-    /// Place relative to the eye.
+    /// Place relative to the eye, in world axes, in metres.
     place: DVec3,
     faces: Vec<Face<'a>>,
 }
@@ -91,7 +93,9 @@ struct Cube<'a> {
 /// A face of a capture.
 #[derive(Debug, Clone)]
 struct Face<'a> {
+    /// The oracle of the face's image, which has its blocks.
     image: Oracle<'a>,
+    /// Rotation from the face's view axes to world axes.
     view_to_world: DMat3,
 }
 
@@ -106,7 +110,7 @@ enum FollowEnd {
     Lost,
     /// The ray left a face by a side.
     On {
-        /// Axis, in the capture, of the side by which the ray left.
+        /// World axis that points out of the side by which the ray left.
         side: DVec3,
         /// Thickness, in reversed depth, of the last block that the ray passed.
         thickness: f64,
@@ -114,7 +118,8 @@ enum FollowEnd {
 }
 
 impl<'a> ImageOracle<'a> {
-    /// Makes the images of the screen's G-buffer and of some captures.
+    /// Makes the oracle of the screen's G-buffer and of some captures. There are no bounds until [`Self::with_bounds`]
+    /// sets them.
     pub fn new(screen: &'a GBufferData, captures: &'a [CaptureData]) -> Self {
         let view_to_world = |data: &GBufferData| DMat3::from_mat4(data.camera.world_to_view.as_dmat4().inverse());
         let eye = screen.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
@@ -135,12 +140,14 @@ impl<'a> ImageOracle<'a> {
         Self { bounds: [bounds.min, bounds.max].map(|corner| corner.as_dvec3() - eye), ..self }
     }
 
-    /// Where the mirror ray of a pixel ends; `None` if there is no ray, or if the ray runs below the surface.
+    /// Returns where the mirror ray of pixel (x, y) ends; `None` if there is no ray, or if the ray runs below the
+    /// surface.
     pub fn trace(&self, x: u32, y: u32) -> Option<EndInImages> {
         self.end(self.trace_screen(x, y))
     }
 
-    /// Where the ray ends, given the result on the screen.
+    /// Returns where a ray ends, given how it ended on the screen: a ray that the screen lost is followed in captures.
+    /// `None` if there is no ray.
     pub fn end(&self, on_screen: ScreenRayEnd) -> Option<EndInImages> {
         match on_screen {
             ScreenRayEnd::NoRay => None,
@@ -149,27 +156,29 @@ impl<'a> ImageOracle<'a> {
         }
     }
 
-    /// The mirror direction of a pixel in view space.
+    /// Returns the unit mirror direction of pixel (x, y) in view space; `None` for sky or without a normal.
     pub fn mirror(&self, x: u32, y: u32) -> Option<DVec3> {
         self.screen.rays.mirror(x, y)
     }
 
-    /// Follows the mirror ray of a pixel on the screen.
+    /// Follows the mirror ray of pixel (x, y) on the screen.
     pub fn trace_screen(&self, x: u32, y: u32) -> ScreenRayEnd {
         let rays = &self.screen.rays;
         let direction = rays.mirror(x, y).filter(|d| rays.normal(x, y).is_some_and(|n| n.dot(*d) > 0.0));
         direction.map_or(ScreenRayEnd::NoRay, |direction| self.trace_screen_along(x, y, direction))
     }
 
-    /// Follows a ray on the screen, from a pixel's centre along a view-space direction of any length.
+    /// Follows a ray on the screen, from the centre of pixel (x, y) along a view-space direction of any length.
     pub fn trace_screen_along(&self, x: u32, y: u32, direction: DVec3) -> ScreenRayEnd {
         let rays = &self.screen.rays;
         let Some(segment) = rays.segment(x, y, direction) else { return ScreenRayEnd::NoRay };
+        // The s at which the screen loses the ray behind a block.
         let mut lost_at = None;
         for (steps, passed) in self.screen.pixels(&segment).enumerate().skip(1) {
             let PassedPixel { pixel, last: Some(last), entry, exit } = passed else { continue };
             let block = self.screen.block(pixel).unwrap_or(DepthBlock::EMPTY);
             let along = self.screen.along_normal(pixel, &segment);
+            // The first pixel after the start belongs to the surface that the ray leaves.
             if steps == 1 && along > 0.0 {
                 continue;
             }
@@ -191,8 +200,9 @@ impl<'a> ImageOracle<'a> {
         ScreenRayEnd::Loses(ExactLostRay { start, direction: self.view_to_world * segment.direction })
     }
 
-    /// Where a ray ends that the screen lost, by following it in captures.
+    /// Follows in captures a ray that the screen lost, and returns where it ends.
     pub fn follow(&self, lost: &ExactLostRay) -> EndInImages {
+        // The point that the ray has reached, and the captures in which it did not get farther from there.
         let (mut point, mut excluded) = (lost.start, Vec::new());
         loop {
             if self.is_outside_scene(point) {
@@ -202,13 +212,13 @@ impl<'a> ImageOracle<'a> {
             let cube = &self.captures[index];
             let (how, offset) = cube.follow(point - cube.place, lost.direction);
             let place = offset + cube.place;
-            let gone = |to: DVec3| (to - lost.start).dot(lost.direction);
+            let distance_along = |to: DVec3| (to - lost.start).dot(lost.direction);
             match how {
                 FollowEnd::Sky => return EndInImages::Sky,
                 FollowEnd::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(offset) },
                 _ => {}
             }
-            if gone(place) > gone(point) + LEAST_ADVANCE_M {
+            if distance_along(place) > distance_along(point) + LEAST_ADVANCE_M {
                 excluded.clear();
                 point = place;
             }
@@ -216,14 +226,14 @@ impl<'a> ImageOracle<'a> {
         }
     }
 
-    /// Whether a point, relative to the eye, lies outside the scene's bounds.
+    /// Returns whether a point, relative to the eye, lies outside the scene's bounds.
     fn is_outside_scene(&self, point: DVec3) -> bool {
         let [least, greatest] = self.bounds;
         point.cmplt(least).any() || point.cmpgt(greatest).any()
     }
 
-    /// The index of the nearest capture that sees a point, given relative to the eye, among those that are not
-    /// excluded.
+    /// Returns the index of the nearest capture that sees a point, which is relative to the eye. Captures whose indices
+    /// are in `excluded` do not count.
     fn nearest_seeing_capture(&self, point: DVec3, excluded: &[usize]) -> Option<usize> {
         let distance = |index: &usize| self.captures[*index].place.distance(point);
         let seeing = (0..self.captures.len()).filter(|index| !excluded.contains(index));
@@ -234,20 +244,21 @@ impl<'a> ImageOracle<'a> {
 }
 
 impl Cube<'_> {
-    /// The face in which a direction lies: the face along whose axis the direction reaches farthest.
+    /// Returns the face in which a direction in world axes lies: the face along whose axis the direction reaches
+    /// farthest.
     fn cube_face(&self, direction: DVec3) -> &Face<'_> {
         let along = |face: &&Face| face.view_to_world.z_axis.dot(direction);
         let farthest = self.faces.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
         farthest.unwrap_or(&self.faces[0])
     }
 
-    /// Width of a texel at a place relative to the capture's place, in metres.
+    /// Returns the width in metres of a texel at the distance of a point, which is relative to the capture's place.
     fn texel_m(&self, point: DVec3) -> f64 {
         2.0 * point.abs().max_element() / f64::from(self.faces[0].image.rays.gbuffer.width)
     }
 
-    /// Whether the capture sees a point, given relative to the capture's place: the point lies beyond the near plane,
-    /// and not behind the back of the block in its texel. A texel without a block hides nothing.
+    /// Returns whether the capture sees a point, which is relative to the capture's place: whether the point lies
+    /// beyond the near plane, and not behind the back of the block in its texel. A texel without a block hides nothing.
     fn sees(&self, point: DVec3) -> bool {
         let face = self.cube_face(point);
         let image = &face.image;
@@ -259,10 +270,10 @@ impl Cube<'_> {
     }
 
     /// Follows a ray from face to face, beginning at a point that the capture sees. Returns how the ray ends, and the
-    /// place of its end; both places are relative to the capture's.
+    /// place of its end. Both points are relative to the capture's place, in world axes, in metres.
     fn follow(&self, point: DVec3, direction: DVec3) -> (FollowEnd, DVec3) {
         let (mut face, mut position, mut before) = (self.cube_face(point), point, 0.0);
-        // A line crosses each of the six planes between faces at most once.
+        // A line crosses each of the six planes between faces at most once, so that it visits at most seven faces.
         for _ in 0..7 {
             let (how, reached) = face.follow(position, direction, before);
             position = reached;
@@ -274,14 +285,14 @@ impl Cube<'_> {
 }
 
 impl Face<'_> {
-    /// Turns a vector from world axes to the face's view axes.
+    /// Rotates a vector from world axes to the face's view axes.
     fn to_view(&self, v: DVec3) -> DVec3 {
         self.view_to_world.transpose() * v
     }
 
     /// Follows a ray over the face, from a point in it. Returns how the ray ends, and the place of its end. Point,
-    /// direction and place are in world axes, and points are relative to the capture's place. `before` is the thickness
-    /// of the block at which the ray left the previous face, or 0.
+    /// direction and place are in world axes, and both points are relative to the capture's place. `before` is the
+    /// thickness of the block at which the ray left the previous face, or 0.
     fn follow(&self, point: DVec3, direction: DVec3, before: f64) -> (FollowEnd, DVec3) {
         let (image, rays) = (&self.image, &self.image.rays);
         let Some(segment) = rays.segment_from(self.to_view(point), self.to_view(direction)) else {
@@ -304,6 +315,7 @@ impl Face<'_> {
             if along > 0.0 && is_inside {
                 continue;
             }
+            // A ray along the normal is behind the back here. `last` is none in the pixel in which the ray begins.
             let is_lost = match last {
                 _ if along > 0.0 => true,
                 Some(last) => image.comes_from_behind(first, last, block, along),
@@ -323,9 +335,11 @@ impl Face<'_> {
         (how, place(1.0))
     }
 
-    /// The direction, in world axes, of the side through which a segment leaves the face.
+    /// Returns the world axis that points out of the side through which a segment leaves the face: of the sides towards
+    /// which the segment runs, the one that is nearest to its end.
     fn side_at(&self, segment: &Segment) -> DVec3 {
         let (end, side) = (segment.point_at(1.0), f64::from(self.image.rays.gbuffer.width));
+        // Distance of the end from each side, the view axis out of it, and whether the segment runs towards it.
         let sides = [
             (end.x, DVec3::NEG_X, segment.delta.x < 0.0),
             (side - end.x, DVec3::X, segment.delta.x > 0.0),

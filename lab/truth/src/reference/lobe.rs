@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-/// Samples a direction of the lobe cos^α around the unit vector `axis`, with density (α + 1)/2π · cos^α (thesis
-/// Eq. 4.5 with arccos, ξ = 1 − u₀). `u` are two random numbers from 0 to 1. For an infinite exponent the result is
-/// `axis` itself.
+/// Samples a unit direction of the lobe cos^α around the unit vector `axis`, where α is `exponent`. Its density is (α +
+/// 1)/2π · cos^α (thesis Eq. 4.5 with arccos, ξ = 1 − u₀). `u` are two random numbers from 0 to 1. For an infinite
+/// exponent the result is `axis` itself.
 pub fn lobe_direction(axis: DVec3, exponent: f64, u: [f64; 2]) -> DVec3 {
     if exponent.is_infinite() {
         return axis;
@@ -26,6 +26,7 @@ mod tests {
     #[test]
     fn the_cone_of_a_roughness_holds_its_share_of_the_lobe() {
         let axis = DVec3::new(0.3, -0.5, 0.7).normalize();
+        // The cone of angle `roughness` must hold the share 1 − ξ of the directions.
         for roughness in [0.01, 0.1, 0.6, 1.0] {
             let exponent = phong::exponent(roughness);
             let (n, stream) = (20_000, Stream::new(1, 0));

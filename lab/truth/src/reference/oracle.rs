@@ -1,19 +1,20 @@
 //! The oracle (docs/definitions.md, "Oracle"): finds what a reflection ray really hits in a G-buffer by examining every
 //! pixel on its path, in f64. The code is slow, short and meant to be read.
 //!
-//! Version 2 hits a block only if the ray can have come from in front of it. A block's thickness is a guess that keeps rays
-//! from slipping through surfaces. Where the screen does not show what lies between two pixels, rays of version 1 can hit this
-//! guess. In the world these rays pass behind the object, or end on a side of the object that is not visible.
+//! By version 1 a ray hits the first block that it meets. By version 2 it hits a block only if it can have come from in
+//! front of the block. A block's thickness is a guess that keeps rays from slipping through surfaces. Where the screen
+//! does not show what lies between two pixels, rays of version 1 can hit this guess. In the world these rays pass
+//! behind the object, or end on a side of the object that is not visible. The rules of version 2 are:
 //!
-//! - The block of the first pixel after the start usually belongs to the surface that the ray leaves. Depths one pixel apart
-//!   cannot tell whether it does, but the pixel's normal can: a ray that runs along the normal passes as if the pixel were
-//!   empty; any other ray hits.
-//! - Any later block is hit if the ray is in front of it where it enters the pixel. The block is also hit if the ray
-//!   was in front of the previous pixel's block, and therefore passes between the two fronts. Both fronts must then be
-//!   close enough to belong to one surface ([`JOINED`]). Otherwise the ray is at the edge of a visible surface, and
-//!   hits the block's side only down to a limited depth. The limit is the thickness times the cosine between the ray
-//!   and the reversed normal: the more a ray runs along the surface, the sooner it has passed behind it. In all other
-//!   cases the ray is behind what is visible, and misses.
+//! - The block of the first pixel after the start usually belongs to the surface that the ray leaves. Depths one pixel
+//!   apart cannot tell whether it does, but the pixel's normal can. A ray that runs along the normal passes as if the
+//!   pixel were empty; any other ray hits.
+//! - A ray hits any later block if it is in front of the block where it enters the pixel. A ray also hits if it was in
+//!   front of the previous pixel's block, and therefore passes between the two fronts. Both fronts must then be close
+//!   enough to belong to one surface ([`JOINED`]). Otherwise the ray is at the edge of a visible surface, and hits the
+//!   block's side only down to a limited depth. The limit is the thickness times the cosine between the ray and the
+//!   reversed normal: the more a ray runs along the surface, the sooner it has passed behind it. In all other cases the
+//!   ray is behind what is visible, and misses.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
@@ -39,12 +40,12 @@ pub enum Approach {
 pub struct Meeting {
     /// Pixel of the block.
     pub pixel: [u32; 2],
-    /// The position: pixel x, pixel y and reversed depth.
+    /// Where the ray meets the block: pixel x, pixel y (continuous) and reversed depth.
     pub position: DVec3,
-    /// Whether the ray crosses the block's front at the position. Otherwise the ray enters by a side or through the
-    /// back.
+    /// Whether the ray crosses the block's front at the position. Otherwise the ray enters the block by a side or
+    /// through the back.
     pub crosses_front: bool,
-    /// The side from which the ray comes; only version 2 uses it.
+    /// The side from which the ray comes; only version 2 of the oracle uses it.
     pub approach: Approach,
     /// The number of pixels examined so far.
     pub steps: u32,
@@ -66,28 +67,31 @@ pub(super) struct PassedPixel {
 /// The oracle of a G-buffer.
 #[derive(Debug, Clone)]
 pub struct Oracle<'a> {
+    /// The set-up of rays.
     pub(super) rays: RaySetup<'a>,
+    /// The block of each pixel.
     blocks: Level<DepthBlock>,
     version: OracleVersion,
 }
 
 impl<'a> Oracle<'a> {
-    /// Computes each pixel's block. The oracle follows version 1.
+    /// Makes the oracle of a G-buffer, and computes each pixel's block. Rays hit by version 1 until
+    /// [`Self::of_version`] says otherwise.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         Self { rays: RaySetup::new(gbuffer), blocks: thickness::blocks(gbuffer), version: OracleVersion::V1 }
     }
 
-    /// Makes the oracle follow a version.
+    /// Returns the same oracle, by whose given version rays hit.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
 
-    /// Traces the mirror ray of a pixel.
+    /// Traces the mirror ray of pixel (x, y).
     pub fn trace(&self, x: u32, y: u32) -> Trace {
         self.rays.mirror(x, y).map_or(Trace::NO_RAY, |direction| self.trace_direction(x, y, direction))
     }
 
-    /// Traces a ray from a pixel's centre, at the pixel's own depth, along a view-space direction of any
+    /// Traces a ray from the centre of pixel (x, y), at the pixel's own depth, along a view-space direction of any
     /// length.
     pub fn trace_direction(&self, x: u32, y: u32, direction: DVec3) -> Trace {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
@@ -95,6 +99,7 @@ impl<'a> Oracle<'a> {
 
     /// Traces a segment that begins on the screen, by docs/definitions.md, "Oracle", item 4.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
+        // Whether a meeting ends the ray, and how.
         let ends = |meeting: Meeting| {
             let Meeting { pixel, position, approach, steps, .. } = meeting;
             let outcome = match approach {
@@ -110,20 +115,22 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// All blocks that a segment meets, in order, as if it passed through each of them. Every version chooses its hit from
-    /// these meetings.
+    /// Returns all blocks that a segment meets, in order, as if it passed through each of them. Every version chooses
+    /// its hit from these meetings.
     pub fn meetings(&self, segment: &Segment) -> Vec<Meeting> {
-        let mut all = Vec::new();
+        let mut meetings = Vec::new();
         let _: ControlFlow<(), Trace> = self.walk(segment, |meeting| {
-            all.push(meeting);
+            meetings.push(meeting);
             ControlFlow::Continue(())
         });
-        all
+        meetings
     }
 
-    /// Walks over the pixels after the starting one. `meet` decides at each block that the ray meets whether the walk
-    /// goes on. A walk that reaches the segment's end is a miss.
+    /// Walks over the pixels after the starting one, and calls `meet` for each block that the ray meets. If `meet`
+    /// returns `Break`, the walk ends with its value; a walk that reaches the segment's end returns `Continue` with a
+    /// miss.
     fn walk<B>(&self, segment: &Segment, mut meet: impl FnMut(Meeting) -> ControlFlow<B>) -> ControlFlow<B, Trace> {
+        // The last pixel that the segment passes, with its number.
         let mut end = None;
         for (steps, passed) in self.pixels(segment).enumerate() {
             let PassedPixel { pixel, last, entry, exit } = passed;
@@ -146,8 +153,8 @@ impl<'a> Oracle<'a> {
         ControlFlow::Continue(end.map_or(Trace::NO_RAY, miss))
     }
 
-    /// The pixels that a segment passes, in order, from the pixel in which it begins. The walk crosses the nearer of the next
-    /// boundaries in x and y; at a corner it goes directly to the diagonal pixel.
+    /// Returns the pixels that a segment passes, in order, from the pixel in which it begins. The walk crosses the
+    /// nearer of the next boundaries in x and y; at a corner it goes directly to the diagonal pixel.
     pub(super) fn pixels(&self, segment: &Segment) -> impl Iterator<Item = PassedPixel> {
         let sides = [self.blocks.width, self.blocks.height].map(|side| side as i32);
         let first = [0, 1].map(|axis| (segment.start[axis].floor() as i32).clamp(0, sides[axis] - 1));
@@ -165,14 +172,14 @@ impl<'a> Oracle<'a> {
         })
     }
 
-    /// The cosine between a ray and a pixel's normal; 0 if there is no normal.
+    /// Returns the cosine of the angle between a ray and a pixel's normal; 0 if there is no normal.
     pub(super) fn along_normal(&self, pixel: [i32; 2], segment: &Segment) -> f64 {
         self.rays.normal(pixel[0] as u32, pixel[1] as u32).map_or(0.0, |n| n.dot(segment.direction))
     }
 
-    /// Whether a ray that comes from the pixel `last` and enters a block's pixel at `entry_depth` is behind the
-    /// block; see the module's description. `along_normal` is the cosine between the ray and the block's
-    /// normal, or 0 if there is no normal.
+    /// Returns whether a ray that comes from the pixel `last` and enters a block's pixel at `entry_depth` passes behind
+    /// the block, by the rules of version 2 in the module's description. `along_normal` is the cosine between the ray
+    /// and the block's normal, or 0 if there is no normal.
     pub(super) fn comes_from_behind(
         &self,
         entry_depth: f64,
@@ -186,14 +193,14 @@ impl<'a> Oracle<'a> {
         entry_depth < block.front && (entry_depth < before.front || !(is_joined || at_rim))
     }
 
-    /// The block of a pixel; `None` off screen.
+    /// Returns the block of pixel (x, y); `None` off screen.
     pub(super) fn block(&self, [x, y]: [i32; 2]) -> Option<DepthBlock> {
         let (x, y) = (u32::try_from(x).ok()?, u32::try_from(y).ok()?);
         (x < self.blocks.width && y < self.blocks.height).then(|| self.blocks.at_clamped(x, y))
     }
 
-    /// The miss of a ray that ends at s = `end` in the pixel `last`. The miss says whether this end is behind that
-    /// pixel's block.
+    /// Returns the miss of a ray that ends at s = `end` in the pixel `last`. The miss is behind if that end is behind
+    /// the pixel's block.
     fn miss(&self, last: [i32; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
         let block = self.block(last).unwrap_or(DepthBlock::EMPTY);
         let behind = block != DepthBlock::EMPTY && segment.depth_at(end) < block.back;
@@ -201,14 +208,14 @@ impl<'a> Oracle<'a> {
     }
 }
 
-/// The s at which the segment leaves the column (axis 0) or row (axis 1) of a pixel.
+/// Returns the s at which the segment leaves the column (axis 0) or row (axis 1) number `pixel`.
 fn leaves(segment: &Segment, axis: usize, pixel: i32) -> f64 {
     segment.crossing(axis, if segment.delta[axis] > 0.0 { pixel + 1 } else { pixel })
 }
 
-/// Where a ray that is inside a pixel from s = `entry` to `exit` meets the pixel's block. The meeting is the crossing with the
-/// front if it lies between `entry` and `exit` (then the flag is true), otherwise the entry; `None` if the ray does not meet
-/// the block.
+/// Returns the s at which a ray meets the block of a pixel in which it is from s = `entry` to `exit`, and whether it
+/// crosses the block's front there. A ray that does not cross the front in the pixel meets the block at its entry.
+/// `None` if the ray does not meet the block.
 pub(super) fn meets(segment: &Segment, block: DepthBlock, entry: f64, exit: f64) -> Option<(f64, bool)> {
     let (first, last) = (segment.depth_at(entry), segment.depth_at(exit));
     if first.max(last) < block.back || first.min(last) > block.front {

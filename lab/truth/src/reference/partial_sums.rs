@@ -1,59 +1,68 @@
-//! Sums over the samples of pixels that do not depend on how the samples were divided. One run, an interrupted run and several
-//! runs that each took some of the samples give the same sums, to the bit.
+//! Sums over the samples of pixels that do not depend on how runs divide the samples. One run, an interrupted run and
+//! several runs that each take some of the samples give the same sums, to the bit.
 //!
-//! Floating-point sums depend on their grouping, so the grouping is fixed: [`LEAF`] samples are added up one after the other,
-//! and make a leaf of a binary tree over all samples, whose sums are added in pairs (pairwise summation: Higham 1993). For a
-//! range of samples, one sum is kept for each largest subtree that the range fills, which are at most two for each level.
+//! Floating-point sums depend on their grouping, so that the grouping is fixed. [`LEAF`] samples are added up one after
+//! the other, and make a leaf of a binary tree over all samples. The sums of leaves and subtrees are added in pairs
+//! (pairwise summation: Higham 1993). For a range of samples, one sum is kept for each largest subtree that the range
+//! fills. There are at most two such subtrees for each level of the tree.
 
 use std::ops::AddAssign;
 
 /// The number of samples that are added up one after the other. Runs divide samples only at multiples of this number.
 pub const LEAF: u32 = 64;
 
-/// Sums of each pixel over the samples from `first` to before `end`.
+/// Sums of each pixel over the samples from number `first` to before number `end`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartialSums<S> {
     first: u32,
     end: u32,
+    /// Number of pixels.
     pixels: usize,
+    /// The subtrees that the samples fill, in order; the last one may be an unfinished leaf.
     parts: Vec<Part<S>>,
 }
 
-/// The sums over a part of the tree: a power of two of leaves, or the beginning of such a part.
+/// The sums over a subtree, which has a power of two of leaves, or over the beginning of a leaf.
 #[derive(Debug, Clone, PartialEq)]
 struct Part<S> {
+    /// Number of the first sample.
     first: u32,
+    /// Count of the samples.
     samples: u32,
+    /// The sum of each pixel.
     sums: Vec<S>,
 }
 
 impl<S: Copy + Default + AddAssign> PartialSums<S> {
-    /// Sums of some pixels without samples; the next sample is `first`, a multiple of [`LEAF`].
+    /// Makes the sums of `pixels` pixels without samples. The first sample to be added has the number `first`, a
+    /// multiple of [`LEAF`].
     pub fn new(first: u32, pixels: usize) -> Self {
         Self { first, end: first, pixels, parts: Vec::new() }
     }
 
-    /// The number of the first sample.
+    /// Returns the number of the first sample.
     pub fn first(&self) -> u32 {
         self.first
     }
 
-    /// The number of the sample that follows the last one.
+    /// Returns the number of the sample that follows the last one.
     pub fn end(&self) -> u32 {
         self.end
     }
 
-    /// The number of pixels.
+    /// Returns the number of pixels.
     pub fn pixels(&self) -> usize {
         self.pixels
     }
 
-    /// The end of the samples that can be added at once, on the way to sample `last` (exclusive); `None` once all are added.
+    /// Returns the number of the sample before which the caller must stop adding and call [`Self::close`]: the end of
+    /// the current leaf, or `last` if that comes first. `None` once all samples before `last` are added.
     pub fn next_stop(&self, last: u32) -> Option<u32> {
         (self.end < last).then(|| (self.end / LEAF * LEAF).saturating_add(LEAF).min(last))
     }
 
-    /// The sums, one a pixel, to which the caller adds the samples up to [`Self::next_stop`], before calling [`Self::close`].
+    /// Returns the sums of the current leaf, one for each pixel. The caller adds the samples up to [`Self::next_stop`]
+    /// to them, and then calls [`Self::close`].
     pub fn open(&mut self) -> &mut [S] {
         if self.end.is_multiple_of(LEAF) || self.parts.is_empty() {
             self.parts.push(Part { first: self.end, samples: 0, sums: vec![S::default(); self.pixels] });
@@ -62,7 +71,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         &mut self.parts[last].sums
     }
 
-    /// Notes that the samples up to a stop were added to the open sums.
+    /// Notes that the caller added the samples before number `stop` to the sums that [`Self::open`] returned.
     pub fn close(&mut self, stop: u32) {
         if let Some(last) = self.parts.last_mut() {
             last.samples += stop - self.end;
@@ -71,12 +80,12 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         self.join();
     }
 
-    /// Joins the last parts as long as they are the two halves of a larger part.
+    /// Joins the last two parts as long as they are the two halves of a larger subtree.
     fn join(&mut self) {
         while let [.., left, right] = &mut self.parts[..] {
-            let halves = left.samples == right.samples && left.samples.is_multiple_of(LEAF);
-            let begins = u64::from(left.first).is_multiple_of(2 * u64::from(left.samples.max(1)));
-            if !(halves && begins) {
+            let are_halves = left.samples == right.samples && left.samples.is_multiple_of(LEAF);
+            let begins_subtree = u64::from(left.first).is_multiple_of(2 * u64::from(left.samples.max(1)));
+            if !(are_halves && begins_subtree) {
                 return;
             }
             left.sums.iter_mut().zip(&right.sums).for_each(|(left, right)| *left += *right);
@@ -100,7 +109,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         true
     }
 
-    /// Applies a function to each sum.
+    /// Returns the results of a function of each sum, in the same parts.
     pub fn map<T>(&self, value: impl Fn(&S) -> T) -> PartialSums<T> {
         let map = |p: &Part<S>| Part { first: p.first, samples: p.samples, sums: p.sums.iter().map(&value).collect() };
         PartialSums {
@@ -111,7 +120,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         }
     }
 
-    /// The sum of a pixel over all samples, in the order of the parts.
+    /// Returns the sum of a pixel over all samples; the parts are added in order.
     pub fn total(&self, pixel: usize) -> S {
         let mut parts = self.parts.iter().map(|part| part.sums[pixel]);
         let first = parts.next().unwrap_or_default();
@@ -121,7 +130,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         })
     }
 
-    /// The sums in the form that files keep: the sums of all pixels, part by part.
+    /// Returns the sums in the order in which files keep them: the sums of all pixels, part by part.
     pub fn kept(&self) -> impl Iterator<Item = &S> {
         self.parts.iter().flat_map(|part| &part.sums)
     }
@@ -165,7 +174,8 @@ mod tests {
     use proptest::prelude::*;
     use ssct_ground::math::random::Stream;
 
-    /// Adds numbers of very different sizes, whose sum depends on its grouping; `at_once` of them are added at a time.
+    /// Returns the sums over random samples from `first` to before `end`, whose numbers differ so much in size that
+    /// their sum depends on its grouping. `at_once` samples are added at a time.
     fn summed(first: u32, end: u32, at_once: u32) -> PartialSums<f64> {
         let mut sums = PartialSums::new(first, 3);
         while sums.end() < end {

@@ -1,10 +1,11 @@
-//! Light on its way from area lights to diffuse surfaces, and from one surface to the next, as in the thesis's figure 2.4
-//! beside direct light alone. Surfaces cast shadows here, and light from other surfaces replaces the constant ambient part. No
-//! method and no other reference has this light (docs/definitions.md, "Surfaces").
+//! Traces paths of light from area lights to diffuse surfaces, and from one surface to the next, for images like the
+//! thesis's figure 2.4, which shows such light beside direct light alone. Surfaces cast shadows here, and light from
+//! other surfaces replaces the constant ambient part. No method and no other reference has this light
+//! (docs/definitions.md, "Surfaces").
 //!
-//! A path begins in a pixel. At each surface, a point of the lights is chosen, evenly over their areas, which adds light if
-//! nothing blocks it; then the path goes on in a cosine-distributed direction. Every surface is treated as diffuse, whatever it
-//! reflects.
+//! A path begins in a pixel. At each surface, a point is chosen on the lights, evenly over their areas. Its light is
+//! added if nothing blocks it. Then the path goes on in a cosine-distributed direction. Every surface is treated as
+//! diffuse, whatever its material reflects.
 
 use super::first_hits::PrimaryRays;
 use super::lobe::lobe_direction;
@@ -17,22 +18,26 @@ use ssct_ground::math::random::Stream;
 use ssct_scenes::{AreaLight, AreaShape, Camera};
 use std::f64::consts::PI;
 
-/// Random numbers of a path: a place in the pixel, and at each surface three for a light and two for a direction.
+/// Count of random numbers that place the begin of a path in the pixel.
 const FIRST_NUMBERS: u64 = 2;
+/// Count of random numbers that a path uses at each surface: three for a point of a light, and two for a direction.
 const NUMBERS_OF_A_SURFACE: u64 = 5;
-/// Reserved random numbers of a path: far more than it uses, and independent of the number of bounces, so that direct light is
-/// the same each time.
+/// Count of random numbers that are reserved for a path: far more than it uses. Since the count does not depend on the
+/// number of bounces, direct light is the same for each.
 const NUMBERS_OF_A_PATH: u64 = 1 << 12;
 /// Exponent of the Phong lobe around the normal that equals the cosine distribution.
 const COSINE: f64 = 1.0;
-/// Share of a shadow ray's length, at its end, in which the light itself may be hit.
+/// Share of a shadow ray's length, at its end, that is not traced, since the light itself may be hit there.
 const LIGHT_ITSELF: f64 = 1e-6;
 
-/// A rectangle that emits light on one side.
+/// A rectangle that emits light on one side, in world space.
 struct Panel {
     centre: DVec3,
+    /// Vector from the centre to the middle of a side.
     half_u: DVec3,
+    /// Vector from the centre to the middle of an adjacent side; the rectangle shines along half_u × half_v.
     half_v: DVec3,
+    /// Area in m².
     area: f64,
     radiance: DVec3,
 }
@@ -47,20 +52,21 @@ pub struct Paths<'a> {
 }
 
 impl<'a> Paths<'a> {
-    /// Paths for the scene's rectangular area lights; `None` if it has none. Light that surfaces pass on up to `bounces` times
-    /// is included. Another seed gives an independent result.
+    /// Prepares paths for the rectangular area lights of a world's scene; `None` if it has none. Light that surfaces
+    /// pass on up to `bounces` times is included. Another seed gives an independent result.
     pub fn new(world: &'a World<'a>, bounces: u32, seed: u64) -> Option<Self> {
         let panels: Vec<_> = world.scene.area_lights.iter().filter_map(Panel::from_light).collect();
         (!panels.is_empty()).then_some(Self { world, panels, bounces, seed })
     }
 
-    /// The linear image of a camera, as the mean over `paths` paths a pixel; rows from the top. Apart from its arguments the
-    /// image depends on the seed alone, and not on threads.
+    /// Returns the linear image of a camera with `extent` (width, height) pixels, rows from the top. A pixel is the
+    /// mean over `paths` paths. Apart from the arguments, the image depends on the seed alone, and not on threads.
     pub fn image(&self, camera: &Camera, extent: [u32; 2], paths: u32) -> Vec<Vec3> {
         let rays = PrimaryRays::new(camera, extent);
         let pixel = |index: usize| {
             let stream = Stream::new(self.seed, index as u64);
             let path = |n: u32| {
+                // Random number k of path n.
                 let number = |k: u64| stream.uniform(NUMBERS_OF_A_PATH * u64::from(n) + k);
                 let (ray, _) = rays.ray_within(index, [number(0), number(1)]);
                 self.path(ray, &number)
@@ -70,17 +76,19 @@ impl<'a> Paths<'a> {
         (0..extent[0] as usize * extent[1] as usize).into_par_iter().map(pixel).collect()
     }
 
-    /// The radiance along a ray from the camera, by one path; `number` gives the random numbers of the path.
+    /// Returns the radiance along a ray from the camera, by one path. `number(k)` is random number k of the path.
     fn path(&self, mut ray: WorldRay, number: &impl Fn(u64) -> f64) -> DVec3 {
+        // The sum of the light, and the share of the light at the current surface that reaches the camera.
         let (mut light, mut share) = (DVec3::ZERO, DVec3::ONE);
         for bounce in 0..=u64::from(self.bounces) {
+            // Index of the first random number of this surface.
             let first = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * bounce;
             // A ray that leaves the scene brings no light, since the area lights are the only light.
             let Some(hit) = self.world.closest(&ray) else { return light };
             let point = self.world.point(&ray, &hit);
             if point.emission > 0.0 {
-                // A lamp shows its colour to the camera. Its light on another surface is added where a point of the
-                // lights is chosen there.
+                // A lamp shows its colour to the camera. The light that it sends to another surface is added at that
+                // surface, where a point of the lights is chosen.
                 return if bounce == 0 { point.albedo } else { light };
             }
             share *= point.albedo;
@@ -91,21 +99,24 @@ impl<'a> Paths<'a> {
         light
     }
 
-    /// Radiance of a diffuse surface, divided by its albedo, from one chosen point of the lights.
+    /// Returns the radiance of a diffuse surface, divided by its albedo, that comes from one random point of the
+    /// lights. The three random numbers (0 to 1) choose the panel and the place on it.
     fn direct(&self, point: &SurfacePoint, [which, u, v]: [f64; 3]) -> DVec3 {
-        let all: f64 = self.panels.iter().map(|p| p.area).sum();
-        let mut place = which * all;
+        let total_area: f64 = self.panels.iter().map(|panel| panel.area).sum();
+        // A panel is chosen with a probability in proportion to its area.
+        let mut area_left = which * total_area;
         let chosen = self.panels.iter().find(|panel| {
-            place -= panel.area;
-            place < 0.0
+            area_left -= panel.area;
+            area_left < 0.0
         });
         let Some(panel) = chosen.or(self.panels.last()) else { return DVec3::ZERO };
         let position = panel.centre + (2.0 * u - 1.0) * panel.half_u + (2.0 * v - 1.0) * panel.half_v;
-        let way = position - point.position;
-        let (length, direction) = (way.length(), way.normalize_or_zero());
-        let shines = panel.half_u.cross(panel.half_v).normalize_or_zero().dot(-direction).max(0.0);
-        let falls = point.normal.dot(direction).max(0.0);
-        if shines * falls <= 0.0 || point.geometric_normal.dot(direction) <= 0.0 {
+        let to_light = position - point.position;
+        let (length, direction) = (to_light.length(), to_light.normalize_or_zero());
+        // Cosines at the light and at the surface.
+        let light_cosine = panel.half_u.cross(panel.half_v).normalize_or_zero().dot(-direction).max(0.0);
+        let surface_cosine = point.normal.dot(direction).max(0.0);
+        if light_cosine * surface_cosine <= 0.0 || point.geometric_normal.dot(direction) <= 0.0 {
             return DVec3::ZERO;
         }
         let t_max = length * (1.0 - LIGHT_ITSELF);
@@ -113,13 +124,13 @@ impl<'a> Paths<'a> {
         if self.world.closest(&shadow).is_some() {
             return DVec3::ZERO;
         }
-        // A diffuse surface reflects albedo / π, and the point was chosen with the density 1 / `all` over the area.
-        panel.radiance * (shines * falls * all / (PI * length * length))
+        // A diffuse surface reflects albedo / π, and the point was chosen with the density 1 / `total_area`.
+        panel.radiance * (light_cosine * surface_cosine * total_area / (PI * length * length))
     }
 }
 
 impl Panel {
-    /// The rectangle of an area light; `None` for a light of another shape.
+    /// Returns the rectangle of an area light; `None` for a light of another shape.
     fn from_light(light: &AreaLight) -> Option<Self> {
         let AreaShape::Rectangle { centre, half_u, half_v } = light.shape else { return None };
         let [centre, half_u, half_v, radiance] = [centre, half_u, half_v, light.radiance].map(|v| v.as_dvec3());
@@ -133,18 +144,18 @@ mod tests {
     use crate::reference::surface::tests::rectangle;
     use ssct_scenes::{FieldOfView, Lens, Material, Mesh, Scene, Vertex};
 
-    /// A light of 0.2 m × 0.2 m at a place, which shines downwards.
+    /// Returns a light of 0.2 m × 0.2 m around a place, which shines downwards.
     fn lamp(centre: Vec3) -> AreaLight {
         let (half_u, half_v) = (0.1 * Vec3::X, 0.1 * Vec3::Z);
         AreaLight { shape: AreaShape::Rectangle { centre, half_u, half_v }, radiance: Vec3::new(10.0, 20.0, 0.0) }
     }
 
-    /// A grey material with an albedo.
+    /// Returns a grey material with the given albedo.
     fn grey(albedo: f32) -> Material {
         Material { albedo: Vec3::splat(albedo), ..Material::default() }
     }
 
-    /// The mean of the image of a camera that looks down, with a narrow field of view.
+    /// Returns the mean colour of the image of a camera at `eye` that looks down with a narrow field of view.
     fn seen_below(scene: &Scene, eye: Vec3, bounces: u32, paths: u32) -> Vec3 {
         let world = World::new(scene, &scene.materials);
         let lens = Lens { opening: FieldOfView::Angle(0.02), near_m: 0.01, ..Lens::default() };
@@ -174,7 +185,7 @@ mod tests {
         assert_eq!(seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 0, 64), Vec3::ZERO);
     }
 
-    /// A sphere around the origin with a radius of one metre.
+    /// Returns a sphere around the origin with a radius of one metre.
     fn sphere() -> Mesh {
         let mut mesh = rectangle(Vec3::ZERO, Vec3::X, Vec3::Y, 0);
         let (columns, rows) = (96_u32, 48_u32);

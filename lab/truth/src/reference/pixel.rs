@@ -1,5 +1,5 @@
-//! Analysis of one pixel in the world: the mesh that it shows, where its mirror ray ends, why the screen does not show that
-//! place (docs/definitions.md, "World agreement"), and its reflection by the references.
+//! Analysis of one pixel: the mesh that it shows, where its mirror ray ends in the world, and why the screen does not
+//! show that place (docs/definitions.md, "World agreement"). Also computes the pixel's reflection by the references.
 
 use super::first_hits::{FirstHits, PrimaryRays};
 use super::screen::{Sampling, ScreenReference};
@@ -11,12 +11,12 @@ use ssct_geometry::bvh::TriangleHit;
 use ssct_ground::math::OracleVersion;
 use ssct_scenes::GBufferData;
 
-/// The seed of a pixel's screen reference, which is that of the study of run time against error.
+/// The seed of a pixel's screen reference: the seed in the study of run time against error.
 const SCREEN_SEED: u64 = 1;
-/// The seed of a pixel's world reference, which is that of the same study.
+/// The seed of a pixel's world reference: the seed in the study of run time against error.
 const WORLD_SEED: u64 = 2;
 
-/// A pixel of a G-buffer in the world that the G-buffer shows.
+/// What a pixel of a G-buffer shows and reflects, in the world that the G-buffer shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelInWorld {
     /// The name of the mesh that the pixel shows; `None` for sky.
@@ -51,28 +51,29 @@ pub enum UnseenReason {
     },
 }
 
-/// A reflection colour before fade and reflectivity, with the standard error of each channel.
+/// An estimate of a reflection's colour, before fade and reflectivity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimatedColor {
     /// Linear colour.
     pub color: Vec3,
-    /// Standard error of the mean.
+    /// Standard error of each channel of the colour.
     pub standard_error: Vec3,
 }
 
-/// How references of a pixel are sampled.
+/// How the references of a pixel are sampled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelSampling {
     /// Rays of each reference.
     pub rays: u32,
     /// Number of times that light is reflected, ≥ 1.
     pub bounces: u32,
-    /// The version of the oracle for the screen.
+    /// The version of the oracle for the screen reference.
     pub oracle: OracleVersion,
 }
 
 impl PixelInWorld {
-    /// Looks up a pixel of a G-buffer, given by its index and its first hit ([`FirstHits::shown_at`]).
+    /// Analyses pixel `index` of a G-buffer, which must have a receiver in `first_hits` if it reflects
+    /// ([`FirstHits::shown_at`]).
     pub fn new(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits, index: usize) -> Self {
         let names = Names { world, rays: PrimaryRays::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]) };
         let screen = ShownPlaces::new(gbuffer, first_hits);
@@ -85,12 +86,12 @@ impl PixelInWorld {
                 None => UnseenReason::BehindEye,
                 Some(place) => match screen.index(place) {
                     None => UnseenReason::OffScreen,
-                    Some(there) => names.before(there, first_hits.view_z_m[there], view_z_m),
+                    Some(end_pixel) => names.before(end_pixel, first_hits.view_z_m[end_pixel], view_z_m),
                 },
             }),
             _ => None,
         };
-        Self { mesh: names.shown_at(index), end, end_mesh: met.map(|hit| names.hit(&hit)), unseen }
+        Self { mesh: names.shown_at(index), end, end_mesh: met.map(|triangle| names.hit(&triangle)), unseen }
     }
 }
 
@@ -101,18 +102,19 @@ struct Names<'a> {
 }
 
 impl Names<'_> {
-    /// The name of the mesh of a hit triangle.
+    /// Returns the name of the mesh of a hit triangle.
     fn hit(&self, hit: &TriangleHit) -> String {
         let mesh = self.world.triangle(hit).mesh as usize;
         self.world.scene.meshes.get(mesh).map_or_else(String::new, |mesh| mesh.name.clone())
     }
 
-    /// The name of the mesh that the centre of a pixel shows; `None` for sky.
+    /// Returns the name of the mesh that the centre of pixel `index` shows; `None` for sky.
     fn shown_at(&self, index: usize) -> Option<String> {
         self.world.closest(&self.rays.ray(index).0).map(|hit| self.hit(&hit))
     }
 
-    /// Why a pixel that shows something else does not show a place, from the view-space z of both.
+    /// Returns why a pixel does not show a place that projects into it. `shown_z_m` is the view-space z of the surface
+    /// that the pixel shows, and `place_z_m` that of the place, in metres.
     fn before(&self, pixel: usize, shown_z_m: f64, place_z_m: f64) -> UnseenReason {
         if shown_z_m < place_z_m {
             UnseenReason::Hidden { by: self.shown_at(pixel), view_z_m: shown_z_m }
@@ -122,7 +124,8 @@ impl Names<'_> {
     }
 }
 
-/// The reflection of one pixel by the screen reference and by the world reference; black if the pixel does not reflect.
+/// Returns the reflections of pixel `index` by the screen reference and by the world reference, in this order; black if
+/// the pixel does not reflect.
 pub fn references(
     world: &World,
     gbuffer: &GBufferData,
@@ -136,7 +139,8 @@ pub fn references(
     (screen[index], world[index])
 }
 
-/// The reflections of all pixels by the screen reference and by the world reference; black in pixels that do not reflect.
+/// Returns the reflections of all pixels by the screen reference and by the world reference, in this order; black in
+/// pixels that do not reflect.
 pub fn all_references(
     world: &World,
     gbuffer: &GBufferData,
@@ -145,7 +149,8 @@ pub fn all_references(
     of_mask(world, gbuffer, &gbuffer.reflecting(), &FirstHits::shown(world, gbuffer), sampling)
 }
 
-/// The reflections of a mask's pixels by the screen reference and by the world reference; black in all other pixels.
+/// Returns the reflections of all pixels by the screen reference and by the world reference, in this order. The screen
+/// reference is black outside the mask, and the world reference where `first_hits` has no receiver.
 fn of_mask(
     world: &World,
     gbuffer: &GBufferData,
@@ -174,12 +179,13 @@ mod tests {
     use glam::DVec2;
     use ssct_scenes::{Camera, FieldOfView, Lens, Material, Mesh, Scene};
 
-    /// A mesh with another name.
+    /// Returns a mesh with the given name.
     fn named(name: &str, mesh: Mesh) -> Mesh {
         Mesh { name: name.to_owned(), ..mesh }
     }
 
-    /// A camera 1 m above a mirror floor, before a wall at z = 4 that does not reflect, and other meshes.
+    /// Returns a scene and its camera: a mirror floor 1 m below the eye, a wall at z = 4 m that does not reflect, and
+    /// `more` meshes.
     fn room(more: Vec<Mesh>) -> (Scene, Camera) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
@@ -191,12 +197,12 @@ mod tests {
         (scene, Camera::new(Vec3::ZERO, Vec3::Z, lens(), 1.0))
     }
 
-    /// A lens that sees 90° from bottom to top.
+    /// Returns a lens that sees 90° from bottom to top.
     fn lens() -> Lens {
         Lens { opening: FieldOfView::Angle(90_f32.to_radians()), ..Lens::default() }
     }
 
-    /// The analysis of a pixel in an image of 40 × 40 pixels of the room with more meshes.
+    /// Returns the analysis of a pixel in an image of 40 × 40 pixels of the room with `more` meshes.
     fn seen(more: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
         let (scene, camera) = room(more);
         let world = World::new(&scene, &scene.materials);

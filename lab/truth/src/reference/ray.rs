@@ -1,5 +1,5 @@
-//! Reflection rays in the image: their set-up and clipping (docs/definitions.md, "Oracle", items 1 and 2;
-//! docs/numerics.md, "What a robust method does", item 1), in f64, and how they can end.
+//! Reflection rays in the image, in f64: their set-up and clipping (docs/definitions.md, "Oracle", items 1 and 2;
+//! docs/numerics.md, "What a robust method does", item 1), and the ways in which they can end.
 //!
 //! The oracle and the hierarchical traversal start from the same [`Segment`] and use its expressions to find where a pixel
 //! boundary is crossed. Both therefore see the same depths at the same places and can be compared exactly.
@@ -52,7 +52,7 @@ impl Trace {
     /// The result for a pixel without a ray.
     pub const NO_RAY: Self = Self { outcome: Outcome::Miss { reason: MissReason::NoRay, behind: false }, steps: 0 };
 
-    /// Continuous pixel coordinates and reversed depth of the hit; `None` for a miss.
+    /// Returns the continuous pixel coordinates and the reversed depth of the hit; `None` for a miss.
     pub fn position(&self) -> Option<DVec3> {
         match self.outcome {
             Outcome::Hit { position, .. } => Some(position),
@@ -60,7 +60,7 @@ impl Trace {
         }
     }
 
-    /// Continuous pixel coordinates of the hit, which `metrics::hits` compares; `None` for a miss.
+    /// Returns the continuous pixel coordinates of the hit, which `metrics::hits` compares; `None` for a miss.
     pub fn position_px(&self) -> Option<[f64; 2]> {
         self.position().map(|p| [p.x, p.y])
     }
@@ -81,19 +81,19 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// The point at s.
+    /// Returns the point at s: pixel x, pixel y and reversed depth.
     pub fn point_at(&self, s: f64) -> DVec3 {
         self.start + s * self.delta
     }
 
-    /// Reversed depth at s; monotonic in s, even under rounding.
+    /// Returns the reversed depth at s; monotonic in s, even under rounding.
     pub fn depth_at(&self, s: f64) -> f64 {
         self.start.z + s * self.delta.z
     }
 
-    /// The s at which the ray crosses the line x = `boundary` (axis 0) or y = `boundary` (axis 1); infinite if
-    /// the ray does not move along that axis. The result increases with the boundary's distance from the start, even
-    /// under rounding.
+    /// Returns the s at which the ray crosses the line x = `boundary` (axis 0) or y = `boundary` (axis 1), in pixels;
+    /// infinite if the ray does not move along that axis. The result increases with the boundary's distance from the
+    /// start, even under rounding.
     pub fn crossing(&self, axis: usize, boundary: i32) -> f64 {
         if self.delta[axis] == 0.0 {
             return f64::INFINITY;
@@ -112,62 +112,64 @@ pub struct RaySetup<'a> {
 }
 
 impl<'a> RaySetup<'a> {
-    /// Inverts the projection matrix once, for all rays.
+    /// Prepares the rays of a G-buffer: inverts the projection matrix once, for all rays.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let view_to_clip = gbuffer.view_to_clip();
         Self { gbuffer, view_to_clip, clip_to_view: view_to_clip.inverse() }
     }
 
-    /// The view-space position of a pixel's centre at the pixel's own depth; `None` for sky.
+    /// Returns the view-space position of the centre of pixel (x, y) at the pixel's own depth; `None` for sky.
     pub fn position(&self, x: u32, y: u32) -> Option<DVec3> {
         let depth = self.gbuffer.depth[self.gbuffer.index(x, y)];
         let centre = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
         (depth > 0.0).then(|| self.gbuffer.unproject(centre.x, centre.y, f64::from(depth), &self.clip_to_view))
     }
 
-    /// The unit view-space normal of a pixel; `None` if it has none.
+    /// Returns the unit view-space normal of pixel (x, y); `None` if it has none.
     pub fn normal(&self, x: u32, y: u32) -> Option<DVec3> {
         self.gbuffer.normal[self.gbuffer.index(x, y)].as_dvec3().try_normalize()
     }
 
-    /// The unit direction in view space of the ray of sight through a place on the screen, in continuous pixel
+    /// Returns the unit direction in view space of the ray of sight through a place on the screen, in continuous pixel
     /// coordinates.
     pub fn camera_ray(&self, x: f64, y: f64) -> DVec3 {
         self.gbuffer.camera.sight(self.gbuffer.unproject(x, y, 0.5, &self.clip_to_view))
     }
 
-    /// The unit mirror direction in view space: the direction of sight, reflected at the unit normal. `None` for sky and for
-    /// a pixel without a normal.
+    /// Returns the unit mirror direction of pixel (x, y) in view space: the direction of sight, reflected at the unit
+    /// normal. `None` for sky and for a pixel without a normal.
     pub fn mirror(&self, x: u32, y: u32) -> Option<DVec3> {
         let incident = self.gbuffer.camera.sight(self.position(x, y)?);
         Some(incident.reflect(self.normal(x, y)?)).filter(|mirror| mirror.is_finite())
     }
 
-    /// The visible part of the ray from a pixel's centre along a view-space direction of any length. `None` for
-    /// sky and for a direction of length zero.
+    /// Returns the visible part of the ray from the centre of pixel (x, y) along a view-space direction of any length.
+    /// `None` for sky and for a direction of length zero.
     pub fn segment(&self, x: u32, y: u32, direction: DVec3) -> Option<Segment> {
         let depth = f64::from(self.gbuffer.depth[self.gbuffer.index(x, y)]);
         let start = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, depth);
         self.cut(start, self.position(x, y)?, direction)
     }
 
-    /// The visible part of the ray from any point in view space; `None` for a direction of length zero, or if the point is not
-    /// ahead of the eye of a perspective camera.
+    /// Returns the visible part of the ray from any point in view space; `None` for a direction of length zero, or if
+    /// the point is not ahead of the eye of a perspective camera.
     pub fn segment_from(&self, point: DVec3, direction: DVec3) -> Option<Segment> {
         self.cut(self.gbuffer.project(point, &self.view_to_clip)?, point, direction)
     }
 
-    /// The view-space point at continuous pixel coordinates and a reversed depth.
+    /// Returns the view-space point at continuous pixel coordinates and a reversed depth.
     pub fn unproject(&self, position: DVec3) -> DVec3 {
         self.gbuffer.unproject(position.x, position.y, position.z, &self.clip_to_view)
     }
 
-    /// Continuous pixel coordinates and reversed depth of a point in view space; `None` if it is not ahead of the eye.
+    /// Returns the continuous pixel coordinates and the reversed depth of a point in view space; `None` if it is not
+    /// ahead of the eye.
     pub fn project(&self, point: DVec3) -> Option<DVec3> {
         self.gbuffer.project(point, &self.view_to_clip)
     }
 
-    /// The ray from a point in view space, which projects to `start`, cut where it leaves the frustum.
+    /// Returns the ray from a point in view space, which projects to `start`, cut where it leaves the frustum. `None`
+    /// for a direction of length zero and for rays that are not finite.
     fn cut(&self, start: DVec3, point: DVec3, direction: DVec3) -> Option<Segment> {
         let direction = direction.try_normalize()?;
         let from = self.view_to_clip * point.extend(1.0);
@@ -184,8 +186,8 @@ impl<'a> RaySetup<'a> {
     }
 }
 
-/// The t at which P + tD leaves the frustum, and the side where it does. `None` if the ray leaves by no side, because
-/// of NaN.
+/// Returns the t at which the clip-space line P + tD leaves the frustum, and the side where it does. `None` if the line
+/// leaves by no side, because of NaN.
 fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
     // Each plane is given by its value at P and its rate along D; values inside are ≥ 0. Depth is reversed.
     let planes = [
@@ -223,6 +225,7 @@ mod tests {
             // The end must be on the named side of the frustum and not outside the other sides.
             let end = segment.point_at(1.0) / size;
             prop_assert!(end.cmpge(DVec3::splat(-1e-9)).all() && end.cmple(DVec3::splat(1.0 + 1e-9)).all(), "{end}");
+            // Distance from the nearer of the sides 0 and 1.
             let off = |v: f64| v.abs().min((v - 1.0).abs());
             let named = match segment.end {
                 MissReason::LeftScreen => off(end.x).min(off(end.y)),

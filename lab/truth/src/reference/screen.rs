@@ -1,6 +1,6 @@
-//! The screen reference (docs/definitions.md, "Image error"): the reflection colour, computed by Monte Carlo integration over
-//! each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its standard error. Rays are
-//! traced as the oracle traces them.
+//! The screen reference (docs/definitions.md, "Image error"): the reflection colour, computed by Monte Carlo
+//! integration over each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its
+//! standard error. Rays hit what they hit by the oracle.
 //!
 //! Each sample reflects the camera ray through a random place within the pixel. A G-buffer has one position and one normal for
 //! the whole pixel. The reflected ray therefore leaves from the position of the pixel's centre, and the normal of the centre is
@@ -9,8 +9,8 @@
 //! With several bounces (docs/definitions.md, "Bounces") a sample goes on from the pixel that it hits: from the pixel's centre,
 //! along one direction of the lobe around the mirror direction of the incoming ray.
 //!
-//! Samples are independent. Stratified samples would lower the error, but the estimate of the error, which makes the reference
-//! trustworthy, would be too large by an unknown factor.
+//! Samples are independent. Stratified samples would lower the error, but the estimate of the error would then be too
+//! large by an unknown factor. That estimate is what makes the reference trustworthy.
 
 use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
@@ -88,7 +88,7 @@ impl ScreenReference {
     }
 }
 
-/// A mean colour and its standard error.
+/// A mean linear colour and the standard error of each channel.
 #[derive(Debug, Clone, Copy, Default)]
 struct Estimate {
     mean: DVec3,
@@ -104,8 +104,8 @@ struct Pixels<'a> {
 }
 
 impl Pixels<'_> {
-    /// The reflection of a pixel, as the mean over samples. Sample i draws four random numbers, from 4 i on: two for
-    /// the lobe, and two for the place within the pixel.
+    /// Returns the reflection of pixel (x, y), as the mean over samples. Sample i uses the random numbers 4 i to 4 i +
+    /// 3 of the pixel: two for the direction in the lobe, and two for the place within the pixel.
     fn estimate(&self, x: u32, y: u32) -> Estimate {
         let (rays, Sampling { samples, seed, .. }) = (self.hierarchy.rays(), self.sampling);
         let index = rays.gbuffer.index(x, y);
@@ -114,7 +114,7 @@ impl Pixels<'_> {
         let exponent = phong::exponent(roughness);
         let stream = Stream::new(seed, index as u64);
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
-        // Further bounces use numbers far from those of first bounces, of which there are fewer than 2³⁴.
+        // Further bounces use numbers from 2⁴⁰ on; those of the first bounce are less than 2³⁴.
         let seen = |i: u64, direction| self.seen([x, y], direction, &|bounce| numbers((bounce << 40) + 2 * i));
         let sample = |i| {
             let [u, v] = numbers(4 * i + 2);
@@ -125,11 +125,11 @@ impl Pixels<'_> {
         mean_and_error((0..u64::from(samples)).map(sample))
     }
 
-    /// The colour that a ray from a pixel brings, including further bounces; `numbers` gives two random numbers for each
-    /// further bounce. The colour is black if the ray hits nothing. A direction below the surface carries no light, but counts
-    /// as a sample.
+    /// Returns the colour that a ray from the pixel `from` brings, including further bounces; black if the ray hits
+    /// nothing or runs below the surface. `numbers` returns two random numbers for each further bounce.
     fn seen(&self, from: [u32; 2], direction: DVec3, numbers: &dyn Fn(u64) -> [f64; 2]) -> DVec3 {
         let rays = self.hierarchy.rays();
+        // `share` is the share of the light at the current hit that reaches the first pixel.
         let (mut from, mut direction, mut share, mut sum) = (from, direction, 1.0, DVec3::ZERO);
         for bounce in 1..=u64::from(self.sampling.bounces) {
             let Some(([i, j], color)) = self.hit(from, direction) else { break };
@@ -145,8 +145,8 @@ impl Pixels<'_> {
         sum
     }
 
-    /// The pixel in which a ray from a pixel ends, and the colour there; `None` if the screen shows neither the hit nor the sky
-    /// behind everything, or if the ray leads below the surface.
+    /// Returns the pixel in which a ray from pixel (x, y) ends, and the colour there. `None` if the screen shows
+    /// neither a hit nor sky beyond the far plane, or if the ray leads below the surface.
     fn hit(&self, [x, y]: [u32; 2], direction: DVec3) -> Option<([u32; 2], DVec3)> {
         let rays = self.hierarchy.rays();
         let normal = rays.normal(x, y).filter(|normal| direction.dot(*normal) > 0.0)?;
@@ -168,7 +168,8 @@ impl Pixels<'_> {
     }
 }
 
-/// Mean and error by Welford's running mean and variance (Welford 1962), which avoid cancellation.
+/// Returns the mean of the colours and its standard error, by Welford's running mean and variance (Welford 1962), which
+/// avoid cancellation. The error is infinite for fewer than two colours.
 fn mean_and_error(colors: impl Iterator<Item = DVec3>) -> Estimate {
     let (mut n, mut mean, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for color in colors {

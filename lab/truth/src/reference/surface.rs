@@ -1,8 +1,9 @@
 //! The surface that a ray sees where it hits a triangle: the CPU version of `shaders-glsl/scene/gbuffer.frag` and
 //! `lighting.frag`, in f64 and in world space.
 //!
-//! Images are sampled at their finest level, bilinearly and repeating, because a ray has no footprint. The G-buffer filters
-//! images over the pixel, and stores albedo in 8 bits and normals in 16. There is no other difference.
+//! Texture images are sampled at their finest level, bilinearly and repeating, because a ray has no footprint. The
+//! G-buffer filters the same images over the pixel, and stores albedo in 8 bits and normals in 16. There is no other
+//! difference.
 
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use ssct_geometry::bvh::{TriangleHit, WorldRay};
@@ -17,6 +18,7 @@ pub struct World<'a> {
     pub scene: &'a Scene,
     /// The materials that replace the scene's own, with the same indices.
     pub materials: &'a [Material],
+    /// The hierarchy over all triangles.
     triangles: Triangles<'a>,
 }
 
@@ -42,47 +44,49 @@ pub struct SurfacePoint {
 }
 
 impl<'a> World<'a> {
-    /// Builds the hierarchy over all triangles of a scene.
+    /// Prepares a scene with the materials of a view: builds the hierarchy over all its triangles.
     pub fn new(scene: &'a Scene, materials: &'a [Material]) -> Self {
         Self { scene, materials, triangles: Triangles::new(scene, materials) }
     }
 
-    /// The closest hit of a ray. The ray passes where an alpha mask is below ½.
+    /// Returns the closest hit of a ray; `None` if it escapes. The ray passes through a triangle where an alpha mask is
+    /// below ½.
     pub fn closest(&self, ray: &WorldRay) -> Option<TriangleHit> {
         self.triangles.closest(ray)
     }
 
-    /// Mesh and triangle of a hit.
+    /// Returns the mesh and the triangle of a hit.
     pub fn triangle(&self, hit: &TriangleHit) -> TriangleRef {
         self.triangles.origin(hit)
     }
 
-    /// The surface point that a ray hits.
+    /// Returns the surface point of a ray's hit, with its material there.
     pub fn point(&self, ray: &WorldRay, hit: &TriangleHit) -> SurfacePoint {
         let (material, vertices) = self.triangles.surface(hit);
         let [a, b, c] = vertices.map(|v| Vec3::from(v.position).as_dvec3());
         let towards_front = (b - a).cross(c - a).normalize_or(-ray.direction);
-        // The normals of a surface that is seen from behind are flipped.
+        // 1 for a ray that comes from in front of the triangle, and −1, which flips the normals, for a ray from behind.
         let side = if towards_front.dot(ray.direction) <= 0.0 { 1.0 } else { -1.0 };
         let uv = interpolate_uv(&vertices, hit);
-        let lit = material.surface == Surface::Lit;
-        let albedo = material.albedo_map.map_or(DVec4::ONE, |i| self.sample(i, uv));
-        let reflectivity = material.reflectivity_map.map_or(1.0, |i| self.sample(i, uv).x);
-        let roughness = material.roughness_map.map_or(1.0, |i| self.sample(i, uv).y);
+        let is_lit = material.surface == Surface::Lit;
+        // The values of the maps, which are factors of the material's own values.
+        let albedo = material.albedo_map.map_or(DVec4::ONE, |map| self.sample(map, uv));
+        let reflectivity = material.reflectivity_map.map_or(1.0, |map| self.sample(map, uv).x);
+        let roughness = material.roughness_map.map_or(1.0, |map| self.sample(map, uv).y);
         SurfacePoint {
             position: interpolate(&vertices, hit, |v| v.position),
             geometric_normal: side * towards_front,
             normal: side * self.normal(material, &vertices, hit, uv, towards_front),
             albedo: albedo.truncate() * material.albedo.as_dvec3(),
             emission: f64::from(material.emission) * albedo.w,
-            reflectivity: if lit { f64::from(material.reflectivity) * reflectivity } else { 0.0 },
+            reflectivity: if is_lit { f64::from(material.reflectivity) * reflectivity } else { 0.0 },
             roughness: f64::from(material.roughness) * roughness,
             surface: material.surface,
         }
     }
 
-    /// The colour that a ray sees at a point: the lit colour or, on sky surfaces, the environment in the ray's
-    /// direction.
+    /// Returns the linear colour that a ray sees at a point: the lit colour or, on sky surfaces, the environment in the
+    /// ray's direction.
     pub fn color(&self, ray: &WorldRay, point: &SurfacePoint) -> DVec3 {
         match point.surface {
             Surface::Lit => lit_color(point, &self.scene.lights),
@@ -90,7 +94,8 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The shading normal on the front of the triangle, computed as in `gbuffer.frag`.
+    /// Returns the unit shading normal on the front of the triangle, computed as in `gbuffer.frag`. `flat` is the unit
+    /// normal of the triangle itself, which is used if the vertices have none.
     fn normal(&self, material: &Material, vertices: &[&Vertex; 3], hit: &TriangleHit, uv: DVec2, flat: DVec3) -> DVec3 {
         let geometric = interpolate(vertices, hit, |v| v.normal).normalize_or(flat);
         let deviation = f64::from(material.normal_deviation);
@@ -108,14 +113,14 @@ impl<'a> World<'a> {
         geometric.lerp(bumped, deviation).normalize_or(geometric)
     }
 
-    /// The linear value of an image at texture coordinates.
+    /// Returns the linear value of a texture at texture coordinates.
     fn sample(&self, texture: usize, uv: DVec2) -> DVec4 {
         bilinear(&self.scene.textures[texture], uv)
     }
 }
 
-/// Lit colour = albedo · mix(mix(0.2, 1, min(Σ lights, 1)), 1, emission), without shadows (docs/definitions.md, "Surfaces";
-/// `lighting.frag`).
+/// Returns the linear lit colour albedo · mix(mix(0.2, 1, min(Σ lights, 1)), 1, emission), without shadows
+/// (docs/definitions.md, "Surfaces"; `lighting.frag`).
 pub fn lit_color(point: &SurfacePoint, lights: &[Light]) -> DVec3 {
     let SurfacePoint { position, normal, albedo, emission, .. } = *point;
     let shading: f64 = lights
@@ -123,8 +128,9 @@ pub fn lit_color(point: &SurfacePoint, lights: &[Light]) -> DVec3 {
         .map(|light| match *light {
             Light::Point { position: light_position, energy } => {
                 let to_light = light_position.as_dvec3() - position;
-                let (d, e) = (to_light.length(), f64::from(energy));
-                normal.dot(to_light / d.max(1e-6)).max(0.0) / (1.0 + d / e + d * d / e)
+                let (distance, energy) = (to_light.length(), f64::from(energy));
+                normal.dot(to_light / distance.max(1e-6)).max(0.0)
+                    / (1.0 + distance / energy + distance * distance / energy)
             }
             Light::Directional { direction, energy } => {
                 normal.dot(-direction.as_dvec3().normalize_or_zero()).max(0.0) * f64::from(energy)
@@ -135,12 +141,12 @@ pub fn lit_color(point: &SurfacePoint, lights: &[Light]) -> DVec3 {
     albedo * (lit + (1.0 - lit) * emission)
 }
 
-/// The linear colour of the environment in a direction.
+/// Returns the linear colour of the environment in a world direction.
 pub fn sky_color(direction: DVec3) -> DVec3 {
     sky::radiance(direction.as_vec3()).as_dvec3()
 }
 
-/// An attribute at a hit, interpolated between the three vertices of the triangle.
+/// Returns an attribute at a hit, interpolated between the three vertices of the triangle.
 fn interpolate(vertices: &[&Vertex; 3], hit: &TriangleHit, attribute: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
     vertices.iter().zip(hit.barycentrics).map(|(v, weight)| weight * Vec3::from(attribute(v)).as_dvec3()).sum()
 }
@@ -151,8 +157,8 @@ pub(super) mod tests {
     use ssct_ground::math::srgb_to_linear;
     use ssct_scenes::{Aabb, Encoding, Mesh, Texture};
 
-    /// A rectangle spanned by two edges from a corner. Its front is the side of u × v; uv (0, 0) is at the
-    /// corner and (1, 1) opposite.
+    /// Returns a rectangle that the edges `u` and `v` span from a corner. Its front is the side to which u × v points.
+    /// Texture coordinates are (0, 0) at the corner and (1, 1) at the opposite one.
     pub fn rectangle(corner: Vec3, u: Vec3, v: Vec3, material: usize) -> Mesh {
         let normal = u.cross(v).normalize();
         let vertex = |s: f32, t: f32| Vertex {
@@ -166,13 +172,13 @@ pub(super) mod tests {
         Mesh { name: "rectangle".into(), vertices, indices: vec![0, 1, 2, 0, 2, 3], material, bounds }
     }
 
-    /// An image of this width from its bytes, four for each texel.
+    /// Returns a texture of this width from its bytes, four for each texel.
     pub fn texture(width: u32, rgba: Vec<u8>, encoding: Encoding) -> Texture {
         let height = rgba.len() as u32 / 4 / width;
         Texture { name: "test".into(), width, height, rgba, encoding }
     }
 
-    /// A ray whose hits count at any distance from 0 on.
+    /// Returns a ray along a direction of any length, whose hits count at any distance from 0 on.
     fn ray(origin: [f64; 3], direction: [f64; 3]) -> WorldRay {
         WorldRay {
             origin: DVec3::from(origin),
@@ -182,7 +188,8 @@ pub(super) mod tests {
         }
     }
 
-    /// The unit square in the plane z = 1, with its front towards −z, and a wall behind it at z = 2.
+    /// Returns a scene of the unit square in the plane z = 1, with its front towards −z, and a wall behind it at z = 2.
+    /// The square has the material `front`.
     fn two_walls(front: Material, textures: Vec<Texture>) -> Scene {
         Scene {
             meshes: vec![

@@ -1,5 +1,5 @@
-//! The colour that a ray sees where it hits on the screen (docs/definitions.md, "The colour of a hit"), in f64. Among the four
-//! pixels around the hit, only those count that the ray can have seen.
+//! The colour that a ray sees where it hits on the screen (docs/definitions.md, "The colour of a hit"), in f64. It is
+//! the mean of those of the four pixels around the hit that the ray can have seen.
 
 use super::surface::sky_color;
 use glam::{DVec2, DVec3};
@@ -11,18 +11,19 @@ use ssct_scenes::{GBufferData, Surface};
 pub struct SurfaceColors<'a> {
     gbuffer: &'a GBufferData,
     is_orthographic: bool,
-    /// In a perspective, depth plus this offset is proportional to 1 / z; in an orthographic projection, the change of depth
-    /// with each metre of z.
+    /// In a perspective: the number that is added to the depth so that the sum is proportional to 1 / z. In an
+    /// orthographic projection: the decrease of depth with each metre of z.
     depth_offset: f64,
-    /// In a perspective, z · (depth + offset) for any pixel; in an orthographic projection, the depth at z = 0.
+    /// In a perspective: z · (depth + `depth_offset`), which is the same for all pixels, in metres. In an orthographic
+    /// projection: the depth at z = 0.
     depth_unit: f64,
-    /// Half a pixel's width and height, at z = 1 in a perspective.
+    /// Half of a pixel's width and height in metres; in a perspective, at z = 1.
     pixel_to_view: DVec2,
     /// Shift of the image against the axis of the view, in half pixels.
     shift: DVec2,
 }
 
-/// A ray that a surface reflects, in view space.
+/// A reflected ray in view space, with the surface that reflects it.
 #[derive(Debug, Clone, Copy)]
 pub struct ReflectedRay {
     /// Where the ray begins on the surface, in metres.
@@ -34,7 +35,7 @@ pub struct ReflectedRay {
 }
 
 impl<'a> SurfaceColors<'a> {
-    /// Reads the projection of a G-buffer.
+    /// Prepares the colours of a G-buffer, by the numbers of its projection.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let (projection, is_orthographic) = (gbuffer.view_to_clip(), gbuffer.camera.kind().is_orthographic());
         let size = DVec2::new(f64::from(gbuffer.width), f64::from(gbuffer.height));
@@ -49,27 +50,27 @@ impl<'a> SurfaceColors<'a> {
         }
     }
 
-    /// The colour that a ray sees which ends at a place of a pixel, in continuous pixel coordinates. A sky surface shows the
-    /// environment along `towards`, the ray's direction in the world. Elsewhere the lit colour is interpolated bilinearly
-    /// between the surrounding pixels that the ray can have seen; if there are none, the pixel's own colour is used. Without a
-    /// ray all surrounding pixels count.
+    /// Returns the linear colour that a ray sees if it ends in a pixel at the place (x, y), in continuous pixel
+    /// coordinates. A sky surface shows the environment along `towards`, the ray's direction in the world. Elsewhere
+    /// the lit colour is interpolated bilinearly between the four pixels around the place that the ray can have seen;
+    /// if there are none, the pixel's own colour is used. Without a `ray` all four pixels count.
     pub fn shown(&self, pixel: usize, [x, y]: [f64; 2], towards: DVec3, ray: Option<ReflectedRay>) -> DVec3 {
         let g = self.gbuffer;
         if g.surface[pixel] == Surface::Sky {
             return sky_color(towards);
         }
-        let (mut sum, mut counted) = (DVec3::ZERO, 0.0);
+        let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
         for (index, weight) in bilinear_pixels(g, x, y) {
             if ray.is_none_or(|ray| self.is_seen(index, pixel, ray)) {
                 let shows_sky = g.surface[index] == Surface::Sky;
                 sum += weight * if shows_sky { sky_color(towards) } else { g.color[index].as_dvec3() };
-                counted += weight;
+                weights += weight;
             }
         }
-        if counted > 0.0 { sum / counted } else { g.color[pixel].as_dvec3() }
+        if weights > 0.0 { sum / weights } else { g.color[pixel].as_dvec3() }
     }
 
-    /// The view-space z of a depth, in metres.
+    /// Returns the view-space z of a reversed depth, in metres.
     fn z(&self, depth: f64) -> f64 {
         if self.is_orthographic {
             (self.depth_unit - depth) / self.depth_offset
@@ -78,7 +79,7 @@ impl<'a> SurfaceColors<'a> {
         }
     }
 
-    /// The view-space point in the middle of a pixel, at a given z.
+    /// Returns the view-space point in the middle of a pixel, at a given z, in metres.
     fn point(&self, pixel: usize, z: f64) -> DVec3 {
         let (width, height) = (self.gbuffer.width as usize, self.gbuffer.height as usize);
         let place = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
@@ -87,39 +88,45 @@ impl<'a> SurfaceColors<'a> {
         (centred * self.pixel_to_view * if self.is_orthographic { 1.0 } else { z }).extend(z)
     }
 
-    /// Whether a ray that hit the pixel `hit` can have seen the surface of another pixel. That surface is not seen if it stands
-    /// before the hit on the screen but far beside the ray. The reflecting surface itself, and everything below it, is never
-    /// seen; if the hit pixel shows it, the ray has met an object that stands on it. Sky lies behind everything.
+    /// Returns whether a ray that hit the pixel `hit` can have seen the surface of `pixel`. That surface is not seen if
+    /// it stands before the hit on the screen but far beside the ray. The reflecting surface, and everything below it,
+    /// is never seen. If the hit pixel shows the reflecting surface, the ray has met an object that stands on it, and
+    /// nothing behind the hit is seen. Sky lies behind everything.
     fn is_seen(&self, pixel: usize, hit: usize, ray: ReflectedRay) -> bool {
-        let [depth, own] = [pixel, hit].map(|i| f64::from(self.gbuffer.depth[i]));
-        if own <= 0.0 {
+        let [depth, hit_depth] = [pixel, hit].map(|i| f64::from(self.gbuffer.depth[i]));
+        // A ray that ended in sky sees sky alone.
+        if hit_depth <= 0.0 {
             return depth <= 0.0;
         }
-        let own_z = self.z(own);
-        let is_reflector = !self.is_above(hit, own_z, ray);
+        let hit_z = self.z(hit_depth);
+        let is_reflector = !self.is_above(hit, hit_z, ray);
         if depth <= 0.0 {
             return !is_reflector;
         }
         let z = self.z(depth);
-        let (behind, apart) = (z - own_z, STANDS_BEFORE * self.width(z));
+        // Metres from the hit's z to the pixel's z, and the distance from which on these are apart.
+        let (behind, apart) = (z - hit_z, STANDS_BEFORE * self.width(z));
         let is_beside =
             (self.point(pixel, z) - ray.point).cross(ray.direction).length() > STANDS_BESIDE * self.width(z);
         self.is_above(pixel, z, ray) && !(behind < -apart && is_beside) && !(is_reflector && behind > apart)
     }
 
-    /// The width of a pixel at a z, in metres.
+    /// Returns the width of a pixel at a view-space z, in metres.
     fn width(&self, z: f64) -> f64 {
         2.0 * self.pixel_to_view.y * if self.is_orthographic { 1.0 } else { z }
     }
 
-    /// Whether the point of a pixel lies above the reflecting surface, so that a reflected ray can see it.
+    /// Returns whether the point of a pixel at a view-space z lies above the reflecting surface, so that a reflected
+    /// ray can see it.
     fn is_above(&self, pixel: usize, z: f64, ray: ReflectedRay) -> bool {
         ray.normal.dot(self.point(pixel, z) - ray.point) > STANDS_ABOVE * self.width(z)
     }
 }
 
-/// The four pixels around continuous pixel coordinates, clamped at the border, with their bilinear weights.
+/// Returns the indices of the four pixels around continuous pixel coordinates, clamped at the border, each with its
+/// bilinear weight.
 fn bilinear_pixels(gbuffer: &GBufferData, x: f64, y: f64) -> [(usize, f64); 4] {
+    // The two pixels around a coordinate, and the share of the second one.
     let axis = |v: f64, side: u32| {
         let v = (v - 0.5).clamp(0.0, f64::from(side - 1));
         let low = v.floor() as u32;
@@ -143,8 +150,8 @@ mod tests {
     use crate::reference::testing::{flat, floor_and_wall};
     use glam::Vec3;
 
-    /// The floor and the wall, each with its own colour; the floor's first row; and a ray from the floor's second row towards
-    /// the wall.
+    /// Returns the G-buffer of a red floor and a blue wall, the number of the floor's first row, and a ray from the
+    /// floor's second row towards the wall.
     fn stage() -> (GBufferData, u32, ReflectedRay) {
         let mut g = floor_and_wall(32, 18);
         for (color, normal) in g.color.iter_mut().zip(&g.normal) {
@@ -160,7 +167,7 @@ mod tests {
         let (g, foot, ray) = stage();
         let colors = SurfaceColors::new(&g);
         for x in 0..32 {
-            // Places in the wall's last row, and in the floor's first row, whose middle lies on the floor.
+            // The places lie in the wall's last row and in the floor's first row.
             for (row, y) in [(foot - 1, -0.1), (foot, 0.1)] {
                 let (pixel, place) = (g.index(x, row), [f64::from(x) + 0.8, f64::from(foot) + y]);
                 assert_eq!(colors.shown(pixel, place, DVec3::Z, Some(ray)), DVec3::Z, "{x}, {row}");
@@ -192,7 +199,8 @@ mod tests {
         }
     }
 
-    /// Two walls side by side, the left one nearer, and a pixel of sky in the right one: red, green and blue.
+    /// Returns the G-buffer of two walls side by side, with a pixel of sky in the right one. The left wall, which is
+    /// nearer, is red, the right one green, and the sky blue.
     fn near_and_far() -> GBufferData {
         let mut g = flat(64, 36, 40.0);
         let near = flat(64, 36, 1.0).depth[0];

@@ -1,4 +1,4 @@
-//! G-buffers for the tests of the references.
+//! G-buffers and random numbers for the tests of the references.
 
 use super::first_hits::{FirstHits, PrimaryRays};
 use super::ray::RaySetup;
@@ -8,12 +8,12 @@ use ssct_ground::math::random::Stream;
 use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 use std::cell::Cell;
 
-/// A camera at the origin that looks along +z with the default lens.
+/// Returns a camera at the origin that looks along +z with the default lens.
 fn camera(aspect: f32) -> Camera {
     Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), aspect)
 }
 
-/// The reversed depth, with the default lens, of a view depth in metres; 0 (sky) if it is infinite.
+/// Returns the reversed depth, with the default lens, of a view depth in metres; 0 (sky) if it is infinite.
 pub fn depth_of(z: f64) -> f32 {
     if z.is_infinite() {
         return 0.0;
@@ -21,8 +21,8 @@ pub fn depth_of(z: f64) -> f32 {
     camera(1.0).view_to_clip_reversed().as_dmat4().project_point3(DVec3::new(0.0, 0.0, z)).z as f32
 }
 
-/// A black G-buffer with the default lens, made from reversed depths and view-space normals. Every pixel is a
-/// mirror.
+/// Returns a black G-buffer with the default lens, made from functions that return the reversed depth and the
+/// view-space normal of pixel (x, y). Every pixel is a mirror.
 pub fn gbuffer(
     width: u32,
     height: u32,
@@ -43,9 +43,9 @@ pub fn gbuffer(
     }
 }
 
-/// The G-buffer of a scene, traced through the pixels' centres; normals are given for reflecting surfaces alone.
+/// Returns the G-buffer of a scene, traced through the pixels' centres. Only reflecting surfaces have normals.
 pub fn traced(world: &World, camera: &Camera, extent: [u32; 2]) -> GBufferData {
-    let first = FirstHits::trace(world, camera, extent);
+    let first_hits = FirstHits::trace(world, camera, extent);
     let (to_clip, to_view) = (camera.view_to_clip_reversed().as_dmat4(), camera.world_to_view.as_dmat4());
     let depth = |z: &f64| to_clip.project_point3(DVec3::Z * *z).z.max(0.0) as f32;
     let rays = PrimaryRays::new(camera, extent);
@@ -54,37 +54,38 @@ pub fn traced(world: &World, camera: &Camera, extent: [u32; 2]) -> GBufferData {
         world.closest(&ray).map_or(Surface::Lit, |hit| world.point(&ray, &hit).surface)
     };
     let channel = |value: fn(&super::first_hits::Receiver) -> f64| {
-        first.receivers.iter().map(|r| r.as_ref().map_or(0.0, value) as f32).collect()
+        first_hits.receivers.iter().map(|r| r.as_ref().map_or(0.0, value) as f32).collect()
     };
     GBufferData {
         width: extent[0],
         height: extent[1],
         camera: *camera,
-        depth: first.view_z_m.iter().map(depth).collect(),
-        normal: first
+        depth: first_hits.view_z_m.iter().map(depth).collect(),
+        normal: first_hits
             .receivers
             .iter()
             .map(|r| r.map_or(Vec3::ZERO, |r| to_view.transform_vector3(r.normal).as_vec3()))
             .collect(),
         reflectivity: channel(|r| r.reflectivity),
         roughness: channel(|r| r.roughness),
-        color: first.lit.clone(),
-        surface: (0..first.lit.len()).map(surface).collect(),
+        color: first_hits.lit.clone(),
+        surface: (0..first_hits.lit.len()).map(surface).collect(),
     }
 }
 
-/// A wall `z` metres away that faces the camera.
+/// Returns the G-buffer of a wall `z` metres away that faces the camera.
 pub fn flat(width: u32, height: u32, z: f64) -> GBufferData {
     gbuffer(width, height, |_, _| depth_of(z), |_, _| Vec3::NEG_Z)
 }
 
-/// A floor 1 m below the eye that ends at a wall 5 m away. The wall has no upper end.
+/// Returns the G-buffer of a floor 1 m below the eye that ends at a wall 5 m away. The wall has no upper end.
 pub fn floor_and_wall(width: u32, height: u32) -> GBufferData {
+    // By how many metres the camera ray of a row rises with each metre of z.
     let slope = |y: u32| {
         let ndc = 1.0 - 2.0 * (f64::from(y) + 0.5) / f64::from(height);
         ndc * f64::from(Lens::default().fov_y_radians().expect("a perspective") / 2.0).tan()
     };
-    // The floor is visible along y = slope · z = −1.
+    // The camera ray of a row meets the floor, y = −1, at z = −1 / slope.
     let is_floor = move |y| slope(y) < -1.0 / 5.0;
     gbuffer(
         width,
@@ -118,44 +119,44 @@ pub const SIZES: [[u32; 2]; 20] = [
     [321, 239],
 ];
 
-/// A sequence of random numbers.
+/// A sequence of random numbers: a stream, and the index of its last number.
 pub struct Random(Stream, Cell<u64>);
 
 impl Random {
-    /// The sequence of a seed and an index.
+    /// Begins the sequence of a seed and an index.
     pub fn new(seed: u64, index: u64) -> Self {
         Self(Stream::new(seed, index), Cell::new(0))
     }
 
-    /// A random number in 0…1.
+    /// Returns the next random number in 0…1.
     pub fn unit(&self) -> f64 {
         self.1.set(self.1.get() + 1);
         self.0.uniform(self.1.get())
     }
 
-    /// A random number between two numbers.
+    /// Returns a random number between two numbers.
     pub fn range(&self, from: f64, to: f64) -> f64 {
         from + (to - from) * self.unit()
     }
 
-    /// A random whole number from 0 to n − 1.
+    /// Returns a random whole number from 0 to n − 1.
     pub fn below(&self, n: u32) -> u32 {
         (self.unit() * f64::from(n)) as u32
     }
 
-    /// A random vector whose components lie in −1…1; its length is not 1.
+    /// Returns a random vector whose components lie in −1…1; its length is not 1.
     pub fn direction(&self) -> DVec3 {
         DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
     }
 
-    /// A view depth between the near and far planes, uniform in its logarithm.
+    /// Returns a random view depth between the near and far planes in metres, uniform in its logarithm.
     pub fn depth(&self) -> f64 {
         self.range(0.1_f64.ln(), 1000.0_f64.ln()).exp()
     }
 }
 
-/// Depths of one kind, for each pixel. Two of the kinds with slopes are planes in view space, which stay planes in reversed
-/// depth.
+/// Returns random reversed depths of a kind (0 to [`KINDS`] − 1) for each pixel. Kind 4 is a plane in view space, which
+/// stays a plane in reversed depth.
 pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32> {
     let (a, b) = (random.depth(), random.depth());
     let (near, far) = (depth_of(a.min(b)), depth_of(a.max(b)));
@@ -164,6 +165,7 @@ pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32>
     let (small, holes) = (random.range(0.0, 0.02) as f32, random.range(0.0, 1.0));
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let depth = |(x, y): (u32, u32)| match kind {
+        // Kinds 0 to 3: random depths, one depth, a chequerboard of two depths, and two depths with one edge.
         0 => depth_of(random.depth()),
         1 => near,
         2 => [near, far][((x / cell + y / cell) % 2) as usize],
@@ -172,6 +174,7 @@ pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32>
             let [u, v] = [f64::from(x) / f64::from(width) - 0.5, f64::from(y) / f64::from(height) - 0.5];
             (f64::from(near) * (1.0 + tilt[0] * u + tilt[1] * v)).clamp(1e-4, 1.0) as f32
         }
+        // Kinds 5 to 7: a rough surface, random depths with sky between them, and few pixels before the sky.
         5 => near * (1.0 - small * random.unit() as f32),
         6 if random.unit() < holes => 0.0,
         6 => depth_of(random.depth()),
@@ -185,7 +188,7 @@ pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32>
 /// Number of kinds of depths.
 pub const KINDS: u32 = 9;
 
-/// A direction of one kind from a pixel at `from`.
+/// Returns a random view-space direction of a kind (0 to [`DIRECTIONS`] − 1), of any length, from a pixel at `from`.
 pub fn direction(kind: u32, random: &Random, rays: &RaySetup, from: DVec3) -> DVec3 {
     let g = rays.gbuffer;
     let target = || {
@@ -210,8 +213,8 @@ pub fn direction(kind: u32, random: &Random, rays: &RaySetup, from: DVec3) -> DV
 /// Number of kinds of directions.
 pub const DIRECTIONS: u32 = 7;
 
-/// The kind of depths of a case, and its G-buffer, whose normals have random directions. The cases go through all sizes and
-/// kinds.
+/// Returns the kind of depths of case number `case`, and its G-buffer, whose normals have random directions. The cases
+/// go through all sizes and kinds.
 pub fn awkward(case: u64, random: &Random) -> (u32, GBufferData) {
     let size = SIZES[(case % SIZES.len() as u64) as usize];
     let kind = (case / SIZES.len() as u64 % u64::from(KINDS)) as u32;

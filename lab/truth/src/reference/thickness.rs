@@ -1,5 +1,5 @@
 //! The block of depth that a pixel stands for when rays are traced. The block extends from the pixel's own depth to a
-//! back that lies T behind this depth (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
+//! back that lies the thickness T behind it (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
 
 use super::Level;
 use glam::DVec3;
@@ -16,24 +16,26 @@ pub struct DepthBlock {
 }
 
 impl DepthBlock {
-    /// The empty interval.
+    /// The empty interval, whose front lies behind its back.
     pub const EMPTY: Self = Self { back: f64::INFINITY, front: f64::NEG_INFINITY };
 
-    /// The thickness in reversed depth; 0 for sky.
+    /// Returns the thickness in reversed depth; 0 for sky.
     pub fn thickness(self) -> f64 {
         (self.front - self.back).max(0.0)
     }
 
-    /// The smallest interval that contains both intervals.
+    /// Returns the smallest interval that contains both intervals.
     pub fn union(self, other: Self) -> Self {
         Self { back: self.back.min(other.back), front: self.front.max(other.front) }
     }
 }
 
-/// T in metres of a pixel at view depth `z`, from the view depths of its left, right, upper and lower neighbour; `None` for a
-/// neighbour that is sky or off screen. `reach` is the camera's reach at z
-/// ([`Camera::reach_m`](ssct_scenes::Camera::reach_m)).
+/// Returns the thickness T in metres of a pixel at view depth `z`, from the view depths of its left, right, upper and
+/// lower neighbour in metres; `None` for a neighbour that is sky or off screen. `reach` is the camera's reach at z
+/// ([`Camera::reach_m`](ssct_scenes::Camera::reach_m)). T is the span of the surface in depth along both axes, plus a
+/// share of the reach.
 pub fn thickness(z: f64, reach: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
+    // The span along one axis is the smaller difference to a neighbour.
     let span = |a: Option<f64>, b: Option<f64>| {
         let least = [a, b].into_iter().flatten().map(|n| (z - n).abs()).min_by(f64::total_cmp);
         // A surface far before both neighbours is thinner than two pixels, and the neighbours say nothing about its thickness.
@@ -43,7 +45,7 @@ pub fn thickness(z: f64, reach: f64, [left, right, up, down]: [Option<f64>; 4]) 
     span(left, right) + span(up, down) + SHARE_OF_DEPTH * reach
 }
 
-/// The block of every pixel.
+/// Returns the block of every pixel of a G-buffer.
 pub fn blocks(gbuffer: &GBufferData) -> Level<DepthBlock> {
     let view_to_clip = gbuffer.view_to_clip();
     let clip_to_view = view_to_clip.inverse();
@@ -83,8 +85,8 @@ mod tests {
 
     #[test]
     fn what_stands_far_before_both_neighbours_has_the_least_thickness() {
-        // A pole one pixel wide, 2 m before a wall, and a pole two pixels wide. A pixel that is less than a twentieth of z
-        // before its neighbours counts as a slope.
+        // The first two cases are poles of one and of two pixels' width, 2 m before a wall. The third pixel is less
+        // than a twentieth of z before its neighbours, so that it counts as a slope.
         let beside = |left, right| thickness(10.0, 10.0, [Some(left), Some(right), Some(10.0), Some(10.0)]);
         assert!((beside(12.0, 12.0) - 0.04).abs() < 1e-12);
         assert!((beside(12.0, 10.0) - 0.04).abs() < 1e-12);

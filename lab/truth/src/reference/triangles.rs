@@ -1,5 +1,8 @@
-//! The CPU twin of `shaders-glsl/triangles/walk.glsl`: the walk of a ray through a tree of triangles, and the test of one
-//! triangle, operation for operation in 32-bit floats.
+//! The CPU twin of `shaders-glsl/triangles/walk.glsl`: the walk of a ray through a tree of triangles, and the test of
+//! one triangle, operation for operation in 32-bit floats. Comments in the shader give the reasons of each step.
+//!
+//! A group of nodes or triangles is two words: the number of the first one, and a mask with a bit for each one that the
+//! ray has still to look at.
 
 use glam::Vec3;
 use ssct_ground::math::constants::{ASKS_MATERIAL, NEVER, NO_TRIANGLE, ROUNDING, TREE_DEPTH};
@@ -11,7 +14,8 @@ use std::borrow::Cow;
 pub struct TriangleHit {
     /// Metres along the ray's unit direction.
     pub t: f32,
-    /// Number of the triangle, with `ASKS_MATERIAL`; `NO_TRIANGLE` for none.
+    /// Number of the triangle, with the bit `ASKS_MATERIAL` if its material says whether the ray passes; `NO_TRIANGLE`
+    /// for none.
     pub id: u32,
     /// Weights of the triangle's second and third corner.
     pub weight: [f32; 2],
@@ -20,7 +24,7 @@ pub struct TriangleHit {
 impl TriangleHit {
     const NO_HIT: Self = Self { t: NEVER as f32, id: NO_TRIANGLE, weight: [0.0; 2] };
 
-    /// The number of the triangle; `None` if the ray meets nothing.
+    /// Returns the number of the triangle without that bit; `None` if the ray meets nothing.
     pub fn triangle(&self) -> Option<u32> {
         (self.id != NO_TRIANGLE).then_some(self.id & !ASKS_MATERIAL)
     }
@@ -41,30 +45,30 @@ pub struct TreeRay {
 pub struct TriangleWalk<'a> {
     /// [`NODE_WORDS`] vectors for each node, as in [`Tree::nodes`].
     nodes: Cow<'a, [Words]>,
-    /// Root of the tree of moving triangles.
+    /// Number of the root of the tree of moving triangles, which follows the other nodes; `None` without such a tree.
     moving: Option<u32>,
     /// Three vectors for each triangle, as in [`TriangleRecords::corners`].
     corners: Cow<'a, [Words]>,
-    /// Greatest coordinate of a corner from the tree's origin, in metres, without its sign.
+    /// Greatest absolute value of a corner's coordinates from the tree's origin, in metres.
     extent: f32,
 }
 
-/// The scalar product, whose terms are added in the shader's order.
+/// Returns the scalar product, whose terms are added in the shader's order.
 fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
-/// The vector product, by the shader's operations.
+/// Returns the vector product, by the shader's operations.
 fn cross(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
-/// The point whose coordinates are the first three words, as bits of floats.
+/// Returns the point whose coordinates are the first three words, as bits of floats.
 fn corner(words: &Words) -> Vec3 {
     Vec3::from_array([words[0], words[1], words[2]].map(f32::from_bits))
 }
 
-/// Byte `i` of a word, counted from the lowest.
+/// Returns byte `i` of a word, counted from the lowest.
 fn byte(word: u32, i: u32) -> u32 {
     word >> (8 * i) & 0xff
 }
@@ -76,7 +80,7 @@ impl<'a> TriangleWalk<'a> {
         Self { nodes, moving: None, corners, extent: records.extent_m() }
     }
 
-    /// Makes walks also visit a tree of moving triangles.
+    /// Appends a tree of moving triangles, which walks then visit, too.
     #[must_use]
     pub fn with_moving(mut self, moving: &MovingTriangles) -> Self {
         let (root, slots) = ((self.nodes.len() / NODE_WORDS) as u32, (self.corners.len() / 3) as u32);
@@ -87,23 +91,29 @@ impl<'a> TriangleWalk<'a> {
         self
     }
 
-    /// The nearest triangle that a ray meets, and the greatest number of groups of nodes on the walk's stack.
+    /// Returns the nearest triangle that a ray meets, and the greatest number of groups of nodes that were on the
+    /// walk's stack.
     pub fn traverse_tree(&self, ray: &TreeRay) -> (TriangleHit, usize) {
         let mut best = TriangleHit::NO_HIT;
         let mut stack: Vec<[u32; 2]> = Vec::with_capacity(TREE_DEPTH as usize);
         let mut highest = 0;
+        // Components that are nearly 0 get a tiny value, so that the inverse is finite. This changes the test of no
+        // box.
         let direction = Vec3::from_array(ray.direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d }));
         let inverse = 1.0 / direction;
         let back = direction.to_array().map(|d| d < 0.0);
+        // For each axis along which the ray does not run back, a bit in each byte of the word. An exclusive or with it
+        // turns the places of four children into the order in which the ray should look at them.
         let octant = [0x0404_0404, 0x0202_0202, 0x0101_0101];
         let octant = octant.iter().zip(back).filter(|(_, back)| !back).fold(0, |all, (bits, _)| all | bits);
         // The tree of the triangles that do not move has the first nodes. Without such triangles there is no such tree.
         let has_still_tree = self.moving.map_or(!self.nodes.is_empty(), |root| root > 0);
-        // A group of nodes: the first child's number, and the bits of the children that are still to be looked at.
+        // A group of nodes: the first child's number, and a mask. Its upper 8 bits are the children still to be looked
+        // at, and its lower 8 bits say which children are nodes.
         let mut group = [0, if has_still_tree { 0x8000_0000 } else { 0 }];
         stack.extend(self.moving.map(|root| [root, 0x8000_0000]));
         loop {
-            // A group of triangles: the first one's slot, and the bits of the triangles that are still to be tested.
+            // A group of triangles: the first one's slot, and a mask of the triangles still to be tested.
             let mut leaves = [0; 2];
             if group[1] & 0xff00_0000 != 0 {
                 let bits: u32 = group[1];
@@ -113,6 +123,8 @@ impl<'a> TriangleWalk<'a> {
                     stack.push(group);
                     highest = highest.max(stack.len());
                 }
+                // The child's place in the node; the node's number follows from the count of child nodes at lower
+                // places.
                 let child = (bit - 24) ^ (octant & 0xff);
                 let node = group[0] + (bits & !(0xffff_ffff << child)).count_ones();
                 let (inner, hits, bases) = self.intersect_children(node, ray.origin, inverse, (back, octant), best.t);
@@ -131,9 +143,10 @@ impl<'a> TriangleWalk<'a> {
         }
     }
 
-    /// Intersects the children of a node. Returns a mask of the children that are nodes, a mask of what the ray meets
-    /// before `nearest`, and the numbers of the first child node and the first triangle. In the second mask, nodes have
-    /// the upper 8 bits and triangles the lower 24.
+    /// Intersects the children of a node. `back` says for each axis whether the ray runs back, and `nearest` is the t
+    /// of the nearest hit so far. Returns a mask of the children that are nodes, a mask of the children that the ray
+    /// meets before `nearest`, and the numbers of the first child node and the first triangle. In the second mask,
+    /// nodes have the upper 8 bits and triangles the lower 24.
     fn intersect_children(
         &self,
         node: u32,
@@ -144,15 +157,21 @@ impl<'a> TriangleWalk<'a> {
     ) -> (u32, u32, [u32; 2]) {
         let first = NODE_WORDS * node as usize;
         let [head, kinds, mut sides @ ..]: [Words; NODE_WORDS] = std::array::from_fn(|i| self.nodes[first + i]);
+        // Each axis has the low sides of children 0 to 3 and 4 to 7, then the high sides. The side that the ray meets
+        // first is moved to the front.
         for (side, back) in sides.iter_mut().zip(back) {
             if back {
                 *side = [side[2], side[3], side[0], side[1]];
             }
         }
+        // Boxes are whole numbers of bytes times a power of two, whose exponent is a byte of the head, from the node's
+        // corner.
         let scale = Vec3::from_array([0, 1, 2].map(|i| f32::from_bits(byte(head[3], i) << 23)));
         let (step, base) = (scale * inverse, (corner(&head) - origin) * inverse);
         let mut hits = 0;
         for half in 0..2 {
+            // A byte for each child: its place in the mask in the lower 5 bits, and its bits in the mask in the upper
+            // 3.
             let meta = kinds[2 + half];
             let inner = ((meta & meta << 1 & 0x1010_1010) >> 4) * 0xff;
             let places = (meta ^ octant & inner) & 0x1f1f_1f1f;
@@ -168,19 +187,21 @@ impl<'a> TriangleWalk<'a> {
         (head[3] >> 24, hits, [kinds[0], kinds[1]])
     }
 
-    /// Finds the nearest triangle by testing all triangles.
+    /// Returns the nearest triangle that a ray meets, found by testing all triangles.
     pub fn nearest_of_all(&self, ray: &TreeRay) -> TriangleHit {
         let mut best = TriangleHit::NO_HIT;
         (0..self.corners.len() / 3).for_each(|slot| self.update_nearest_hit(ray, slot, &mut best));
         best
     }
 
-    /// Makes the hit on the triangle of a slot the best one, if the ray meets the triangle and this hit is nearer than
-    /// the best one so far. `walk.glsl` gives the reason of each test.
+    /// Tests the triangle of a slot, and makes its hit the best one if the ray meets the triangle and the hit is nearer
+    /// than the best one so far. Of equally near hits, the one with the smaller number counts. `walk.glsl` gives the
+    /// reason of each test.
     fn update_nearest_hit(&self, ray: &TreeRay, slot: usize, best: &mut TriangleHit) {
         let words = &self.corners[3 * slot..3 * slot + 3];
         let [a, b, c] = [0, 1, 2].map(|k| corner(&words[k]) - ray.origin);
         let d = ray.direction;
+        // The edge functions of the three edges, which have one sign if the ray passes between them.
         let [u, v, w] = [dot(d, cross(c, b)), dot(d, cross(a, c)), dot(d, cross(b, a))];
         let area = u + v + w;
         let inverse = 1.0 / area;

@@ -1,9 +1,9 @@
-//! CPU twin of `unified`'s pyramid and traversal (`shaders-glsl/unified/`), in f32 and operation for operation the same, so
-//! that the two can be compared bit by bit. Comments in `pyramid.comp` and `traverse.glsl` give the reasons; the twin keeps
-//! their names.
+//! CPU twin of the pyramid and the traversal of `unified` (`shaders-glsl/unified/`): the same operations in f32 in the
+//! same order, so that the results can be compared bit by bit. The twin keeps the shaders' names, and comments in
+//! `pyramid.comp` and `traverse.glsl` give the reasons of each step. A ray's s counts pixels along its faster axis.
 //!
-//! The twin is no evidence for the method, since both share the same ideas; [`super::oracle`] is. The twin tells a wrong idea
-//! from a wrong device, and counts the cells looked at, which a shader cannot report.
+//! The twin is no evidence for the method, since both share the same ideas; [`super::oracle`] is. A difference between
+//! twin and device shows a fault of device or shader. The twin also counts the cells looked at; a shader cannot.
 
 mod blocks;
 mod follow;
@@ -28,7 +28,7 @@ use ssct_scenes::{Camera, GBufferData, ProjectionKind};
 /// Twin of the parameter block in `parameters.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
-    /// M₀₀ and M₁₁ of the projection.
+    /// M₀₀ and M₁₁ of the projection matrix, by which view-space x and y are scaled.
     pub view_to_clip: Vec2,
     /// 1 / width and 1 / height.
     pub pixel_to_clip: Vec2,
@@ -53,7 +53,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The parameters for a camera and a size in pixels; computed in f64 and rounded once.
+    /// Returns the parameters for a camera and an image size in pixels, computed in f64 and rounded once.
     pub fn new(camera: &Camera, [width, height]: [u32; 2]) -> Self {
         let projection = camera.view_to_clip_reversed().as_dmat4();
         let to_clip = glam::DVec2::new(projection.x_axis.x, projection.y_axis.y);
@@ -77,7 +77,7 @@ impl Parameters {
     }
 }
 
-/// Front and back in reversed depth.
+/// An interval of reversed depth that a pixel's surface, or those of all pixels of a cell, fill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Block {
     /// Nearest depth.
@@ -87,16 +87,16 @@ pub struct Block {
 }
 
 impl Block {
-    /// The block of sky, which no depth meets.
+    /// The block of sky, which no depth meets, since its front lies behind its back.
     pub const EMPTY: Self = Self { front: -1.0, back: 2.0 };
 
-    /// The smallest interval that contains both blocks.
+    /// Returns the smallest interval that contains both blocks.
     fn union(self, other: Self) -> Self {
         Self { front: self.front.max(other.front), back: self.back.min(other.back) }
     }
 }
 
-/// `Ray` of `traverse.glsl`: a ray in the image.
+/// Twin of `Ray`: a straight line in (pixel x, pixel y, reversed depth).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// Continuous pixel coordinates of the start: a pixel's centre on the screen, or any place of a face.
@@ -145,15 +145,18 @@ pub struct Hit {
     pub s: f32,
 }
 
-/// State of a walk; twin of `Walk` in `traverse.glsl`.
+/// Twin of `Walk`: the state of a ray's walk over the pyramid.
 #[derive(Debug, Clone, Copy)]
 struct Walk {
+    /// Pixel that the ray is in.
     pixel: IVec2,
     /// Level of the cell that is looked at next; below 0, the ray has met the pixel's block.
     level: i32,
-    /// s at which the ray enters the pixel, and its reversed depth there.
+    /// s at which the ray enters the pixel.
     entry: f32,
+    /// Reversed depth of the ray at `entry`.
     entry_depth: f32,
+    /// Number of cells looked at.
     steps: i32,
 }
 
@@ -162,8 +165,8 @@ struct Walk {
 enum WalkMode {
     /// The ray goes on behind blocks that it does not meet.
     Unfollowed,
-    /// The ray is followed only while the image sees it. `passes` lets the ray through the pixel that it begins in; `border` is
-    /// the last pixel of a face.
+    /// The ray is followed only while the image sees it: it meets a block as soon as it is behind the block's front.
+    /// `passes` lets the ray through the first pixel of the walk; `border` is the last pixel of a face.
     Followed { passes: bool, border: IVec2 },
 }
 
@@ -184,12 +187,13 @@ pub struct Visit {
 }
 
 impl Ray {
-    /// Continuous pixel coordinates and reversed depth at s.
+    /// Returns the continuous pixel coordinates and the reversed depth of the ray at s.
     pub fn point_at(&self, s: f32) -> Vec3 {
         self.start.extend(self.depth) + s * self.rate
     }
 
-    /// Twin of `Ahead`: along each axis 1 if the ray leaves a cell by the side of the greater coordinate, else 0.
+    /// Twin of `Ahead`: returns, for each axis, 1 if the ray leaves a cell by the side of the greater coordinate, else
+    /// 0.
     fn ahead(&self) -> IVec2 {
         IVec2::new(i32::from(self.inverse.x > 0.0), i32::from(self.inverse.y > 0.0))
     }
@@ -204,14 +208,16 @@ pub struct Traversal<'a> {
     gbuffer: &'a GBufferData,
     /// Parameters of the camera and the sizes.
     pub parameters: Parameters,
-    /// Levels of the pyramid; level n has padded >> n cells.
+    /// Levels of the pyramid; level n has padded >> n cells along each axis.
     pub levels: Vec<Level<Block>>,
+    /// Version of the oracle by whose rules rays hit.
     version: OracleVersion,
+    /// Whether rays that the screen loses go on in captures (`FOLLOWED`).
     is_followed: bool,
 }
 
 impl<'a> Traversal<'a> {
-    /// Builds the pyramid. Traversals follow version 1 of the oracle.
+    /// Builds the pyramid of a G-buffer. Rays hit by version 1 of the oracle until [`Self::of_version`] says otherwise.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let parameters = Parameters::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]);
         let [width, height] = parameters.padded.as_uvec2().to_array();
@@ -228,19 +234,19 @@ impl<'a> Traversal<'a> {
         Self { gbuffer, parameters, levels, version: OracleVersion::V1, is_followed: false }
     }
 
-    /// Returns the traversal of rays that are followed in captures after the screen loses them (`FOLLOWED`), by version 2 of
-    /// the oracle.
+    /// Returns the traversal for rays that are followed in captures after the screen loses them (`FOLLOWED`). They hit
+    /// by version 2 of the oracle.
     pub fn followed(self) -> Self {
         Self { version: OracleVersion::V2, is_followed: true, ..self }
     }
 
-    /// Returns the traversal by a version of the oracle.
+    /// Returns the traversal by the rules of the given version of the oracle.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
 
-    /// The mirror ray of a pixel; `None` for sky or without a normal. The second value says whether the pixel is seen from its
-    /// normal's side.
+    /// Twin of `MirrorRay`: returns the mirror ray of a pixel, and whether the pixel is seen from its normal's side.
+    /// `None` for sky or without a normal.
     pub fn mirror_ray(&self, x: u32, y: u32) -> Option<(Ray, bool)> {
         let (p, index) = (&self.parameters, self.gbuffer.index(x, y));
         let (pixel, depth) = (IVec2::new(x as i32, y as i32), self.levels[0].at_clamped(x, y).front);
@@ -248,6 +254,7 @@ impl<'a> Traversal<'a> {
         if depth <= 0.0 || n == Vec3::ZERO {
             return None;
         }
+        // The mirror direction is v + a n, a = −2 (v·n) / (n·n). The line of sight v itself does not move in the image.
         let (view, ndc) = self.pixel_point(pixel);
         let along = view.x * n.x + view.y * n.y + n.z;
         let squared = n.x * n.x + n.y * n.y + n.z * n.z;
@@ -258,7 +265,7 @@ impl<'a> Traversal<'a> {
         Some((self.make_ray(pixel.as_vec2() + 0.5, pixel, depth, direction, change.extend(change_z)), along < 0.0))
     }
 
-    /// The ray along a view-space direction of any length; `None` for sky.
+    /// Twin of `RayAlong`: returns the ray of pixel (x, y) along a view-space direction of any length; `None` for sky.
     pub fn ray_along(&self, x: u32, y: u32, direction: Vec3) -> Option<Ray> {
         let (p, pixel) = (&self.parameters, IVec2::new(x as i32, y as i32));
         let depth = self.levels[0].at_clamped(x, y).front;
@@ -269,8 +276,8 @@ impl<'a> Traversal<'a> {
         (depth > 0.0).then(|| self.make_ray(start, pixel, depth, direction, change.extend(change_z)))
     }
 
-    /// `PixelPoint`: x and y, at z = 1, of the direction in which a pixel is seen, and its place as ndc from the view's
-    /// axis.
+    /// Twin of `PixelPoint`: returns x and y of the view-space direction in which a pixel is seen, where z is 1, and
+    /// the pixel's place as ndc from the view's axis.
     fn pixel_point(&self, pixel: IVec2) -> (Vec2, Vec2) {
         let p = &self.parameters;
         let centre = IVec2::new(2 * pixel.x + 1 - p.size.x, p.size.y - 2 * pixel.y - 1).as_vec2() - p.shift;
@@ -278,7 +285,8 @@ impl<'a> Traversal<'a> {
         (view, centre * p.pixel_to_clip)
     }
 
-    /// `MakeRay`: a ray along a view-space direction, which `change` gives as a change of (ndc x, ndc y, depth).
+    /// Twin of `MakeRay`: returns a ray from the place `start` in a pixel along a view-space direction. `change` is
+    /// that direction as a change of (ndc x, ndc y, depth). A ray that does not move in the image ends at s = 0.
     fn make_ray(&self, start: Vec2, pixel: IVec2, depth: f32, direction: Vec3, change: Vec3) -> Ray {
         let size = self.parameters.size;
         let moved = change.truncate() * size.as_vec2() * Vec2::new(0.5, -0.5);
@@ -299,33 +307,35 @@ impl<'a> Traversal<'a> {
         Ray { start, pixel, depth, rate: rate.extend(depth_rate), inverse, end, direction }
     }
 
-    /// `MaxSteps` on the screen.
+    /// Twin of `MaxSteps`: returns the greatest number of steps of a walk over the screen. Each step goes forward by a
+    /// pixel or more along either axis, or down a level; only steps forward go up, so that no more steps go down.
     pub fn max_steps(&self) -> i32 {
         2 * (self.parameters.size.x + self.parameters.size.y)
     }
 
-    /// `MaxSteps` of a face, whose walk can pass pixels.
+    /// Twin of `MaxSteps` with `FACES`, for a walk over a face. It adds a step for each pixel that the ray passes
+    /// inside a block, and the steps down from the level at which the walk begins.
     pub fn max_face_steps(&self) -> i32 {
         3 * (self.parameters.size.x + self.parameters.size.y) + constants::FACE_LEVEL
     }
 
-    /// The steps that the mirror ray of a pixel takes; `None` for a pixel that does not reflect.
+    /// Returns the number of steps of the mirror ray of a pixel; `None` for a pixel that does not reflect.
     pub fn mirror_steps(&self, x: u32, y: u32) -> Option<u32> {
         let (ray, _) = self.mirror_ray(x, y).filter(|_| self.gbuffer.reflects(self.gbuffer.index(x, y)))?;
         Some(self.traverse(&ray).steps.max(0) as u32)
     }
 
-    /// Twin of `Traverse`: walks over the pyramid until the ray hits a block or ends.
+    /// Twin of `Traverse`: follows the ray over the pyramid until it hits a block or ends, and returns how it ends.
     pub fn traverse(&self, ray: &Ray) -> Hit {
         self.walk(ray, |_| {})
     }
 
-    /// Traces a ray and calls `visit` for every cell that is looked at.
+    /// Traces a ray as [`Self::traverse`] does, and calls `visit` for every cell that is looked at.
     pub fn walk(&self, ray: &Ray, visit: impl FnMut(Visit)) -> Hit {
         let (pixel, position) = (ray.pixel, Vec2::ZERO);
         let hit = Hit { code: HitCode::Miss, pixel, position, depth: 0.0, steps: 0, s: ray.end };
         let ahead = ray.ahead();
-
+        // The first step leaves the starting pixel without looking at it.
         let sides = (ahead.as_vec2() - 0.5) * ray.inverse;
         let entry = sides.x.min(sides.y);
         if entry.is_nan() || entry >= ray.end {
@@ -339,7 +349,7 @@ impl<'a> Traversal<'a> {
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
         let leaves = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
-        // Where the ray leaves the surface of the first pixel it enters, it cannot hit it: the depth meets no block.
+        // The first pixel may show the surface that the ray leaves. A depth beyond all others then meets nothing there.
         if leaves && !self.is_followed {
             entry_depth = if ray.rate.z < 0.0 { -NEVER } else { NEVER };
         }
@@ -348,6 +358,7 @@ impl<'a> Traversal<'a> {
         let mode = if self.is_followed { WalkMode::Followed { passes: leaves, border } } else { WalkMode::Unfollowed };
         self.advance(ray, ahead, mode, &mut walk, visit);
         let hit = Hit { steps: walk.steps, ..hit };
+        // At level 0 or above, the walk has met no pixel's block: the ray has ended, or has run out of steps.
         if walk.level >= 0 {
             return Hit { code: if walk.entry < ray.end { HitCode::Unfinished } else { HitCode::Miss }, ..hit };
         }
@@ -357,6 +368,7 @@ impl<'a> Traversal<'a> {
             && entry_depth < block.front
             && self.is_behind(ray, entry_depth, walk.pixel, block, ahead);
         let exit_depth = ray.depth + pixel_exit(ray, &walk, ahead) * ray.rate.z;
+        // The ray passes behind the block by the rule of version 2, or is followed and lies wholly behind the block.
         if is_behind || self.is_followed && entry_depth.max(exit_depth) < block.back {
             return Hit { code: HitCode::MissBehind, s: walk.entry, ..hit };
         }
@@ -367,7 +379,8 @@ impl<'a> Traversal<'a> {
         Hit { code: HitCode::Surface, pixel: walk.pixel, position, depth: ray.depth + s * ray.rate.z, s, ..hit }
     }
 
-    /// `Advance`: walks on until a block is met or the ray ends.
+    /// Twin of `Advance`: walks on until the ray meets a block, which sets the level below 0, or the ray ends. `ahead`
+    /// is [`Ray::ahead`]; `visit` is called for each cell looked at.
     fn advance(&self, ray: &Ray, ahead: IVec2, mode: WalkMode, walk: &mut Walk, mut visit: impl FnMut(Visit)) {
         let (start, recedes) = (ray.start, ray.rate.z < 0.0);
         let (mut passes, border, is_followed) = match mode {
@@ -390,6 +403,7 @@ impl<'a> Traversal<'a> {
             let meets = far <= block.front && if is_followed { !passes } else { near >= block.back };
             passes = false;
             visit(Visit { level: level as u32, cell, block, meets, span: [walk.entry, last] });
+            // The next pixel lies across the side that is nearer, and along the other axis where the ray is then.
             let inside = (start + last * ray.rate.truncate()).as_ivec2();
             let first = cell << level;
             let mut onward = inside.clamp(first, first + ((1 << level) - 1)).min(border);
@@ -411,19 +425,22 @@ impl<'a> Traversal<'a> {
         }
     }
 
-    /// The block of a pixel.
+    /// Returns the block of a pixel.
     fn block(&self, pixel: IVec2) -> Block {
         self.levels[0].at_clamped(pixel.x as u32, pixel.y as u32)
     }
 
-    /// The normal of a pixel, or zero beyond the image, where rounding may put the first pixel of a ray through a corner.
+    /// Returns the normal of a pixel, or zero beyond the image: rounding may put the first pixel of a ray through a
+    /// corner there.
     fn normal(&self, pixel: IVec2) -> Vec3 {
         let is_inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(self.parameters.size).all();
         if is_inside { self.gbuffer.normal[self.gbuffer.index(pixel.x as u32, pixel.y as u32)] } else { Vec3::ZERO }
     }
 
-    /// Twin of `IsBehind`: whether a ray that enters a pixel at `entry_depth`, behind the front of its block, passes
-    /// behind the block and does not hit it (version 2 of the oracle).
+    /// Twin of `IsBehind`: returns whether a ray that enters a pixel at `entry_depth`, behind the front of its block,
+    /// passes behind the block and does not hit it (version 2 of the oracle). It does if it was behind the front of the
+    /// pixel before, or, at an edge, if it is deeper in the block than the thickness times the cosine between ray and
+    /// reversed normal.
     fn is_behind(&self, ray: &Ray, entry_depth: f32, pixel: IVec2, block: Block, ahead: IVec2) -> bool {
         let before = self.block(pixel_before(ray, pixel, ahead));
         let (d, n) = (ray.direction, self.normal(pixel));
@@ -436,22 +453,22 @@ impl<'a> Traversal<'a> {
     }
 }
 
-/// Twin of `PixelBefore`: the pixel that a ray leaves as it enters `pixel`, across the boundary that it crosses last.
-/// `ahead` is that of [`Ray::ahead`].
+/// Twin of `PixelBefore`: returns the pixel that a ray leaves as it enters `pixel`, across the boundary that it crosses
+/// last. `ahead` is [`Ray::ahead`].
 fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
     let entries = ((pixel + 1 - ahead).as_vec2() - ray.start) * ray.inverse;
     let back = 1 - 2 * ahead;
     pixel + IVec2::new(if entries.x >= entries.y { back.x } else { 0 }, if entries.y >= entries.x { back.y } else { 0 })
 }
 
-/// `PixelExit`: the s at which a ray ends or leaves the walk's current pixel.
+/// Twin of `PixelExit`: returns the s at which a ray ends or leaves the walk's current pixel.
 fn pixel_exit(ray: &Ray, walk: &Walk, ahead: IVec2) -> f32 {
     let crossings = ((walk.pixel + ahead).as_vec2() - ray.start) * ray.inverse;
     crossings.x.min(crossings.y).min(ray.end).max(walk.entry)
 }
 
-/// `FrontCrossing`: the s at which the ray crosses a front, if this lies inside the walk's current pixel; otherwise the s of
-/// entry.
+/// Twin of `FrontCrossing`: returns the s at which the ray crosses the depth `front` inside the walk's current pixel,
+/// or the s of its entry if it does not.
 fn front_crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
     let last = pixel_exit(ray, walk, ahead);
     let exit_depth = ray.depth + last * ray.rate.z;
@@ -460,7 +477,7 @@ fn front_crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
     if far <= front && front <= near && far < near { crossing.max(walk.entry).min(last) } else { walk.entry }
 }
 
-/// `Dot`: the scalar product, whose terms are added in the shader's order.
+/// Twin of `Dot`: returns the scalar product, whose terms are added in the shader's order.
 fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
@@ -468,12 +485,13 @@ fn dot(a: Vec3, b: Vec3) -> f32 {
 /// The greatest 16-bit float.
 const GREATEST: f32 = constants::GREATEST_HALF as f32;
 
-/// `Sound`: makes any value of a G-buffer's colour fit to be summed and stored in 16 bits.
+/// Twin of `Sound`: returns a value of a colour that can be summed and stored in 16 bits: at most the greatest half,
+/// and 0 for negative values and NaN.
 fn sound(v: f32) -> f32 {
     if v > 0.0 { v.min(GREATEST) } else { 0.0 }
 }
 
-/// The nearest 16-bit float.
+/// Rounds a value to the nearest 16-bit float.
 fn half(v: f32) -> f32 {
     half::f16::from_f32(v).to_f32()
 }

@@ -1,5 +1,6 @@
-//! The visibility chain on the CPU (thesis §4.2.5, Eq. 4.2 and its listing): the twin of `passes::visibility`
-//! and `shaders-glsl/thesis/visibility.frag`.
+//! The visibility chain on the CPU (thesis §4.2.5, Eq. 4.2 and its listing): the twin of `passes::visibility` and
+//! `shaders-glsl/thesis/visibility.frag`. The visibility of a cell is the share of it (0 to 1) that the Hi-Z chain
+//! leaves visible.
 
 use super::Level;
 use super::hi_z::MinMax;
@@ -13,33 +14,35 @@ pub struct Range {
     pub far_m: f32,
 }
 
-/// Eq. 4.2 as printed. The equation is meant for depths in −1…1 but receives 0…1 (an erratum that is kept). The result
-/// is monotonic, from 2n / (f + n) at 0 to 1 at 1, but it is not a distance.
+/// Eq. 4.2 as printed: returns the linearised depth of a standard depth `z`. The equation is meant for depths in −1…1
+/// but receives 0…1 (an erratum that is kept). The result rises from 2n / (f + n) at 0 to 1 at 1, but it is not a
+/// distance.
 pub fn linearize(z: f32, range: Range) -> f32 {
     let Range { near_m: near, far_m: far } = range;
     (2.0 * near) / (far + near - z * (far - near))
 }
 
-/// A share after rounding to 8 bits by storage in the target (Vulkan rounds to nearest; rounding at a tie depends on the
-/// device).
+/// Returns a share (0 to 1) as a target of 8 bits stores it. Vulkan rounds to nearest; rounding at a tie depends on the
+/// device.
 pub fn quantize(share: f32) -> f32 {
     (share.clamp(0.0, 1.0) * 255.0).round() / 255.0
 }
 
-/// Computes the visibility of a level from the depth and visibility of the next finer level, as the thesis's listing does. `None` if the
-/// finer level is the coarsest. The result is not quantised. Fetches beyond the edge return the texel at the edge, as in the shader.
+/// Returns the visibility of a level, computed from the depth and visibility of the next finer level as in the thesis's
+/// listing. `None` if the finer level is the coarsest. The result is not quantised. Fetches beyond the edge return the
+/// texel at the edge, as in the shader.
 pub fn integrate(depth: &Level<MinMax>, visibility: &Level<f32>, range: Range) -> Option<Level<f32>> {
     let (width, height) = depth.coarser()?;
     Some(Level::from_fn(width, height, |x, y| {
-        let read = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (2 * x + dx, 2 * y + dy));
-        let fine_z = read.map(|(x, y)| linearize(depth.at_clamped(x, y).min, range));
+        let texels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (2 * x + dx, 2 * y + dy));
+        let fine_z = texels.map(|(x, y)| linearize(depth.at_clamped(x, y).min, range));
         let max_z = fine_z.into_iter().fold(f32::NEG_INFINITY, f32::max);
-        read.iter().zip(fine_z).map(|(&(x, y), z)| 0.25 * (visibility.at_clamped(x, y) * (z / max_z))).sum()
+        texels.iter().zip(fine_z).map(|(&(x, y), z)| 0.25 * (visibility.at_clamped(x, y) * (z / max_z))).sum()
     }))
 }
 
-/// The whole chain over a Hi-Z chain. Level 0 is 1 everywhere, and every level is quantised before the next is
-/// computed from it.
+/// Returns the whole visibility chain over a Hi-Z chain. Level 0 is 1 everywhere, and every level is quantised before
+/// the next is computed from it.
 pub fn chain(hi_z: &[Level<MinMax>], range: Range) -> Vec<Level<f32>> {
     let Some(finest) = hi_z.first() else { return Vec::new() };
     let mut chain = vec![Level::from_fn(finest.width, finest.height, |_, _| 1.0)];
@@ -68,8 +71,8 @@ mod tests {
 
     #[test]
     fn a_step_hides_what_is_before_the_farthest_texel() {
-        // Near plane n = 1 and far plane f = 3: Eq. 4.2 gives 2/4 at depth 0 and 1 at depth 1, so three near
-        // texels and a far one give ¼ (½ + ½ + ½ + 1) = 0.625, stored as 159/255.
+        // With near plane n = 1 and far plane f = 3, Eq. 4.2 gives 2/4 at depth 0 and 1 at depth 1. Three near texels
+        // and a far one therefore give ¼ (½ + ½ + ½ + 1) = 0.625, which is stored as 159/255.
         let range = Range { near_m: 1.0, far_m: 3.0 };
         let hi_z = hi_z::chain(&Level { width: 2, height: 2, texels: vec![0.0, 0.0, 0.0, 1.0] });
         assert_eq!(chain(&hi_z, range)[1].texels, [159.0 / 255.0]);

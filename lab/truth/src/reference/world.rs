@@ -1,9 +1,9 @@
-//! The world reference of docs/definitions.md, "Image error": the glossy reflection of each pixel as the mean over rays of its
-//! Phong lobe, traced against the triangles of the whole scene, with its standard error. The reflection includes
-//! surfaces that are off screen or hidden, which no screen-space method can see.
+//! The world reference of docs/definitions.md, "Image error": the glossy reflection of each pixel as the mean over rays
+//! of its Phong lobe, with its standard error. The rays are traced against the triangles of the whole scene. The
+//! reflection therefore includes surfaces that are off screen or hidden, which no screen-space method can see.
 //!
-//! Each sample reflects the camera ray through a random place within the pixel, at the pixel's own point with the pixel's own
-//! normal, as the screen reference does.
+//! Each sample reflects the camera ray through a random place within the pixel. The ray is reflected at the pixel's own
+//! point with the pixel's own normal, as in the screen reference.
 //!
 //! A surface that a ray hits is lit directly, as in the G-buffer. With several bounces (docs/definitions.md, "Bounces") the
 //! surface reflects, too: the sample goes on along one direction of its lobe. Each sample depends only on the seed, its pixel
@@ -26,7 +26,7 @@ use ssct_ground::{Error, Result};
 use ssct_scenes::Camera;
 use state::{Kind, WorldState};
 
-/// The least distance of a hit from the start of a reflected ray that counts, in metres (docs/definitions.md, "World
+/// The least distance from the start of a reflected ray at which a hit counts, in metres (docs/definitions.md, "World
 /// agreement").
 pub const RAY_START_M: f64 = 1e-4;
 
@@ -48,8 +48,8 @@ pub struct WorldReference<'a> {
     pub first_hits: &'a FirstHits,
     /// The radiance of rays that hit nothing.
     pub escape: EscapeRadiance,
-    /// The camera's rays, if samples reflect rays through all of the pixel; `None` if all samples reflect the ray through the
-    /// centre.
+    /// The camera's rays, if samples reflect rays through random places of the pixel; `None` if all samples reflect the
+    /// ray through the centre.
     pub footprint: Option<PrimaryRays>,
     /// Seed of the random numbers; another seed gives an independent result.
     pub seed: u64,
@@ -111,35 +111,37 @@ pub struct WorldSample {
 }
 
 impl<'a> WorldReference<'a> {
-    /// The reference of docs/definitions.md.
+    /// Makes the reference of docs/definitions.md: rays through random places of the pixels, the environment for rays
+    /// that escape, and one bounce.
     pub fn new(world: &'a World<'a>, first_hits: &'a FirstHits, camera: &Camera, seed: u64) -> Self {
         let footprint = Some(PrimaryRays::new(camera, [first_hits.width, first_hits.height]));
         Self { world, first_hits, escape: EscapeRadiance::Environment, footprint, seed, bounces: 1 }
     }
 
-    /// The reference whose rays all leave a pixel's centre, and whose escaping rays are black, so that another renderer can
-    /// follow it ray by ray.
+    /// Makes a reference whose samples all reflect the ray through the pixel's centre, and whose escaping rays are
+    /// black, so that another renderer can trace the same rays.
     pub fn of_centres(world: &'a World<'a>, first_hits: &'a FirstHits, seed: u64) -> Self {
         Self { world, first_hits, escape: EscapeRadiance::Black, footprint: None, seed, bounces: 1 }
     }
 
-    /// Returns this reference with several bounces.
+    /// Returns this reference with the given number of bounces, ≥ 1.
     pub fn with_bounces(self, bounces: u32) -> Self {
         Self { bounces, ..self }
     }
 
-    /// A state without samples.
+    /// Returns a state without samples.
     pub fn start(&self) -> WorldState {
         self.start_at(0)
     }
 
-    /// A state without samples, whose first sample will have the number `first`, a multiple of
-    /// [`LEAF`](super::partial_sums::LEAF). The state becomes a part of the samples, which [`super::world_part`] merges
+    /// Returns a state without samples, whose first sample will have the number `first`, a multiple of
+    /// [`LEAF`](super::partial_sums::LEAF). The state is for a part of all samples, which [`super::world_part`] merges
     /// with the other parts.
     pub fn start_at(&self, first: u32) -> WorldState {
+        // The samples that a pixel takes. A mirror without a footprint takes a single one, but with several bounces a
+        // later bounce may meet a lobe, which needs many samples.
         let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
             (None, _) => Kind::None,
-            // With several bounces, a later bounce may meet a lobe, which needs many samples.
             (Some(r), None) if r.roughness <= 0.0 && self.bounces == 1 => Kind::Single,
             (Some(r), _) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
             (Some(_), _) => Kind::Sampled { least: 0 },
@@ -148,8 +150,8 @@ impl<'a> WorldReference<'a> {
         WorldState::new(self.fingerprint(), [self.first_hits.width, self.first_hits.height], first, kinds)
     }
 
-    /// Adds samples to every pixel that takes more than one, and traces the missing samples of the other pixels: a mirror's
-    /// single ray, or a mirror's least number of rays.
+    /// Adds `samples` samples to every pixel with a lobe. A mirror takes its single ray, or its least number of rays,
+    /// with the first samples.
     pub fn add(&self, state: &mut WorldState, samples: u32) {
         let last = state.samples().saturating_add(samples);
         let mut nothing = vec![(); state.sums.pixels()];
@@ -158,8 +160,9 @@ impl<'a> WorldReference<'a> {
         }
     }
 
-    /// Adds the samples up to the next stop of the state's sums. `look` is called for each sample, in the order of their
-    /// numbers, with the value in `beside` for the sample's pixel.
+    /// Adds the samples before number `stop`, which must be the next stop of the state's sums. `beside` has a value of
+    /// the caller for each pixel. `look` is called with this value and each sample of the pixel, in the order of the
+    /// samples' numbers.
     pub(super) fn add_beside<T: Send>(
         &self,
         state: &mut WorldState,
@@ -169,23 +172,24 @@ impl<'a> WorldReference<'a> {
     ) {
         let first = state.samples();
         let WorldState { sums, kinds, .. } = state;
-        let of_receivers = self.first_hits.receivers.par_iter().zip(kinds.par_iter());
-        sums.open().par_iter_mut().zip(beside).zip(of_receivers).enumerate().with_min_len(64).for_each(
-            |(index, ((sums, kept), (receiver, kind)))| {
+        let receivers = self.first_hits.receivers.par_iter().zip(kinds.par_iter());
+        // For each pixel: its index, its sums, the caller's value, its receiver and the kind of its samples.
+        sums.open().par_iter_mut().zip(beside).zip(receivers).enumerate().with_min_len(64).for_each(
+            |(index, ((sums, value), (receiver, kind)))| {
                 let Some(receiver) = receiver else { return };
                 let stream = Stream::new(self.seed, index as u64);
                 for number in kind.samples(first)..kind.samples(stop) {
                     let sample = self.sample(index, receiver, u64::from(number), &stream);
                     sums.add(sample.radiance);
-                    look(kept, &sample);
+                    look(value, &sample);
                 }
             },
         );
         state.sums.close(stop);
     }
 
-    /// Adds passes until the target is met. `progress` is called after each pass and may save the state; an
-    /// error that it returns ends the run.
+    /// Adds samples, pass after pass, until the target is met. `progress` is called after each pass and may save the
+    /// state; an error that it returns ends the run.
     pub fn run<E: From<Error>>(
         &self,
         state: &mut WorldState,
@@ -205,11 +209,12 @@ impl<'a> WorldReference<'a> {
         Ok(())
     }
 
-    /// The image of a state.
+    /// Returns the image of the samples that a state has so far.
     pub fn image(&self, state: &WorldState) -> WorldImage {
         let reflection: Vec<Vec3> = state.means().map(DVec3::as_vec3).collect();
-        let strength = self.first_hits.receivers.iter().map(|r| r.map_or(0.0, |r| r.reflectivity as f32));
-        let composite = self.first_hits.lit.iter().zip(&reflection).zip(strength).map(|((lit, r), s)| *lit + s * *r);
+        let reflectivities = self.first_hits.receivers.iter().map(|r| r.map_or(0.0, |r| r.reflectivity as f32));
+        let pixels = self.first_hits.lit.iter().zip(&reflection).zip(reflectivities);
+        let composite = pixels.map(|((lit, reflection), reflectivity)| *lit + reflectivity * *reflection);
         WorldImage {
             width: self.first_hits.width,
             height: self.first_hits.height,
@@ -222,8 +227,10 @@ impl<'a> WorldReference<'a> {
     }
 
     /// Takes sample `number` of the pixel `index`: traces one ray of the receiver's lobe, and its further bounces.
+    /// `stream` has the random numbers of the pixel.
     fn sample(&self, index: usize, receiver: &Receiver, number: u64, stream: &Stream) -> WorldSample {
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
+        // The receiver with the camera ray of this sample, and the two random numbers for the direction in the lobe.
         let (receiver, lobe) = match &self.footprint {
             None => (*receiver, numbers(2 * number)),
             Some(rays) => {
@@ -235,21 +242,23 @@ impl<'a> WorldReference<'a> {
             let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), lobe);
             return WorldSample { radiance: DVec3::ZERO, bounced: DVec3::ZERO, direction, end: None };
         };
+        // `share` is the share of the light at the last surface that reaches the receiver.
         let (mut bounced, mut share, mut last) = (DVec3::ZERO, 1.0, first);
         for bounce in 1..u64::from(self.bounces) {
             let Some(receiver) = last.point.and_then(|point| Receiver::hit_by(&last.ray, &point)) else { break };
-            // Further bounces use numbers far from those of first bounces, of which there are fewer than 2³².
-            let place = (bounce << 40) + 2 * number;
+            // Further bounces use random numbers from 2⁴⁰ on, far from those of the first bounces of fewer than 2³²
+            // samples.
+            let first_number = (bounce << 40) + 2 * number;
             share *= receiver.reflectivity;
-            let Some((next, lit)) = self.traced(&receiver, numbers(place)) else { break };
+            let Some((next, lit)) = self.traced(&receiver, numbers(first_number)) else { break };
             bounced += share * lit;
             last = next;
         }
         WorldSample { radiance: lit + bounced, bounced, direction: first.ray.direction, end: first.end }
     }
 
-    /// Traces a ray of a lobe, chosen by two random numbers, with the light that arrives along it from a surface or from the
-    /// environment. `None` if the ray leads below the surface and brings no light.
+    /// Traces the ray of a receiver's lobe that two random numbers choose. Returns the ray, and the light that arrives
+    /// along it from a surface or from the environment. `None` if the ray leads below the surface and brings no light.
     fn traced(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<(TracedRay, DVec3)> {
         let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), numbers);
         if !receiver.is_above(direction) {

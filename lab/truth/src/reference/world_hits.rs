@@ -1,5 +1,5 @@
-//! Computes where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. A method's hits are
-//! judged by the result (docs/definitions.md, "World agreement").
+//! Computes where the mirror rays of a G-buffer end in the world, and whether the screen shows these places. A method's
+//! hits are compared with the result (docs/definitions.md, "World agreement").
 
 use super::first_hits::{FirstHits, Receiver};
 use super::surface::World;
@@ -34,7 +34,7 @@ pub enum WorldHit {
 }
 
 impl WorldHit {
-    /// The pixel coordinates of a visible hit, where a method should hit; `None` where it should miss.
+    /// Returns the pixel coordinates of a visible hit, where a method should hit; `None` if the method should miss.
     pub fn visible_at(&self) -> Option<DVec2> {
         match *self {
             Self::Hit { pixel, visible: true, .. } => pixel,
@@ -43,8 +43,8 @@ impl WorldHit {
     }
 }
 
-/// Traces the mirror ray of each reflecting pixel of a G-buffer, from the point that the pixel shows ([`FirstHits::shown`]) and
-/// by the pixel's own normal; rows from the top.
+/// Traces the mirror ray of each reflecting pixel of a G-buffer, and returns the end for each pixel, rows from the top.
+/// The ray begins at the point that the pixel shows ([`FirstHits::shown`]) and is reflected at the pixel's own normal.
 pub fn world_hits(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits) -> Vec<WorldHit> {
     let screen = ShownPlaces::new(gbuffer, first_hits);
     let end = |receiver: &Option<Receiver>| match receiver {
@@ -54,25 +54,27 @@ pub fn world_hits(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits) 
     first_hits.receivers.par_iter().map(end).collect()
 }
 
-/// Finds the places of the world that a screen shows.
+/// Tests which places of the world the screen shows.
 #[derive(Debug, Clone)]
 pub(super) struct ShownPlaces<'a> {
     gbuffer: &'a GBufferData,
     colors: SurfaceColors<'a>,
+    /// View-space z in metres of the surface that each pixel shows.
     view_z_m: &'a [f64],
     world_to_view: DMat4,
     view_to_clip: DMat4,
 }
 
 impl<'a> ShownPlaces<'a> {
-    /// The places that a G-buffer shows; `first_hits` are the first hits of the same G-buffer.
+    /// Prepares the tests for a G-buffer; `first_hits` are the first hits of the same G-buffer.
     pub(super) fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
         let world_to_view = gbuffer.camera.world_to_view.as_dmat4();
         let colors = SurfaceColors::new(gbuffer);
         Self { gbuffer, colors, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }
     }
 
-    /// Where a mirror ray ends, and the triangle that the ray meets; `None` if the ray escapes.
+    /// Returns where the mirror ray of a receiver ends, and the triangle that the ray meets (`None` if the ray
+    /// escapes).
     pub(super) fn end(&self, world: &World, receiver: &Receiver) -> (WorldHit, Option<TriangleHit>) {
         let direction = receiver.mirror();
         let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
@@ -82,8 +84,8 @@ impl<'a> ShownPlaces<'a> {
         (WorldHit::Hit { position, pixel, view_z_m, length_m: hit.t, visible }, Some(hit))
     }
 
-    /// The projection of a place (`None` behind the eye of a perspective camera), its view-space z in metres, and whether the
-    /// pixel there shows the place.
+    /// Returns the pixel coordinates of a place (`None` behind the eye of a perspective camera), its view-space z in
+    /// metres, and whether the pixel there shows the place.
     pub(super) fn judge(&self, position: DVec3) -> (Option<DVec2>, f64, bool) {
         let view = self.world_to_view.transform_point3(position);
         let pixel = self.gbuffer.project(view, &self.view_to_clip).map(|p| p.truncate());
@@ -92,14 +94,15 @@ impl<'a> ShownPlaces<'a> {
         (pixel, view.z, pixel.and_then(|p| self.index(p)).is_some_and(shows))
     }
 
-    /// The colour that the screen shows at the end of a ray, if the screen shows that place.
+    /// Returns the linear colour that the screen shows at the end of a ray; `None` if the screen does not show that
+    /// place. `towards` is the ray's direction in the world, for surfaces that show the environment.
     pub(super) fn color(&self, end: DVec3, towards: DVec3) -> Option<DVec3> {
         let (pixel, _, visible) = self.judge(end);
         let p = pixel.filter(|_| visible)?;
         Some(self.colors.shown(self.index(p)?, p.to_array(), towards, None))
     }
 
-    /// The index of the pixel at continuous coordinates; `None` off screen.
+    /// Returns the index of the pixel at continuous pixel coordinates; `None` off screen.
     pub(super) fn index(&self, p: DVec2) -> Option<usize> {
         let size = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height));
         let inside = p.cmpge(DVec2::ZERO).all() && p.cmplt(size).all();
@@ -115,8 +118,8 @@ mod tests {
     use glam::Vec3;
     use ssct_scenes::{Camera, FieldOfView, Lens, Material, Scene};
 
-    /// A camera at the origin, 1 m above a mirror floor, in front of a wall at z = 4 that stands on the floor. The
-    /// wall's distances in the G-buffer are multiplied by a factor.
+    /// Returns a scene and its G-buffer: a camera at the origin, 1 m above a mirror floor, before a wall at z = 4 m
+    /// that stands on the floor. The wall's distances in the G-buffer are multiplied by a factor.
     fn gbuffer(wall_depth_factor: f32) -> (Scene, GBufferData) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
@@ -147,8 +150,8 @@ mod tests {
         let mut seen = 0;
         for (index, hit) in hits.iter().enumerate() {
             let (x, y) = (index % 40, index / 40);
-            // The image is square with a field of view of 90°: the ray of row y descends by (y + ½ − 20) / 20
-            // per metre.
+            // The image is square with a field of view of 90°, so that the ray of row y descends by (y + ½ − 20) / 20
+            // with each metre of z.
             let down = (y as f64 + 0.5 - 20.0) / 20.0;
             if down * 4.0 <= 1.0 {
                 assert_eq!(*hit, WorldHit::NotReflecting, "{x} {y}");
@@ -168,7 +171,7 @@ mod tests {
             assert!((length_m - expected).abs() < 1e-3, "{x} {y}: {length_m} {expected}");
             assert!((pixel.y - (20.0 - 5.0 * (4.0 * down - 2.0))).abs() < 1e-3, "{x} {y}: {pixel}");
             assert!((pixel.x - (x as f64 + 0.5)).abs() < 1e-3, "{x} {y}: {pixel}");
-            // The floor hides nothing below the wall's foot (row 25): the whole wall is on screen.
+            // The whole wall is on screen, down to its foot (row 25), and nothing hides it.
             assert!(visible, "{x} {y}");
             assert_eq!(hit.visible_at(), Some(pixel));
             seen += 1;

@@ -1,4 +1,4 @@
-//! Merges parts of a world reference's samples, which were taken by different machines, into the reference that one machine
+//! Merges parts of a world reference's samples, which different machines took. The result is the state that one machine
 //! would have sampled, to the bit. Merging needs neither the scene nor the camera.
 
 use super::partial_sums::LEAF;
@@ -12,13 +12,16 @@ use std::path::{Path, PathBuf};
 pub struct WorldPart {
     /// The file.
     pub path: PathBuf,
+    /// The content of the file.
     kept: KeptState,
 }
 
-/// The share of `samples` that shard `index`, from 1 to `shards`, takes. Shares are whole leaves of [`super::partial_sums`], as
-/// evenly divided as possible; some are empty if there are more shards than leaves.
+/// Returns the numbers of the samples, out of `samples`, that shard `index` (from 1 to `shards`) takes. Shards take
+/// whole leaves of [`super::partial_sums`], as evenly divided as possible; some take none if there are more shards than
+/// leaves.
 pub fn samples_of(index: u32, shards: u32, samples: u32) -> Range<u32> {
     let leaves = u64::from(samples.div_ceil(LEAF));
+    // The number of the first sample after shard number `shard`.
     let begin = |shard: u32| {
         let leaf = leaves * u64::from(shard) / u64::from(shards.max(1));
         (leaf * u64::from(LEAF)).min(u64::from(samples)) as u32
@@ -27,20 +30,21 @@ pub fn samples_of(index: u32, shards: u32, samples: u32) -> Range<u32> {
 }
 
 impl WorldPart {
-    /// Reads a file.
+    /// Reads a part from its file.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read, [`Error::Malformed`] if it is no state of a reference, or damaged.
+    /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not the state of a reference, or is
+    /// damaged.
     pub fn read(path: &Path) -> Result<Self> {
         Ok(Self { path: path.to_owned(), kept: read_state(path)? })
     }
 
-    /// The numbers of the samples.
+    /// Returns the range of the numbers of the samples.
     pub fn samples(&self) -> Range<u32> {
         self.kept.sums.first()..self.kept.sums.end()
     }
 
-    /// Writes a state from which sampling can be continued.
+    /// Writes the part as a state from which sampling can be continued.
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be written.
@@ -68,6 +72,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     // If two parts begin with the same sample, the longer part comes first.
     parts.sort_by_key(|part| (part.samples().start, u32::MAX - part.samples().end));
     let mut merged: Option<WorldPart> = None;
+    // `end` is the number of the first sample after the parts so far, and `before` the last of these parts.
     let (mut missing, mut end): (Vec<Range<u32>>, u32) = (Vec::new(), 0);
     let mut before: Option<WorldPart> = None;
     for part in parts {
@@ -93,7 +98,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
         }
         end = range.end;
         before = Some(part.clone());
-        // Parts behind a gap cannot be merged.
+        // Parts after a gap cannot be merged.
         if !missing.is_empty() {
             continue;
         }
@@ -111,7 +116,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     Ok(MergedParts { merged, missing })
 }
 
-/// Text that names samples by their indices, such as "samples 3 to 7".
+/// Returns a text that names samples by their numbers, such as "samples 3 to 7".
 pub fn named(samples: &Range<u32>) -> String {
     format!("samples {} to {}", samples.start, samples.end.saturating_sub(1))
 }
@@ -135,7 +140,7 @@ mod tests {
         }
     }
 
-    /// Calls a check with the references of two seeds for a few pixels, and a temporary folder.
+    /// Calls `check` with two references that differ in their seed, for a few pixels, and with a temporary folder.
     fn with_references(check: impl Fn(&WorldReference, &WorldReference, &Path)) {
         let scene = library::scene("corridor").expect("built in");
         let view = &scene.views[0];
@@ -147,7 +152,8 @@ mod tests {
         check(&reference(1), &WorldReference { seed: 2, ..reference(1) }, folder.path());
     }
 
-    /// Takes some samples of a reference, and reads them from a file in the folder.
+    /// Takes a range of samples of a reference, saves them in a file in the folder, and returns the part that is read
+    /// from it.
     fn part(reference: &WorldReference, folder: &Path, samples: Range<u32>) -> WorldPart {
         let path = folder.join(format!("{}-{}-{}", reference.seed, samples.start, samples.end));
         let mut state = reference.start_at(samples.start);

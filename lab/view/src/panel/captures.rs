@@ -7,7 +7,7 @@ use crate::input::Action;
 use crate::state::{InnerImage, State};
 use egui::{Grid, RichText, Ui};
 
-/// Draws this part of the panel: the list of captures with its buttons, and the file that they are saved in.
+/// Draws this part of the panel: the list of captures with its buttons, and the file in which they are saved.
 pub fn show(ui: &mut Ui, state: &mut State, editor: &mut CaptureEditor, data: &PanelData, actions: &mut PanelActions) {
     ui.label("Cubes of images in which rays go on that the screen loses. The method's option captures turns them on.");
     let captures = editor.list.as_deref().unwrap_or(data.captures);

@@ -1,10 +1,11 @@
-//! Shows any intermediate image at any mip level, with range and exposure.
+//! Lets the user choose an intermediate image, its mip level, and the range and exposure with which it is shown.
 
 use super::shared::{PanelActions, PanelData, heading};
 use crate::state::{InnerImage, STEPS, State};
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 
-/// Draws this part of the panel: the list of images, and the level, channel and range of the shown one.
+/// Draws this part of the panel: the list of images, and the level, channel, exposure and range of the image that is
+/// shown.
 pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
     heading(ui, "Image");
     ui.selectable_value(&mut state.inside, None, "the finished image");

@@ -1,5 +1,5 @@
-//! Shows the times of recent frames as stacked bars, the work that the device counted in a frame, and the error against a cached
-//! reference.
+//! Shows the times of recent frames as stacked bars, the work that the device counted in a frame, and the error against
+//! a cached world reference.
 
 use super::shared::{PanelData, heading};
 use crate::history::{History, StageTime};
@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, state: &State, data: &PanelData) {
     error(ui, state, data);
 }
 
-/// The colour of a stage; scene passes are grey.
+/// Returns the colour of stage `index` of a frame: grey if the stage is not `counted` towards the method's time.
 fn color(index: usize, counted: bool) -> Color32 {
     const HUES: [Color32; 8] = [
         Color32::from_rgb(86, 156, 214),
@@ -60,7 +60,8 @@ fn times(ui: &mut Ui, history: &History) {
     });
 }
 
-/// One bar per frame, the newest at the right. The line is the median of the method's time.
+/// Draws a bar for each frame, the newest at the right. A bar is the stack of the times of the frame's stages, and the
+/// line is the median of the method's time.
 fn bars(ui: &mut Ui, history: &History) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width() - 8.0, HEIGHT), Sense::hover());
     let painter = ui.painter_at(rect);
@@ -76,7 +77,8 @@ fn bars(ui: &mut Ui, history: &History) {
             break;
         }
         let mut below = 0.0;
-        // The method's passes are at the bottom, so that their sum can be read off.
+        // The method's passes are at the bottom, so that their sum can be read off. Indices of the stages from bottom
+        // to top.
         let order =
             (0..stages.len()).filter(|i| stages[*i].counted).chain((0..stages.len()).filter(|i| !stages[*i].counted));
         for i in order {
@@ -146,7 +148,8 @@ fn work(ui: &mut Ui, state: &State, data: &PanelData) {
     });
 }
 
-/// The classes of pixels that `unified` finds in the frame, with their rays, and its tiles.
+/// Draws two tables about `unified`: the pixels and rays of each kind of lobe, and the numbers of tiles with each kind
+/// of reflector.
 fn classes(ui: &mut Ui, inspection: &Inspection) {
     let (p, t) = (inspection.pixels(), inspection.tiles());
     ui.label(format!("{} rays:", p.rays()));
@@ -177,7 +180,7 @@ fn classes(ui: &mut Ui, inspection: &Inspection) {
     });
 }
 
-/// The passes that were recorded, and those that were skipped with the reasons.
+/// Lists the passes that the last frame recorded, and those that it skipped, with the reasons.
 fn passes(ui: &mut Ui, history: &History) {
     ui.collapsing(format!("{} recorded", history.recorded.len()), |ui| ui.label(history.recorded.join(", ")));
     ui.label(format!("{} skipped", history.skipped.len()));
@@ -186,7 +189,8 @@ fn passes(ui: &mut Ui, history: &History) {
     }
 }
 
-/// Draws the errors of the shown methods, or the command that makes the missing reference.
+/// Draws the errors of the shown methods against the world reference, or the command that makes this reference if it is
+/// missing.
 fn error(ui: &mut Ui, state: &State, data: &PanelData) {
     heading(ui, "Error against the world reference");
     match &data.reference_error.outcome {

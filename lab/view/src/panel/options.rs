@@ -1,4 +1,5 @@
-//! A method and every parameter that it reads, as rows that are made from the parameters' tables.
+//! Shows a method, and every parameter that it reads as a row with a control. The rows are made from the parameters'
+//! tables.
 
 use super::shared::{dot, heading};
 use crate::state::{Side, State};
@@ -9,14 +10,14 @@ use ssct_ground::parameter::{Choices, Domain, Parameter, Preset, Value};
 /// The colour that marks a published value.
 pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
 
-/// The text about a method: its summary, its source, and its needs of a scene, with `between` between them.
+/// Returns the text about a method: its summary, its source, and what it needs of a scene, separated by `between`.
 fn describe(info: &MethodInfo, between: &str) -> String {
     let needs: Vec<&str> = info.needs.iter().map(|need| need.words()).collect();
     let needs = if needs.is_empty() { String::new() } else { format!("{between}needs {}", needs.join(", ")) };
     format!("{}{between}{}{needs}", info.summary, info.source)
 }
 
-/// A side: its method, and a row for each option of the method.
+/// Draws the rows of side `index` (0 or 1): its method, and a row for each option of the method.
 pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
     let title = if state.rendered().len() == 1 { "Method" } else { ["Left method", "Right method"][index] };
     heading(ui, title);
@@ -53,33 +54,35 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
     });
 }
 
-/// The row of the preset.
+/// Draws the row of the preset: a list of the presets, and a dot if the published one is chosen.
 fn preset(ui: &mut Ui, side: &mut Side) {
     ui.label("preset").on_hover_text("Whose constants a published method uses.");
-    let (before, mut now) = (side.setup.values.preset, side.setup.values.preset);
-    ComboBox::from_id_salt("preset").selected_text(now.name()).show_ui(ui, |ui| {
+    let (before, mut chosen) = (side.setup.values.preset, side.setup.values.preset);
+    ComboBox::from_id_salt("preset").selected_text(chosen.name()).show_ui(ui, |ui| {
         for (preset, choice) in Preset::ALL.iter().zip(Preset::CHOICES) {
-            ui.selectable_value(&mut now, *preset, choice.name).on_hover_text(choice.help);
+            ui.selectable_value(&mut chosen, *preset, choice.name).on_hover_text(choice.help);
         }
     });
-    if now == Preset::default() {
+    if chosen == Preset::default() {
         dot(ui, PUBLISHED);
     }
-    if now != before {
-        side.set("preset", (now != Preset::default()).then(|| now.name().to_owned()));
+    if chosen != before {
+        side.set("preset", (chosen != Preset::default()).then(|| chosen.name().to_owned()));
     }
 }
 
-/// Draws a row: the parameter's name, its control, and a dot at the published value or else a button back to it.
+/// Draws the row of a parameter: its name, its control, and a dot if it has the published value or else a button back
+/// to that value.
 fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
     let name = row.typed_name();
     ui.label(name.replace('-', " ")).on_hover_text(about(row));
     let before = side.setup.values.value(row);
-    let base = row.preset_value(side.setup.values.preset);
-    let mut now = before;
-    match (&row.domain, &mut now) {
+    // The value that the parameter has if the option is not set.
+    let default = row.preset_value(side.setup.values.preset);
+    let mut value = before;
+    match (&row.domain, &mut value) {
         (Domain::Switch, Value::Switch(on)) => drop(ui.checkbox(on, "")),
-        (Domain::Choices(_) | Domain::ChoicesOrCount(..) | Domain::Numbers(_), now) => list(ui, row, now),
+        (Domain::Choices(_) | Domain::ChoicesOrCount(..) | Domain::Numbers(_), value) => list(ui, row, value),
         (Domain::Count(least, most), Value::Count(n)) => {
             ui.add(DragValue::new(n).range(*least..=*most).speed(0.2));
         }
@@ -89,32 +92,32 @@ fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
         }
         _ => {}
     }
-    if now == row.published {
+    if value == row.published {
         dot(ui, PUBLISHED);
     } else if ui.small_button("back").on_hover_text(format!("to the published value, {}", row.published)).clicked() {
-        now = row.published;
+        value = row.published;
     }
-    if now != before && row.domain.has(now) {
-        side.set(&name, (now != base).then(|| now.to_string()));
+    if value != before && row.domain.has(value) {
+        side.set(&name, (value != default).then(|| value.to_string()));
     }
 }
 
-/// A choice among few values.
-fn list(ui: &mut Ui, row: &Parameter, now: &mut Value) {
+/// Draws a list from which one of a parameter's few values is chosen.
+fn list(ui: &mut Ui, row: &Parameter, chosen: &mut Value) {
     let help = |value: &Value| match &row.domain {
         Domain::Choices(all) | Domain::ChoicesOrCount(all, ..) => {
             all.iter().find(|c| Value::Choice(c.name) == *value).map_or("", |c| c.help)
         }
         _ => "",
     };
-    ComboBox::from_id_salt(row.name).selected_text(now.to_string()).show_ui(ui, |ui| {
+    ComboBox::from_id_salt(row.name).selected_text(chosen.to_string()).show_ui(ui, |ui| {
         for value in row.domain.all_if_few().unwrap_or_default() {
-            ui.selectable_value(now, value, value.to_string()).on_hover_text(help(&value).trim());
+            ui.selectable_value(chosen, value, value.to_string()).on_hover_text(help(&value).trim());
         }
     });
 }
 
-/// The text about a parameter: its help, its unit, the values of both presets, and their source.
+/// Returns the text about a parameter: its help, its unit, the values of both presets, and their source.
 fn about(row: &Parameter) -> String {
     let unit = if row.unit.is_empty() { String::new() } else { format!(" In {}.", row.unit) };
     let author = if row.author == row.published { String::new() } else { format!("; author: {}", row.author) };

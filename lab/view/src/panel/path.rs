@@ -1,4 +1,4 @@
-//! Camera key frames: recording, saving, loading and playing.
+//! Lets the user record, save, load and play key frames of the camera.
 
 use super::shared::heading;
 use crate::path::PathEditor;
@@ -6,7 +6,7 @@ use crate::state::State;
 use egui::{Grid, RichText, Slider, Ui};
 use std::path::Path;
 
-/// Draws this part of the panel: the list of key frames with its buttons, and the file that they are saved in.
+/// Draws this part of the panel: the list of key frames with its buttons, and the file in which they are saved.
 pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor) {
     heading(ui, "Key frames");
     ui.horizontal(|ui| {

@@ -1,5 +1,5 @@
-//! The picked ray through the Hi-Z chain, cell by cell (the thesis's figure 4.6, live), beside the result of
-//! the oracle.
+//! Shows the picked ray on its walk through the Hi-Z chain, cell by cell (the thesis's figure 4.6, live), and the
+//! result of the oracle for the same ray.
 
 use super::shared::{PanelData, heading};
 use crate::cubes::Cross;
@@ -22,7 +22,7 @@ const BEYOND: Color32 = Color32::from_rgb(255, 90, 200);
 /// The colour of the oracle's hit.
 const ORACLE: Color32 = Color32::from_rgb(60, 230, 255);
 
-/// The colour of a level: from green for fine levels to red for coarse ones.
+/// Returns the colour of a mip level: from green for fine levels to red for coarse ones.
 fn level_color(level: u32) -> Color32 {
     let share = (level as f32 / 7.0).min(1.0);
     Color32::from_rgb((90.0 + 165.0 * share) as u8, (220.0 - 150.0 * share) as u8, 120)
@@ -71,17 +71,17 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
     }
 }
 
-/// Explains the pixel and shows its data, as `ssct render --pixel` does.
+/// Draws the explanation of the pixel and its data, as `ssct render --pixel` prints them.
 fn explained(ui: &mut Ui, report: &PixelReport) {
     heading(ui, report.verdict.name());
     for sentence in &report.why {
         ui.label(sentence);
     }
     heading(ui, "What is known of it");
-    for (name, said) in lines(report) {
+    for (name, text) in lines(report) {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(name).weak());
-            ui.label(said);
+            ui.label(text);
         });
     }
 }
@@ -91,6 +91,7 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
     heading(ui, "Where it ends");
     let place = |x: f64, y: f64| format!("at {x:.1}, {y:.1}");
     let oracle = ray.oracle.position();
+    // A text about the distance of a hit from the oracle's, if there is one.
     let off = |x: f64, y: f64| oracle.map_or(String::new(), |o| format!(", {:.1} px off", (o.x - x).hypot(o.y - y)));
     Grid::new("ends").num_columns(2).show(ui, |ui| {
         ui.colored_label(METHOD, state.sides[0].method.name);
@@ -131,7 +132,7 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
     });
 }
 
-/// The end of a ray that the screen lost, in words.
+/// Returns a text about the end of a ray that the screen lost.
 fn beyond_the_screen(ray: &RayInWorld) -> String {
     let (code, end) = (ray.code, ray.end);
     let number = ray.capture.map_or_else(String::new, |k| format!(" {}", k + 1));
@@ -145,13 +146,15 @@ fn beyond_the_screen(ray: &RayInWorld) -> String {
     }
 }
 
-/// Draws the way of the ray over the images of a capture, in another colour from the place at which the screen lost the ray.
+/// Draws the ray over the images of a capture, which are shown in a picture of `extent` pixels in `area`. The part
+/// after the place at which the screen lost the ray has another colour.
 pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, capture): (&PickedRay, &Capture)) {
     let Some(ray) = &ray.in_world else { return };
     let cross = Cross::new(extent);
     let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
     let screen_point = |p: Vec2| area.min + egui::vec2(p.x, p.y) * scale;
     let way = ray.way();
+    // The first half of the points is on the screen, and the second half beyond it.
     let (before, after) = way.split_at(way.len() / 2);
     for (points, stroke) in [(before, Stroke::new(1.0, WALK)), (after, Stroke::new(2.0, BEYOND))] {
         for line in cross.way(capture, points) {
@@ -169,7 +172,7 @@ pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, ca
     }
 }
 
-/// Draws the ray over the picture.
+/// Draws the ray over the picture of the screen, which has `extent` pixels and is shown in `area`.
 pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
     let screen_point = |x: f32, y: f32| area.min + egui::vec2(x, y) * scale;

@@ -1,4 +1,4 @@
-//! The shaders that are reloaded when they change, with the compiler's messages.
+//! Shows the shaders that were reloaded because they changed, with the compiler's messages.
 
 use super::shared::{PanelData, heading};
 use egui::{Color32, RichText, Ui};

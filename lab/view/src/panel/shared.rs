@@ -1,4 +1,4 @@
-//! What all parts of the panel share: the data they display, the actions they return, and small widgets.
+//! The data that the parts of the panel display, the actions that they return, and small widgets that they share.
 
 use crate::history::History;
 use crate::input::Action;
@@ -26,7 +26,7 @@ pub struct PanelData<'a> {
     pub analysis: Option<&'a FrameAnalysis>,
     /// The picked ray.
     pub ray: Option<&'a PickedRay>,
-    /// The pixel of the ray, explained.
+    /// The report on the picked pixel.
     pub pixel: Option<&'a PixelReport>,
     /// The error against a cached reference.
     pub reference_error: &'a ReferenceComparison,
@@ -51,17 +51,17 @@ pub struct PanelActions {
     pub looking: bool,
     /// The action of a button of the panel, if a key has the same action.
     pub action: Option<Action>,
-    /// Whether to fit the range of the shown picture to its numbers.
+    /// Whether the range of the shown picture must be set to that of its numbers.
     pub fit_range: bool,
 }
 
-/// Draws a filled circle.
+/// Draws a small filled circle.
 pub fn dot(ui: &mut Ui, color: Color32) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
     ui.painter().circle_filled(rect.center(), 4.0, color);
 }
 
-/// Draws the heading of a part.
+/// Draws the heading of a section of the panel.
 pub fn heading(ui: &mut Ui, text: impl Into<String>) {
     ui.add_space(6.0);
     ui.label(RichText::new(text).strong());

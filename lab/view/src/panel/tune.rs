@@ -1,4 +1,4 @@
-//! Scene, view, methods and materials; [`super::options`] draws the methods' own options.
+//! Lets the user choose scene, view, methods and materials; [`super::options`] draws the options of the methods.
 
 use super::options::{PUBLISHED, side};
 use super::shared::{PanelData, dot, heading};
@@ -79,6 +79,7 @@ fn materials(ui: &mut Ui, state: &mut State) {
     let globals = &mut state.globals;
     for (name, value) in [("roughness", &mut globals.roughness), ("normal deviation", &mut globals.normal_deviation)] {
         ui.horizontal(|ui| {
+            // A material keeps its own value if there is no number to replace it.
             let mut own = value.is_none();
             let mut number = value.unwrap_or(0.0);
             let slider = ui.add_enabled(!own, Slider::new(&mut number, 0.0..=1.0).text(name));

@@ -1,7 +1,8 @@
-//! Draws egui's triangles over an image, by egui-ash-renderer and within a [`Frame`]. The renderer has its own pipeline and descriptor
-//! pool.
-//! Buffers and textures of the renderer are made here, and each is destroyed before its memory. The allocators that come with the renderer
-//! free the memory first, and the validation layers object.
+//! Draws egui's triangles over an image, by egui-ash-renderer and within a [`Frame`]. The renderer has a pipeline and a
+//! descriptor pool of its own.
+//!
+//! The buffers and textures of the renderer are made here, so that each of them is destroyed before its memory. The
+//! allocators that come with the renderer free the memory first, to which the validation layers object.
 
 use ash::vk;
 use egui_ash_renderer::allocator::Allocator;
@@ -30,7 +31,7 @@ impl Overlay {
             depth_attachment_format: None,
             stencil_attachment_format: None,
         });
-        // One frame at a time is under way (`FrameContext`).
+        // `FrameContext` waits for each frame before the next.
         let options = Options { in_flight_frames: 1, srgb_framebuffer: true, ..Options::default() };
         let renderer = Renderer::with_allocator(Memory(gpu.clone()), gpu.raw().clone(), mode, options)
             .map_err(failed("making its pipeline"))?;
@@ -43,7 +44,7 @@ impl Overlay {
         Ok(Self { renderer, pool, unused: Vec::new(), gpu: gpu.clone() })
     }
 
-    /// Uploads the changes of egui's textures, in submissions of their own, which are waited for.
+    /// Uploads the changes of egui's textures, in submissions of their own, and waits for these.
     pub fn update_textures(&mut self, changes: &mut egui::TexturesDelta) -> Result<()> {
         for id in self.unused.drain(..) {
             self.renderer.free_texture(id).map_err(failed("freeing a texture"))?;
@@ -57,7 +58,7 @@ impl Overlay {
         Ok(())
     }
 
-    /// Pass "panel": draws over what the target holds.
+    /// Records the pass "panel", which draws egui's triangles over the content of the target.
     pub fn record(
         &mut self,
         frame: &mut Frame,
@@ -81,13 +82,13 @@ impl Drop for Overlay {
     }
 }
 
-/// Makes the renderer's buffers and textures.
+/// The allocator that makes the renderer's buffers and textures.
 struct Memory(Gpu);
 
 /// A buffer or a texture of the renderer.
 enum OverlayResource {
     Buffer(Buffer),
-    /// Never read: it holds the texture for as long as the renderer has it.
+    /// The image is never read: it keeps the texture alive as long as the renderer uses it.
     Image(#[allow(dead_code)] Image),
 }
 
@@ -155,7 +156,7 @@ impl Allocator for Memory {
     }
 }
 
-/// Turns an error of ours into one of the renderer.
+/// Turns an error of this program into an error of the renderer.
 fn refused(error: Error) -> RendererError {
     match error {
         Error::Vulkan { result, .. } => RendererError::Vulkan(result),
@@ -163,7 +164,8 @@ fn refused(error: Error) -> RendererError {
     }
 }
 
-/// Turns an error of the renderer into ours; `what` says what the renderer did.
+/// Returns a function that turns an error of the renderer into an error of this program; `what` says what the renderer
+/// did.
 fn failed(what: &'static str) -> impl Fn(RendererError) -> Error {
     move |e| match e {
         RendererError::Vulkan(result) => Error::Vulkan { what: format!("the panel: {what}"), result },

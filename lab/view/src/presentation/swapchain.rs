@@ -1,7 +1,8 @@
-//! A window's surface and swapchain: takes an image that is sRGB-encoded already, and shows its bits.
+//! A window's surface and swapchain: takes an image whose colours are already sRGB-encoded, and shows its bits
+//! unchanged.
 //!
-//! The hardware encodes colours once, when an image is drawn, since the format of the image ([`Swapchain::screen_format`]) is an sRGB
-//! format. The swapchain's own format need not be one.
+//! The hardware encodes colours when it draws the image, since the image's format ([`Swapchain::screen_format`]) is an
+//! sRGB format. The format of the swapchain itself need not be one.
 
 use ash::vk;
 use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
@@ -15,7 +16,7 @@ use std::any::Any;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// How long to wait for an image before the caller gets a chance to handle events.
+/// How long to wait for an image, in nanoseconds, before the caller gets a chance to handle events.
 const ACQUIRE_TIMEOUT_NS: u64 = 1_000_000_000;
 
 choices! {
@@ -31,7 +32,7 @@ choices! {
 }
 
 impl PresentMode {
-    /// The mode in Vulkan's terms.
+    /// Returns Vulkan's value for the mode.
     fn vulkan(self) -> vk::PresentModeKHR {
         match self {
             Self::Fifo => vk::PresentModeKHR::FIFO,
@@ -40,17 +41,18 @@ impl PresentMode {
         }
     }
 
-    /// The mode in Vulkan's terms, if it is among those that a surface offers.
+    /// Returns Vulkan's value for the mode; an error that lists the offered modes if the surface does not offer this
+    /// one.
     fn among(self, offered: &[vk::PresentModeKHR]) -> Result<vk::PresentModeKHR> {
         if offered.contains(&self.vulkan()) {
             return Ok(self.vulkan());
         }
-        let there: Vec<_> = Self::ALL.iter().filter(|m| offered.contains(&m.vulkan())).map(|m| m.name()).collect();
-        Err(Error::usage(format!("this window does not present by {}; it does by: {}", self.name(), there.join(", "))))
+        let names: Vec<_> = Self::ALL.iter().filter(|m| offered.contains(&m.vulkan())).map(|m| m.name()).collect();
+        Err(Error::usage(format!("this window does not present by {}; it does by: {}", self.name(), names.join(", "))))
     }
 }
 
-/// The instance extensions that presenting to a display's windows needs.
+/// Returns the names of the instance extensions that presenting to a display's windows needs.
 ///
 /// # Errors
 /// [`Error::NoWindow`] for a window system that Vulkan doesn't know.
@@ -68,12 +70,13 @@ pub struct Swapchain {
     surfaces: ash::khr::surface::Instance,
     surface: vk::SurfaceKHR,
     swapchains: ash::khr::swapchain::Device,
+    /// The formats of the swapchain's images and of the image to show.
     format: SurfaceFormat,
     present_mode: vk::PresentModeKHR,
     /// Signalled when an acquired image may be written. One semaphore is enough, since every frame is waited for.
     acquired: vk::Semaphore,
     chain: Option<Chain>,
-    /// Whether the presentation engine asked for another chain.
+    /// Whether the presentation engine asked for a new swapchain.
     stale: bool,
     /// Keeps the window alive for longer than its surface.
     _window: Arc<dyn Any>,
@@ -84,24 +87,27 @@ struct Chain {
     handle: vk::SwapchainKHR,
     extent: [u32; 2],
     images: Vec<Image>,
-    /// For each image, signalled when it may be shown; free again when that image is acquired again.
+    /// A semaphore for each image, signalled when the image may be shown. It may be used again once the image is
+    /// acquired again.
     rendered: Vec<vk::Semaphore>,
 }
 
-/// A format of a surface, with our sRGB format that encodes colours for it.
+/// A format of a surface, with the sRGB format of the images that are copied to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct SurfaceFormat {
+    /// The format of the swapchain's images.
     shown: vk::SurfaceFormatKHR,
-    /// The sRGB format with the same bits, which images to be shown have.
+    /// The sRGB format with the same bits, in which images to be shown are drawn.
     encoded: vk::Format,
 }
 
 impl Swapchain {
-    /// A surface for a window on a device that was opened with [`instance_extensions`]. Its images
-    /// come with the first [`Self::prepare`].
+    /// Makes a surface for a window, on a device that was opened with [`instance_extensions`]. The first
+    /// [`Self::prepare`] makes the images.
     ///
     /// # Errors
-    /// [`Error::NoWindow`] if the device cannot present to the window, [`Usage`](ssct::Error::Usage) for a mode that the surface lacks.
+    /// [`Error::NoWindow`] if the device cannot present to the window, and [`Usage`](ssct::Error::Usage) for a mode
+    /// that the surface lacks.
     pub fn new<W>(gpu: &Gpu, window: &Arc<W>, mode: PresentMode) -> Result<Self>
     where
         W: HasWindowHandle + HasDisplayHandle + 'static,
@@ -110,8 +116,8 @@ impl Swapchain {
         let lost = |e: raw_window_handle::HandleError| Error::NoWindow(format!("the window has no handle: {e}"));
         let display = window.display_handle().map_err(lost)?.as_raw();
         let handle = window.window_handle().map_err(lost)?.as_raw();
-        // SAFETY: both handles are the window's, which is kept for longer than the surface; so is
-        // the instance, by `gpu`. Destroyed in `drop`.
+        // SAFETY: both handles are the window's, which lives longer than the surface, and so does the instance, by
+        // `gpu`. The surface is destroyed in `drop`.
         let surface = unsafe { ash_window::create_surface(&shared.entry, &shared.instance, display, handle, None) }
             .map_err(vulkan("creating the window's surface"))?;
         let mut made = Self {
@@ -131,8 +137,8 @@ impl Swapchain {
         Ok(made)
     }
 
-    /// Prepares for a window of a size in pixels, with another chain if the size changed or the presentation engine asked for one. Returns
-    /// the size to render; `None` while the window is minimised, so that there is nothing to draw to.
+    /// Prepares for a window of a size in pixels: makes a new swapchain if the size changed or the presentation engine
+    /// asked for one. Returns the size to render; `None` while the window is minimised, so that nothing can be shown.
     pub fn prepare(&mut self, window: [u32; 2]) -> Result<Option<[u32; 2]>> {
         let capabilities = self.capabilities()?;
         let extent = surface_extent(&capabilities, window);
@@ -145,18 +151,18 @@ impl Swapchain {
         Ok(Some(extent))
     }
 
-    /// The format of images that [`Self::present`] takes.
+    /// Returns the format of the images that [`Self::present`] takes.
     pub fn screen_format(&self) -> vk::Format {
         self.format.encoded
     }
 
-    /// Shows an image of [`Self::screen_format`] and of the size that [`Self::prepare`] returned, after `record` drew it in the same
-    /// submission.
-    /// Returns false if the image was neither drawn nor shown, because the window changed in the meantime or is hidden; the caller then
-    /// calls [`Self::prepare`] and draws again.
+    /// Records the drawing of the image `screen` by `record`, and shows it, in one submission. The image has
+    /// [`Self::screen_format`] and the size that [`Self::prepare`] returned. Returns false if the image was not shown,
+    /// because the window changed in the meantime or is hidden. The caller then calls [`Self::prepare`] and draws
+    /// again.
     ///
     /// # Errors
-    /// Any Vulkan failure; the swapchain is then fit only to be dropped.
+    /// Any Vulkan failure; the swapchain must then be dropped.
     pub fn present(
         &mut self,
         context: &mut FrameContext,
@@ -165,11 +171,11 @@ impl Swapchain {
     ) -> Result<bool> {
         let Some(chain) = &self.chain else { return Ok(false) };
         // SAFETY: the semaphore is unsignalled, since the submission that waited for it is done.
-        let next = unsafe {
+        let acquired = unsafe {
             self.swapchains.acquire_next_image(chain.handle, ACQUIRE_TIMEOUT_NS, self.acquired, vk::Fence::null())
         };
-        let (index, suboptimal) = match next {
-            Ok(next) => next,
+        let (index, suboptimal) = match acquired {
+            Ok(index_and_suboptimal) => index_and_suboptimal,
             Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(false),
             Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => {
                 self.stale = true;
@@ -188,10 +194,10 @@ impl Swapchain {
 
         let (waits, handles, indices) = ([rendered], [chain.handle], [index]);
         let info = vk::PresentInfoKHR::default().wait_semaphores(&waits).swapchains(&handles).image_indices(&indices);
-        // SAFETY: the image is acquired and in the layout to present, by the submission that signals
-        // the semaphore.
-        let shown = unsafe { self.swapchains.queue_present(*self.gpu.queue()?, &info) };
-        match shown {
+        // SAFETY: the image is acquired, and the submission that signals the semaphore puts it into the layout to
+        // present.
+        let presented = unsafe { self.swapchains.queue_present(*self.gpu.queue()?, &info) };
+        match presented {
             Ok(also_suboptimal) => {
                 self.stale |= suboptimal || also_suboptimal;
                 Ok(true)
@@ -204,7 +210,7 @@ impl Swapchain {
         }
     }
 
-    /// Finds a format and a present mode that device and surface have in common.
+    /// Chooses the format and the present mode from those that device and surface have in common.
     fn negotiate(&mut self, mode: PresentMode) -> Result<()> {
         let (shared, name) = (self.gpu.shared(), &self.gpu.info().name);
         // SAFETY: the physical device and the surface belong to one instance.
@@ -222,6 +228,7 @@ impl Swapchain {
         if !presents || !self.capabilities()?.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_DST) {
             return Err(Error::NoWindow(format!("{name} cannot present to it; another device may")));
         }
+        // Whether the device can draw to a format, and blend in it.
         let encodes = |format| {
             // SAFETY: the physical device belongs to the instance.
             let p = unsafe { shared.instance.get_physical_device_format_properties(shared.physical, format) };
@@ -233,6 +240,7 @@ impl Swapchain {
         Ok(())
     }
 
+    /// Returns the present capabilities of the surface, such as its size.
     fn capabilities(&self) -> Result<vk::SurfaceCapabilitiesKHR> {
         // SAFETY: the physical device and the surface belong to one instance.
         let capabilities =
@@ -240,7 +248,7 @@ impl Swapchain {
         Ok(capabilities.map_err(vulkan("vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))?)
     }
 
-    /// Replaces the chain.
+    /// Replaces the swapchain by a new one of a size in pixels.
     fn rebuild(&mut self, capabilities: &vk::SurfaceCapabilitiesKHR, extent: [u32; 2]) -> Result<()> {
         let old = self.chain.take();
         let created =
@@ -248,7 +256,7 @@ impl Swapchain {
         self.destroy_chain(old);
         let handle = created?;
         let chain = self.chain.insert(Chain { handle, extent, images: Vec::new(), rendered: Vec::new() });
-        // SAFETY: the swapchain was just made.
+        // SAFETY: the swapchain has just been made.
         let images =
             unsafe { self.swapchains.get_swapchain_images(handle) }.map_err(vulkan("vkGetSwapchainImagesKHR"))?;
         for image in images {
@@ -266,9 +274,11 @@ impl Swapchain {
         [width, height]: [u32; 2],
         old: vk::SwapchainKHR,
     ) -> Result<vk::SwapchainKHR> {
-        // One image more than the engine may hold back, so that one can be written.
+        // One image more than the presentation engine may hold back, so that one can be written. A maximum of 0 means
+        // no limit.
         let most = if capabilities.max_image_count == 0 { u32::MAX } else { capabilities.max_image_count };
-        // The lowest bit is "opaque" where that is supported; one bit always is.
+        // The lowest supported bit is chosen, which is "opaque" if the surface supports this. At least one bit is
+        // supported.
         let alphas = capabilities.supported_composite_alpha.as_raw();
         let alpha = vk::CompositeAlphaFlagsKHR::from_raw(alphas & alphas.wrapping_neg());
         let info = vk::SwapchainCreateInfoKHR::default()
@@ -289,11 +299,11 @@ impl Swapchain {
         Ok(unsafe { self.swapchains.create_swapchain(&info, None) }.map_err(vulkan("vkCreateSwapchainKHR"))?)
     }
 
-    /// Destroys a swapchain and its semaphores, after the device has finished.
+    /// Waits until the device is idle, and destroys a swapchain and its semaphores.
     fn destroy_chain(&self, chain: Option<Chain>) {
         let Some(mut chain) = chain else { return };
         let device = self.gpu.raw();
-        // The swapchain owns the handles, so that they are forgotten before it is destroyed.
+        // The swapchain owns the images, so that the wrappers of their handles are dropped before it is destroyed.
         chain.images.clear();
         let queue = self.gpu.queue();
         // SAFETY: the queue is held while the device is waited for, and nothing uses the chain then.
@@ -312,7 +322,7 @@ impl Drop for Swapchain {
     fn drop(&mut self) {
         let chain = self.chain.take();
         self.destroy_chain(chain);
-        // SAFETY: the chain is gone and the device was idle then; null is allowed.
+        // SAFETY: the chain is destroyed, for which the device was idle; null handles are allowed.
         unsafe {
             self.gpu.raw().destroy_semaphore(self.acquired, None);
             self.surfaces.destroy_surface(self.surface, None);
@@ -320,19 +330,23 @@ impl Drop for Swapchain {
     }
 }
 
+/// Makes a semaphore with a debug name, which the caller must destroy.
 fn semaphore(gpu: &Gpu, name: &str) -> Result<vk::Semaphore> {
-    // SAFETY: the create info is complete; whoever keeps the semaphore destroys it.
+    // SAFETY: the create info is complete; the caller destroys the semaphore.
     let made = unsafe { gpu.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }
         .map_err(vulkan("vkCreateSemaphore"))?;
     gpu.name(made, name);
     Ok(made)
 }
 
-/// The size of a surface's images: the size that the surface states, or else that of the window within the surface's limits.
+/// Returns the size of a surface's images in pixels: the size that the surface states, or else the window's size within
+/// the surface's limits. It is 0 for a minimised window.
 fn surface_extent(capabilities: &vk::SurfaceCapabilitiesKHR, window: [u32; 2]) -> [u32; 2] {
-    let (now, min, max) = (capabilities.current_extent, capabilities.min_image_extent, capabilities.max_image_extent);
-    if now.width != u32::MAX {
-        return [now.width, now.height];
+    let (stated, min, max) =
+        (capabilities.current_extent, capabilities.min_image_extent, capabilities.max_image_extent);
+    // Vulkan's value for a surface that leaves its size to the swapchain.
+    if stated.width != u32::MAX {
+        return [stated.width, stated.height];
     }
     if window.contains(&0) {
         return [0, 0];
@@ -340,8 +354,8 @@ fn surface_extent(capabilities: &vk::SurfaceCapabilitiesKHR, window: [u32; 2]) -
     [window[0].min(max.width).max(min.width), window[1].min(max.height).max(min.height)]
 }
 
-/// An offered sRGB format, or else an offered format that shares its bits with an sRGB format. In both cases, the device must be able to
-/// draw to the sRGB format.
+/// Chooses an offered sRGB format, or else an offered format that has the same bits as an sRGB format. `encodes` says
+/// whether the device can draw to an sRGB format, which is a condition in both cases.
 fn surface_format(offered: &[vk::SurfaceFormatKHR], encodes: impl Fn(vk::Format) -> bool) -> Option<SurfaceFormat> {
     use vk::Format as F;
     const PAIRS: [(F, F); 2] = [(F::B8G8R8A8_SRGB, F::B8G8R8A8_UNORM), (F::R8G8B8A8_SRGB, F::R8G8B8A8_UNORM)];
@@ -358,6 +372,7 @@ mod tests {
     use super::*;
     use vk::Format as F;
 
+    /// Returns an offered format in the usual colour space.
     fn offer(format: F) -> vk::SurfaceFormatKHR {
         vk::SurfaceFormatKHR { format, color_space: vk::ColorSpaceKHR::SRGB_NONLINEAR }
     }

@@ -1,5 +1,4 @@
-//! Tests of what is on the screen: panel, methods and intermediates at any size, and no work if nothing
-//! changes.
+//! Tests of the screen: panel, methods and intermediates are shown at any size, and nothing is done if nothing changes.
 
 use super::super::fly_camera::FlyMotion;
 use super::super::input::Action;
@@ -12,7 +11,7 @@ use ssct::methods::METHODS;
 use ssct::passes::look::Compare;
 use std::collections::HashSet;
 
-/// The number of different colours in a range of columns, with 16 levels per channel.
+/// Returns the number of different colours in a range of columns, with 16 levels per channel.
 fn colors(pixels: &Pixels, columns: std::ops::Range<u32>) -> usize {
     let color = |(x, y)| pixels.texel(x, y)[..3].iter().map(|v| (v * 15.0).round() as u8).collect::<Vec<_>>();
     let texels = (0..pixels.height).flat_map(|y| columns.clone().map(move |x| (x, y)));
@@ -122,7 +121,7 @@ fn captures_are_shown_as_crosses_at_every_level() {
 #[test]
 fn at_rest_nothing_is_submitted_and_a_change_renders_one_frame() {
     let mut bench = TestViewer::new();
-    // Tall enough for both tables of a comparison.
+    // The window is tall enough for both tables of a comparison.
     bench.extent = [540, 900];
     let parts = Tab::SHOWN.map(|(tab, title)| (tab, Compare::One, title));
     for (tab, compare, title) in parts.into_iter().chain([(Tab::Live, Compare::Difference, "Live of two")]) {
@@ -169,7 +168,7 @@ fn larger_points_move_the_picture_and_change_nothing_in_it() {
     let mut bench = TestViewer::new();
     bench.settle();
     let small = bench.viewer.read_picture().unwrap().unwrap();
-    // Another monitor, on which a point is two pixels: the window keeps its size in points.
+    // On another monitor a point has two pixels, and the window keeps its size in points.
     (bench.pixels_per_point, bench.extent) = (2.0, EXTENT.map(|v| 2 * v));
     bench.settle();
     bench.is_valid("two pixels a point");
@@ -196,6 +195,7 @@ fn another_scene_is_loaded_and_the_first_comes_back() {
     assert!(bench.viewer.read_picture().unwrap().unwrap() != first);
     bench.viewer.state.scene = "rooms".into();
     bench.settle();
+    // A loaded scene shows its first view; the test began with the view `corridor`, whose index is 2.
     bench.viewer.act(Action::View(2));
     bench.settle();
     assert!(bench.viewer.read_picture().unwrap().unwrap() == first, "{}", bench.viewer.title());

@@ -1,4 +1,4 @@
-//! Tests of what a user changes: options, the camera, the picked ray, shaders and key frames.
+//! Tests of everything that a user changes: options, the camera, the picked ray, shaders, key frames and captures.
 
 use super::super::cubes::Cross;
 use super::super::input::Action;
@@ -20,6 +20,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     let mut bench = TestViewer::new();
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [96, 60]);
     bench.viewer.state.globals.roughness = Some(0.6);
+    // For each option a value that differs from its default.
     let another = [
         ("iterations", "3"),
         ("start-level", "4"),
@@ -108,6 +109,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     ];
     let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
     assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
+    // Renders a method with options. Returns the bits of its picture, its passes and the names of its images.
     let frame = |bench: &mut TestViewer, info, options: &[(&str, &str)]| {
         let options = options.iter().map(|(flag, value)| ((*flag).to_owned(), (*value).to_owned()));
         let side = Side::new(info, options.collect());
@@ -119,20 +121,20 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         (picture.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>(), bench.viewer.passes(), images)
     };
     for info in METHODS {
-        let (read, not): (Vec<_>, Vec<_>) =
+        let (read, unread): (Vec<_>, Vec<_>) =
             another.into_iter().partition(|(name, _)| info.reads().iter().any(|p| p.typed_name() == *name));
         let default = frame(&mut bench, info, &[]);
-        let unread = frame(&mut bench, info, &not_refused(info, not));
-        let apart = rmse(&unread.0, &default.0);
-        assert!((&unread.1, &unread.2) == (&default.1, &default.2), "{}: what it does not read", info.name);
-        // Rays are listed in the order in which threads find them, and the last bit of what one sees in captures may
+        let with_unread = frame(&mut bench, info, &not_refused(info, unread));
+        let apart = rmse(&with_unread.0, &default.0);
+        assert!((&with_unread.1, &with_unread.2) == (&default.1, &default.2), "{}: what it does not read", info.name);
+        // Rays are listed in the order in which threads find them. The last bit of a ray's colour in captures may
         // depend on its neighbours in the list.
         assert!(if info.takes_captures { apart < 1e-4 } else { apart == 0.0 }, "{}: {apart}", info.name);
         for option in read {
-            // The methods of quads are left out: in this scene, no quad is behind another one or behind anything else,
-            // and no ray of a mirror meets a quad. Nothing reads the maximum of the Hi-Z. Both stages of a shader make
-            // the same image, and so do both tracers. Own rays are for lobes among triangles, and
-            // tests/suite/own_rays.rs tries them. The option `first` matters only where rays go beyond the screen.
+            // Some options cannot show in this picture. No ray of a mirror meets a quad here, and no quad is behind
+            // anything, so that the methods of quads are left out. Nothing reads the maximum of the Hi-Z. Both stages
+            // of a shader make the same image, and so do both tracers. Own rays are for lobes among triangles, and
+            // tests/suite/own_rays.rs tests them. The option `first` matters only where rays go beyond the screen.
             let shows_nothing = [
                 "hi-z-maximum",
                 "first",
@@ -146,11 +148,12 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             if ["billboard", "ibr"].contains(&info.name) || shows_nothing.contains(&option.0) {
                 continue;
             }
-            // At rest, frames differ only for `stochastic`, whose rays are drawn by chance.
+            // While nothing moves, the frames of a history differ only for `stochastic`, whose rays are random.
             if ["history-frames", "history-deviations"].contains(&option.0) && info.name != "stochastic" {
                 continue;
             }
-            // `ssr-fast` makes the colour chain only if distances are blurred.
+            // Some options show only together with another one, which both frames then have. `ssr-fast` makes the
+            // colour chain only if distances are blurred.
             let (blurred, captured, history) = (("distance-blur", "on"), ("captures", "1"), ("history", "on"));
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
@@ -182,7 +185,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                     let alone = ("beyond", "none");
                     (vec![alone, option], frame(&mut bench, info, &[alone]))
                 }
-                // Only captures have a side, and passes that renew them.
+                // These options are about captures.
                 ("unified", "capture-side" | "captures-per-frame") => {
                     (vec![captured, option], frame(&mut bench, info, &[captured]))
                 }
@@ -194,14 +197,14 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     bench.is_valid("options");
 }
 
-/// The root mean square difference of two pictures, which are given as the bits of their floats; infinite if their
-/// sizes differ.
+/// Returns the root mean square difference of two pictures, which are given as the bits of their floats; infinite if
+/// their sizes differ.
 fn rmse(a: &[u32], b: &[u32]) -> f64 {
     let squared = |(a, b): (&u32, &u32)| f64::from(f32::from_bits(*a) - f32::from_bits(*b)).powi(2);
     if a.len() == b.len() { (a.iter().zip(b).map(squared).sum::<f64>() / a.len() as f64).sqrt() } else { f64::INFINITY }
 }
 
-/// The options without those that a method rejects.
+/// Returns the options (flag, value) without those that a method refuses.
 fn not_refused(info: &MethodInfo, options: Vec<(&'static str, &'static str)>) -> Vec<(&'static str, &'static str)> {
     let refused = |flag| {
         !info.is_screen_space()
@@ -258,8 +261,8 @@ fn the_mouse_turns_the_camera_moves_the_split_and_picks_a_ray() {
 fn the_drawn_walk_is_the_shaders() {
     let mut bench = TestViewer::new();
     bench.viewer.state.tab = Tab::Ray;
-    // Where a ray of the thesis passes a cell's corner within rounding, the device may take another way. The
-    // twin of `unified` is exact to the bit.
+    // If a ray of the thesis's method passes a cell's corner within rounding, the device may enter another cell than
+    // the twin. The twin of `unified` agrees to the bit. `least` is the share of rays that must end alike.
     for (method, least) in [("ssct", 0.99), ("unified", 1.0)] {
         let options = [("beyond".to_owned(), "none".to_owned())];
         let options = if method == "unified" { options.to_vec() } else { Vec::new() };
@@ -303,6 +306,7 @@ fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
     bench.viewer.watch(Shaders { folder: "shaders".into(), changes, statuses: Vec::new() });
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [200, 120]);
     bench.settle();
+    // Replaces text in the shader. Returns the shader's status and the picture.
     let mut edit = |bench: &mut TestViewer, from: &str, to: &str| {
         let path = root.join("common/composite.frag");
         let text = std::fs::read_to_string(&path).unwrap();
@@ -434,7 +438,7 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
     bench.viewer.state.inside = Some(InnerImage { name: "capture-1-depth".into(), level: 0 });
     bench.settle();
     bench.is_valid("the ray in a capture");
-    // Where the end lies in the capture's picture, its depth is that of the end.
+    // At the place in the capture's picture that shows the end of a ray, the depth must be that of the end.
     let picture = bench.viewer.read_picture().unwrap().unwrap();
     let cross = Cross::new([picture.width, picture.height]);
     let clip = ssct_scenes::capture::face_camera(place.position, 4, place.near_m).view_to_clip_reversed();

@@ -7,7 +7,7 @@ use ssct::methods::setup::CaptureCount;
 use ssct_ground::parameter::Field;
 
 impl Viewer {
-    /// Performs an action, except for quitting.
+    /// Performs an action, except for quitting, which is left to the window.
     pub fn act(&mut self, action: Action) {
         match action {
             Action::Quit => {}
@@ -27,7 +27,8 @@ impl Viewer {
         }
     }
 
-    /// Changes the captures, and turns them on for the first method if it can follow rays in them.
+    /// Adds, moves or removes a capture. Turns captures on for the first method, if the method or its fallback can
+    /// follow rays in them; otherwise a message says that it cannot.
     fn edit_captures(&mut self, action: Action) {
         let shown = self.captures_shown();
         let eye = self.state.camera.place().0;
@@ -38,16 +39,17 @@ impl Viewer {
         }
         let side = &mut self.state.sides[0];
         let effect = side.setup.effect();
-        let is_behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
-        if !side.method.takes_captures && !is_behind {
+        let fallback_takes_captures = effect.fallback.method().is_some_and(|m| m.takes_captures);
+        if !side.method.takes_captures && !fallback_takes_captures {
             self.captures.message += &format!("; {} follows no rays in captures", side.method.name);
         } else if effect.captures != CaptureCount::Auto {
-            // `auto` takes all captures of the list, however many there are.
+            // The value `auto` takes all captures of the list, however many there are.
             side.set("captures", Some(CaptureCount::Auto.value().to_string()));
         }
     }
 }
 
+/// Hides the panel, or shows its first part if it is hidden.
 fn toggle_panel(state: &mut State) {
     state.tab = if state.tab == Tab::None { Tab::Tune } else { Tab::None };
 }

@@ -7,8 +7,8 @@
 //! triangles therefore draws zero vertices once, after another pipeline has consumed the pushed values. A compute
 //! pipeline dispatches no workgroups twice instead. This crate's shaders for meshes have no such control flow.
 //!
-//! This file can go when Mesa 22 need not be supported any more, or when `cargo test --test soak`, which checks that
-//! resident memory stays flat, passes on Mesa 22 without it.
+//! This file can go when Mesa 22 need not be supported any more, or when `cargo test --test alone -- soak` passes on
+//! Mesa 22 without it. That test checks that resident memory stays flat.
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
@@ -36,9 +36,9 @@ impl Settling {
 }
 
 impl Frame<'_> {
-    /// Whether a pipeline must be settled now: it is used for the first time, and the driver has the bug that this file
-    /// works around. For a graphics pipeline the caller then calls [`Self::consume_pushed_values`], draws zero
-    /// vertices, and pushes its values again. The pipeline counts as settled after this call.
+    /// Returns whether a pipeline must be settled now: it is used for the first time, and the driver has the bug of
+    /// this file. After this call the pipeline counts as settled. For a graphics pipeline the caller then calls
+    /// [`Self::consume_pushed_values`], draws zero vertices, and pushes its values again.
     pub(in crate::gpu::frame) fn must_settle(&mut self, settled: &Arc<AtomicBool>) -> bool {
         let is_new = !settled.load(Ordering::Relaxed) && self.settled.iter().all(|other| !Arc::ptr_eq(other, settled));
         if self.context.settling.is_none() || !is_new {
@@ -64,8 +64,9 @@ impl Frame<'_> {
         })
     }
 
-    /// Settles a compute pipeline whose values were pushed, if it must be: a dispatch of no workgroups consumes the
-    /// values, so that at the second dispatch nothing is new.
+    /// Makes lavapipe settle on one shader of a compute pipeline, if the pipeline must be settled. The caller has bound
+    /// the pipeline and pushed its uniforms and constants. The first dispatch of no workgroups consumes these values.
+    /// At the second, lavapipe finds nothing new, and compiles no further copy of the shader from then on.
     pub(in crate::gpu::frame) fn settle_compute(&mut self, pipeline: &SharedPipeline) {
         if !self.must_settle(&pipeline.settled) {
             return;

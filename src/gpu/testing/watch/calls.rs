@@ -15,29 +15,29 @@ struct WatchedDevice {
     v1_3: ash::DeviceFnV1_3,
 }
 
-/// The devices that are watched. A call finds its device here by a handle, since it is given nothing else.
+/// The devices that are watched. The functions of this file are given only a handle, and find its device here.
 static WATCHED: RwLock<Vec<Arc<WatchedDevice>>> = RwLock::new(Vec::new());
 
-fn find(is: impl Fn(&WatchedDevice) -> bool) -> Option<Arc<WatchedDevice>> {
+fn find(matches: impl Fn(&WatchedDevice) -> bool) -> Option<Arc<WatchedDevice>> {
     let all = WATCHED.read().unwrap_or_else(PoisonError::into_inner);
-    all.iter().find(|w| is(w)).cloned()
+    all.iter().find(|device| matches(device)).cloned()
 }
 
 fn of_device(device: vk::Device) -> Option<Arc<WatchedDevice>> {
-    find(|w| w.device == device.as_raw())
+    find(|watched| watched.device == device.as_raw())
 }
 
 /// Returns the device with its calls watched; `queue` is the queue that the device submits to.
 pub fn watch_device(device: &ash::Device, queue: vk::Queue, watch: &Arc<Watch>) -> ash::Device {
     let (v1_0, v1_3) = (device.fp_v1_0().clone(), device.fp_v1_3().clone());
-    let known = WatchedDevice {
+    let watched = WatchedDevice {
         device: device.handle().as_raw(),
         queue: queue.as_raw(),
         watch: Arc::clone(watch),
         v1_0: v1_0.clone(),
         v1_3: v1_3.clone(),
     };
-    WATCHED.write().unwrap_or_else(PoisonError::into_inner).push(Arc::new(known));
+    WATCHED.write().unwrap_or_else(PoisonError::into_inner).push(Arc::new(watched));
     let v1_0 = ash::DeviceFnV1_0 {
         destroy_device,
         device_wait_idle,

@@ -1,5 +1,5 @@
-//! Animations of nodes: translation, rotation and scale, as motions of the scene. A faulty animation is left out with a note,
-//! since the scene is complete without it.
+//! Converts animations of nodes (translation, rotation and scale) to motions of the scene. A faulty animation is left
+//! out with a note, since the scene is complete without it.
 
 use super::Nodes;
 use crate::Mesh;
@@ -16,7 +16,7 @@ use ssct_geometry::bounded;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Greatest number of nodes that a motion may have, counted on the way from each moving thing up to its root.
+/// Greatest number of nodes in a motion. For each moving node, all nodes from it up to its root are counted.
 const MAX_NODES: usize = 1 << 20;
 
 /// An animation, as the JSON of glTF states it.
@@ -29,7 +29,7 @@ struct AnimationJson {
     samplers: Vec<SamplerJson>,
 }
 
-/// A channel of an animation: the index of a sampler, and the thing that the sampler's values change.
+/// A channel of an animation: the index of a sampler, and what the sampler's values change.
 #[derive(Deserialize)]
 struct ChannelJson {
     sampler: usize,
@@ -45,7 +45,7 @@ struct TargetJson {
     path: String,
 }
 
-/// A sampler: the accessors of its times and of its values.
+/// A sampler: the indices of the accessors of its times (`input`) and of its values (`output`).
 #[derive(Deserialize)]
 struct SamplerJson {
     input: usize,
@@ -53,8 +53,8 @@ struct SamplerJson {
     interpolation: Option<String>,
 }
 
-/// The motions of a file's animations. `names` has the names of the nodes' meshes, by the nodes' indices; `origin` is
-/// subtracted from every place in the world, in metres.
+/// Converts the animations of a file to motions. `names` has the names of the nodes' meshes, by the nodes' indices, and
+/// `meshes` are the meshes of the scene. `origin`, in metres, is subtracted from every position in the world.
 pub(super) fn motions(
     (data, animations): (&Data, &Value),
     (nodes, origin): (&Nodes, DVec3),
@@ -77,19 +77,19 @@ pub(super) fn motions(
                     motions.push(Motion { name, movers });
                 }
             }
-            Err(why) => {
+            Err(clause) => {
                 let name = bounded::printable_name(&name);
-                notes.add(&format!("animation {number}"), format!("animation {name} was left out: {why}"));
+                notes.add(&format!("animation {number}"), format!("animation {name} was left out: {clause}"));
             }
         }
     }
     motions
 }
 
-/// The changes of each node by an animation; the keys of the result are indices of nodes.
+/// Reads how an animation changes nodes. The result has the changes by the index of the node.
 ///
 /// # Errors
-/// A clause that says what is wrong.
+/// A clause that says what is wrong with the animation.
 fn changes(
     data: &Data,
     accessors: &[Accessor],
@@ -99,11 +99,11 @@ fn changes(
     let mut changed: HashMap<usize, Changes> = HashMap::new();
     for (number, channel) in json.channels.iter().enumerate() {
         let Some(node) = channel.target.node else { continue };
-        let refused = |why: &str| format!("its channel {number} {why}");
+        let refused = |clause: &str| format!("its channel {number} {clause}");
         let sampler = json.samplers.get(channel.sampler).ok_or_else(|| refused("has no sampler"))?;
-        let pair = [sampler.input, sampler.output].map(|i| accessors.get(i));
+        let pair = [sampler.input, sampler.output].map(|index| accessors.get(index));
         let [Some(input), Some(output)] = pair else { return Err(refused("has no accessor")) };
-        let between = match sampler.interpolation.as_deref() {
+        let interpolation = match sampler.interpolation.as_deref() {
             None | Some("LINEAR") => Interpolation::Linear,
             Some("STEP") => Interpolation::Step,
             Some("CUBICSPLINE") => Interpolation::Cubic,
@@ -114,23 +114,26 @@ fn changes(
             continue;
         }
         let node_changes = changed.entry(node).or_default();
-        let sampled = (data, input, output, between);
+        let sampled = (data, input, output, interpolation);
         match channel.target.path.as_str() {
-            "translation" => node_changes.offset = Some(keys(sampled, Dimensions::Vec3).map_err(|why| refused(&why))?),
-            "rotation" => node_changes.turn = Some(keys(sampled, Dimensions::Vec4).map_err(|why| refused(&why))?),
-            "scale" => node_changes.size = Some(keys(sampled, Dimensions::Vec3).map_err(|why| refused(&why))?),
+            "translation" => {
+                node_changes.offset = Some(keys(sampled, Dimensions::Vec3).map_err(|clause| refused(&clause))?)
+            }
+            "rotation" => node_changes.turn = Some(keys(sampled, Dimensions::Vec4).map_err(|clause| refused(&clause))?),
+            "scale" => node_changes.size = Some(keys(sampled, Dimensions::Vec3).map_err(|clause| refused(&clause))?),
             _ => return Err(refused("changes what is not one of glTF")),
         }
     }
     Ok(changed)
 }
 
-/// The keys of a channel: times from the accessor `input`, and values of `N` numbers from the accessor `output`.
+/// Reads the keys of a channel: times from the accessor `input`, and values of `N` numbers from the accessor `output`,
+/// whose shape must be `dimensions`.
 ///
 /// # Errors
-/// A clause that says what is wrong.
+/// A clause that says what is wrong with the channel.
 fn keys<const N: usize>(
-    (data, input, output, between): (&Data, &Accessor, &Accessor, Interpolation),
+    (data, input, output, interpolation): (&Data, &Accessor, &Accessor, Interpolation),
     dimensions: Dimensions,
 ) -> Result<Arc<Keys<N>>, String> {
     if input.dimensions() != Dimensions::Scalar || output.dimensions() != dimensions {
@@ -140,12 +143,13 @@ fn keys<const N: usize>(
     let (Ok(times), Ok(values)) = (times, values) else {
         return Err("has accessors that cannot be read".to_owned());
     };
-    let times = (0..times.len()).map(|k| times.get(k)[0]).collect();
-    let values = (0..values.len()).map(|k| values.get(k)).collect();
-    Keys::new(times, values, between).map(Arc::new).map_err(str::to_owned)
+    let times = (0..times.len()).map(|index| times.get(index)[0]).collect();
+    let values = (0..values.len()).map(|index| values.get(index)).collect();
+    Keys::new(times, values, interpolation).map(Arc::new).map_err(str::to_owned)
 }
 
-/// The nodes with meshes that an animation moves.
+/// Finds the nodes with meshes that an animation moves. `changes` are the changes of nodes by their indices; the other
+/// parameters are those of [`motions`].
 fn movers(
     data: &Data,
     nodes: &Nodes,
@@ -156,22 +160,23 @@ fn movers(
 ) -> Vec<Mover> {
     let all: Vec<Node> = data.document.nodes().collect();
     let parents = nodes.parents(data);
-    let to_here = DMat4::from_translation(-origin);
+    let subtract_origin = DMat4::from_translation(-origin);
     let mut movers = Vec::new();
     let mut count = 0;
     for (node, to_world) in &nodes.shown {
         let Some(name) = names.get(&node.index()) else { continue };
-        let way = std::iter::successors(Some(node.index()), |i| parents[*i]);
-        let way: Vec<usize> = way.take(all.len()).collect();
+        // The node, its parent and so on up to the root. The limit ends the chain in a faulty file with a cycle.
+        let upwards = std::iter::successors(Some(node.index()), |index| parents[*index]);
+        let ancestors: Vec<usize> = upwards.take(all.len()).collect();
         if node.skin().is_some() {
             notes.add("skins move", "animations of skins are not played".to_owned());
             continue;
         }
-        if !way.iter().any(|i| changes.contains_key(i)) {
+        if !ancestors.iter().any(|index| changes.contains_key(index)) {
             continue;
         }
-        let chain = chain(way.iter().rev().map(|i| (&all[*i], changes.get(i))));
-        count += way.len();
+        let chain = chain(ancestors.iter().rev().map(|index| (&all[*index], changes.get(index))));
+        count += ancestors.len();
         if count > MAX_NODES {
             notes.add(
                 "many move",
@@ -181,9 +186,9 @@ fn movers(
         }
         let mover = Mover {
             meshes: meshes_of(name, meshes),
-            root: to_here * nodes.root(),
+            root: subtract_origin * nodes.root(),
             nodes: chain,
-            rest: to_here * *to_world,
+            rest: subtract_origin * *to_world,
         };
         if mover.is_placed() {
             movers.push(mover);
@@ -198,10 +203,11 @@ fn movers(
     movers
 }
 
-/// The nodes on the way from the root to a node; successive nodes that do not change are combined.
-fn chain<'a>(way: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> Vec<MovingNode> {
+/// Makes the moving nodes from the root down to a node, from each node of this path and its changes, if it has any.
+/// Successive nodes that do not change are combined.
+fn chain<'a>(path: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> Vec<MovingNode> {
     let mut chain: Vec<MovingNode> = Vec::new();
-    for (node, changes) in way {
+    for (node, changes) in path {
         let rest = rest(node);
         match (changes, chain.last_mut()) {
             (Some(changes), _) => chain.push(MovingNode { rest, changes: changes.clone() }),
@@ -212,10 +218,12 @@ fn chain<'a>(way: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> 
     chain
 }
 
-/// The transform of a node, to its parent's space, while no animation plays.
+/// Returns the transform of a node, to its parent's space, while no animation plays.
 fn rest(node: &Node) -> Rest {
     match node.transform() {
-        Transform::Matrix { matrix } => Rest::Matrix(DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from)))),
+        Transform::Matrix { matrix } => {
+            Rest::Matrix(DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))))
+        }
         Transform::Decomposed { translation, rotation, scale } => {
             let [offset, size] = [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
             Rest::Parts(offset, DQuat::from_array(rotation.map(f64::from)), size)
@@ -223,17 +231,17 @@ fn rest(node: &Node) -> Rest {
     }
 }
 
-/// The names of the meshes of a node: its own name or, for a large mesh that was split into `n` parts, the name with `
-/// k/n`.
+/// Returns the names of the meshes of a node. A mesh has the name of its node. A large mesh that was split has it with
+/// a number and the count of parts, as in "wall 1/3".
 fn meshes_of(name: &str, meshes: &[Mesh]) -> Vec<String> {
     let is_part = |rest: &str| {
         let part = rest.strip_prefix(' ').and_then(|rest| rest.split_once('/'));
-        part.is_some_and(|(k, n)| k.parse::<u32>().is_ok() && n.parse::<u32>().is_ok())
+        part.is_some_and(|(number, count)| number.parse::<u32>().is_ok() && count.parse::<u32>().is_ok())
     };
     let mut found: Vec<String> = Vec::new();
     for mesh in meshes {
-        let is_its = mesh.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || is_part(rest));
-        if is_its && !found.contains(&mesh.name) {
+        let is_of_node = mesh.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || is_part(rest));
+        if is_of_node && !found.contains(&mesh.name) {
             found.push(mesh.name.clone());
         }
     }

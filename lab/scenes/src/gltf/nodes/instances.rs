@@ -12,17 +12,18 @@ pub(in crate::gltf) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// The extension that hides nodes.
 pub(in crate::gltf) const VISIBILITY: &str = "KHR_node_visibility";
 
-/// Whether a node hides itself and all nodes below it.
+/// Returns true if a node hides itself and all nodes below it.
 pub(super) fn is_hidden(node: &Node) -> bool {
-    let visible = node.extension_value(VISIBILITY).and_then(|v| v.get("visible"));
+    let visible = node.extension_value(VISIBILITY).and_then(|members| members.get("visible"));
     visible.and_then(Value::as_bool) == Some(false)
 }
 
-/// The transforms of the copies of a node's mesh, in the space of the node; without the extension, a single identity.
+/// Returns the transforms of the copies of a node's mesh, in the space of the node; without the extension, a single
+/// identity.
 ///
 /// # Errors
-/// [`Error::Malformed`](ssct_ground::Error::Malformed) for accessors that are missing, have other elements, or differ in their
-/// number of elements.
+/// [`Error::Malformed`](ssct_ground::Error::Malformed) for accessors that are missing, have elements of another kind,
+/// or differ in their number of elements.
 pub(super) fn instances(data: &Data, node: &Node) -> Result<Vec<DMat4>> {
     let Some(extension) = node.extension_value(INSTANCING) else { return Ok(vec![DMat4::IDENTITY]) };
     let translations = attribute::<3>(data, node, extension, "TRANSLATION")?;
@@ -38,23 +39,26 @@ pub(super) fn instances(data: &Data, node: &Node) -> Result<Vec<DMat4>> {
     if lengths.any(|other| other != count) {
         return Err(data.error(format!("node {}: the attributes of {INSTANCING} differ in length", node.index())));
     }
-    let vector = |all: &Option<Vectors<3>>, k: usize, default: DVec3| {
-        all.as_ref().map_or(default, |all| DVec3::from_array(all.get(k).map(f64::from)))
+    let vector = |attribute: &Option<Vectors<3>>, copy: usize, default: DVec3| {
+        attribute.as_ref().map_or(default, |vectors| DVec3::from_array(vectors.get(copy).map(f64::from)))
     };
-    let matrix = |k: usize| {
-        let rotation = rotations.as_ref().map_or(DQuat::IDENTITY, |all| DQuat::from_array(all.get(k).map(f64::from)));
+    let matrix = |copy: usize| {
+        let rotation = match &rotations {
+            Some(rotations) => DQuat::from_array(rotations.get(copy).map(f64::from)),
+            None => DQuat::IDENTITY,
+        };
         let unit = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
         DMat4::from_scale_rotation_translation(
-            vector(&scales, k, DVec3::ONE),
+            vector(&scales, copy, DVec3::ONE),
             unit,
-            vector(&translations, k, DVec3::ZERO),
+            vector(&translations, copy, DVec3::ZERO),
         )
     };
     Ok((0..count).map(matrix).collect())
 }
 
-/// The vectors of an attribute of [`INSTANCING`], or `None` if the node has no such attribute. Integers are converted
-/// to −1…1 if the accessor is normalized.
+/// Returns the vectors of the attribute `name` of the extension [`INSTANCING`] of a node, or `None` if the node has no
+/// such attribute. If the accessor is normalized, integers are converted to −1…1 or 0…1.
 fn attribute<'a, const N: usize>(
     data: &'a Data,
     node: &Node,

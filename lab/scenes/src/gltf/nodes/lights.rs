@@ -1,5 +1,5 @@
-//! Lights of `KHR_lights_punctual` in the world, at one exposure. Files give brightness in lux and candela: a sun of 3 W/m² in
-//! Blender has 2049 lx, since Blender multiplies by 683 lumens for a watt.
+//! Places lights of `KHR_lights_punctual` in the world, and scales them by one exposure. Files give brightness in lux
+//! and candela. Blender, for example, writes a sun of 3 W/m² as 2049 lx, since it multiplies by 683 lumens for a watt.
 
 use super::Units;
 use crate::gltf::Notes;
@@ -9,14 +9,15 @@ use gltf::khr_lights_punctual::Kind;
 use ssct_geometry::texture::luminance;
 use ssct_ground::math::constants;
 
-/// A light with its brightness at the scene's centre, in lux.
+/// A light with the illuminance that it gives at the scene's centre, in lux.
 pub(super) struct PlacedLight {
     light: Light,
     illuminance: f64,
 }
 
-/// Places a light in the world, as a white one, with its brightness at the scene's centre. `None` if that brightness is
-/// not positive and finite, or if the light stands too far away.
+/// Places a light in the world, and computes its illuminance at the scene's centre. Its colour is replaced by white of
+/// the same luminance. The result is `None` if the illuminance is not positive and finite, or if the light stands too
+/// far away.
 pub(super) fn lamp(
     light: &gltf::khr_lights_punctual::Light,
     to_world: &DMat4,
@@ -43,23 +44,25 @@ pub(super) fn lamp(
             if light.range().is_some() {
                 notes.add("ranges", "ranges of lights are not supported; lights reach as far as they fade".to_owned());
             }
-            // The file's unit of length is the metre. A light less than a metre from the centre counts as a metre away.
+            // Candelas relate to the file's unit of length, which glTF calls a metre. A light less than a unit from the
+            // centre counts as one unit away.
             let scale = f64::from(units.scale);
-            let away = ((position - units.centre.as_dvec3()).length() / scale).max(1.0);
+            let distance = ((position - units.centre.as_dvec3()).length() / scale).max(1.0);
             // The attenuation is energy / distance², so that the energy is scaled like a squared length.
             let light = Light::Point { position: position.as_vec3(), energy: (intensity * scale * scale) as f32 };
-            PlacedLight { light, illuminance: intensity / (away * away) }
+            PlacedLight { light, illuminance: intensity / (distance * distance) }
         }
     };
-    let sound = placed.illuminance.is_finite()
+    let is_sound = placed.illuminance.is_finite()
         && placed.illuminance > 0.0
         && position.is_finite()
         && position.abs().max_element() <= f64::from(MAX_COORDINATE_M);
-    sound.then_some(placed)
+    is_sound.then_some(placed)
 }
 
-/// The lights at one exposure, which makes the brightest give 1 at the scene's centre. Far from a point light of energy e the
-/// attenuation is e / d², as in glTF. Also returns a sentence about the exposure.
+/// Returns the lights scaled by one exposure, with which the brightest gives 1 at the scene's centre, and a sentence
+/// about the exposure; no sentence without lights. If there are too many lights, the brightest are kept, with a note.
+/// Far from a point light of energy e the attenuation is e / d², as in glTF.
 pub(super) fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<Light>, Option<String>) {
     placed.sort_by(|a, b| b.illuminance.total_cmp(&a.illuminance));
     let most = constants::MAX_LIGHTS as usize;
@@ -70,17 +73,17 @@ pub(super) fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<L
         );
         placed.truncate(most);
     }
-    let Some(brightest) = placed.first().map(|p| p.illuminance) else { return (Vec::new(), None) };
-    let exposed = |p: PlacedLight| match p.light {
+    let Some(brightest) = placed.first().map(|light| light.illuminance) else { return (Vec::new(), None) };
+    let exposed = |placed: PlacedLight| match placed.light {
         Light::Directional { direction, .. } => {
-            Light::Directional { direction, energy: (p.illuminance / brightest) as f32 }
+            Light::Directional { direction, energy: (placed.illuminance / brightest) as f32 }
         }
         Light::Point { position, energy } => Light::Point { position, energy: (f64::from(energy) / brightest) as f32 },
     };
-    let lit = |light: &Light| match *light {
+    let shines = |light: &Light| match *light {
         Light::Directional { energy, .. } | Light::Point { energy, .. } => energy.is_finite() && energy > 0.0,
     };
-    let lights: Vec<Light> = placed.into_iter().map(exposed).filter(lit).collect();
+    let lights: Vec<Light> = placed.into_iter().map(exposed).filter(shines).collect();
     let sentence = format!(
         "its lights are exposed so that the brightest, which gives {} lx at the scene's centre, gives 1",
         rounded(brightest)
@@ -88,7 +91,7 @@ pub(super) fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<L
     (lights, Some(sentence))
 }
 
-/// A brightness with about four digits.
+/// Writes an illuminance in lux: as a whole number from 1000 on, else with three decimals.
 fn rounded(lux: f64) -> String {
     if lux >= 1000.0 { format!("{lux:.0}") } else { format!("{lux:.3}") }
 }

@@ -7,12 +7,12 @@ use ssct_ground::math::atan2;
 use ssct_ground::math::noise::{fractal, smoothstep};
 use std::f32::consts::{PI, TAU};
 
-/// All furnishing.
+/// Builds all furnishing.
 pub fn all() -> Vec<MeshBuilder> {
     [curtains(), banners(), vases(), planters(), lion()].into_iter().flatten().collect()
 }
 
-/// A pair of curtains in every bay of the long arcades, tied back to the columns.
+/// Builds a pair of curtains in every bay of the long arcades, tied back to the columns.
 fn curtains() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for (row, z) in [LINES_Z[1] + 0.02, LINES_Z[2] - 0.02].into_iter().enumerate() {
@@ -32,12 +32,14 @@ fn curtains() -> Vec<MeshBuilder> {
     parts
 }
 
-/// One of a pair of curtains, 2.7 m high, from its edge at the column over `width` (negative: towards −x). The curtain is wide
-/// at the pole, gathered where it is tied, and hangs straight below.
+/// Adds one of a pair of curtains, 2.7 m high. `foot` is the lower end of its edge at the column, from where it spreads
+/// over `width` metres along x (negative: towards −x). The curtain is wide at the pole, gathered where it is tied, and
+/// hangs straight below.
 fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     const HEIGHT: f32 = 2.7;
     /// Height of the tie, as a share of the curtain's height.
     const TIE: f32 = 0.42;
+    // The point of the cloth at the share s of its width and t of its height; its x is a share of the width.
     let surface = |s: f32, t: f32| {
         let above = ((t - TIE) / (1.0 - TIE)).max(0.0);
         let below = ((TIE - t) / TIE).max(0.0);
@@ -48,14 +50,14 @@ fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     };
     let right = width.signum();
     mesh.surface(foot, [48, 14], |s, t| {
-        // One curtain is mirrored, so that both have their front on the same side.
+        // A curtain towards −x is mirrored, so that the two of a pair have their front on the same side.
         let along = if right > 0.0 { s } else { 1.0 - s };
-        let (p, cloth) = surface(along, t);
-        (Vec3::new(p.x * width, p.y, p.z), Vec2::new(cloth * right * 1.4 * width.abs(), t * HEIGHT))
+        let (point, cloth) = surface(along, t);
+        (Vec3::new(point.x * width, point.y, point.z), Vec2::new(cloth * right * 1.4 * width.abs(), t * HEIGHT))
     });
 }
 
-/// A horizontal round bar between two points, parallel to x.
+/// Adds a horizontal round bar between two points on a line parallel to x.
 fn rod(mesh: &mut MeshBuilder, from: Vec3, to: Vec3, radius: f32) {
     mesh.surface(from, [12, 1], |s, t| {
         let (sin, cos) = (TAU * s).sin_cos();
@@ -64,7 +66,7 @@ fn rod(mesh: &mut MeshBuilder, from: Vec3, to: Vec3, radius: f32) {
     });
 }
 
-/// Cloths that hang over the parapets, one in each bay.
+/// Builds cloths that hang over the parapets, one in each bay.
 fn banners() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for (row, (z, court)) in [(LINES_Z[1], 1.0), (LINES_Z[2], -1.0)].into_iter().enumerate() {
@@ -78,17 +80,18 @@ fn banners() -> Vec<MeshBuilder> {
     parts
 }
 
-/// A point of a banner, which runs from its lower end in the court over the parapet into the gallery, and its texture
-/// coordinates in metres. `s` and `t` run from 0 to 1 across and along the cloth; `court` is the sign of z towards the
-/// court.
+/// Returns a point of a banner, and its texture coordinates in metres. The banner runs from its lower end in the court
+/// over the parapet into the gallery. `s` and `t` run from 0 to 1 across and along the cloth; `court` is the sign of z
+/// towards the court.
 fn banner(s: f32, t: f32, court: f32) -> (Vec3, Vec2) {
     const WIDTH: f32 = 2.2;
     /// The length that hangs into the court, in metres.
     const OUTSIDE: f32 = 1.45;
     /// Half the length that lies on the parapet, in metres.
     const ROUND: f32 = 0.42;
-    let a = WIDTH * (s - 0.5) * court;
+    let across = WIDTH * (s - 0.5) * court;
     let length = OUTSIDE + 2.0 * ROUND + 0.3;
+    // The distance along the cloth from its lower end, and how far above this end the court's side hangs.
     let run = t * length;
     let hanging = (OUTSIDE - run).max(0.0);
     let hem = 0.12 * (TAU * 2.0 * s).cos() * smoothstep(OUTSIDE, 0.0, run);
@@ -96,11 +99,11 @@ fn banner(s: f32, t: f32, court: f32) -> (Vec3, Vec2) {
     let over = ((run - OUTSIDE) / (2.0 * ROUND)).clamp(0.0, 1.0);
     let behind = (run - OUTSIDE - 2.0 * ROUND).max(0.0);
     let (sin, cos) = (PI * over).sin_cos();
-    let position = Vec3::new(a, 0.10 * sin - hanging - behind + hem, court * (ROUND * cos + folds + 0.03));
+    let position = Vec3::new(across, 0.10 * sin - hanging - behind + hem, court * (ROUND * cos + folds + 0.03));
     (position, Vec2::new(WIDTH * (s - 0.5), run))
 }
 
-/// Four large vases in the corners of the galleries, with a shrub in each.
+/// Builds four large vases in the corners of the galleries, with a shrub in each.
 fn vases() -> Vec<MeshBuilder> {
     [(-13.3, -4.9), (-13.3, 5.6), (11.9, -4.6), (11.9, 5.3)]
         .into_iter()
@@ -119,7 +122,7 @@ fn vases() -> Vec<MeshBuilder> {
         .collect()
 }
 
-/// Planters beside the columns of the court.
+/// Builds planters with shrubs beside the columns of the court.
 fn planters() -> Vec<MeshBuilder> {
     [LINES_X[1] + 0.9, LINES_X[3], LINES_X[4], LINES_X[6] - 0.9]
         .into_iter()
@@ -141,7 +144,7 @@ fn planters() -> Vec<MeshBuilder> {
         .collect()
 }
 
-/// A clipped shrub: a sphere with bumps.
+/// Builds a clipped shrub: a sphere with bumps.
 fn bush(centre: Vec3, radius: f32) -> MeshBuilder {
     let mut leaves = mesh("bush", LEAF);
     leaves.surface(centre, [28, 16], |s, t| {
@@ -149,19 +152,20 @@ fn bush(centre: Vec3, radius: f32) -> MeshBuilder {
         let (east, north) = (TAU * s).sin_cos();
         let lumps = fractal(Vec2::new(s * 10.0, t * 7.0), IVec2::new(10, 64), 2, 307);
         // The surface is smooth towards the poles, where all columns of the grid meet.
-        let r = radius * (0.85 + 0.3 * lumps * sin.max(0.0));
-        let position = Vec3::new(r * sin * north, -r * cos, r * sin * east);
+        let bumpy_radius = radius * (0.85 + 0.3 * lumps * sin.max(0.0));
+        let position = Vec3::new(bumpy_radius * sin * north, -bumpy_radius * cos, bumpy_radius * sin * east);
         (position, Vec2::new(s * 2.4, t * PI * radius))
     });
     leaves
 }
 
-/// The relief on the end wall: a plate, a disc, and a lion's head on the disc.
+/// Builds the relief on the end wall: a plate, a disc, and a lion's head on the disc.
 fn lion() -> Vec<MeshBuilder> {
     const WALL_X: f32 = LINES_X[7];
     const MIDDLE: Vec3 = Vec3::new(WALL_X - 0.12, 1.72, 0.375);
     const RADIUS: f32 = 0.92;
     let mut plate = mesh("lion-plate", RELIEF);
+    // The slabs of the plate: half width, least and greatest height, and thickness, in metres.
     for (half, low, high, depth) in [(1.25, 0.4, 3.06, 0.12), (1.4, 0.28, 0.4, 0.2), (1.4, 3.06, 3.2, 0.2)] {
         let min = Vec3::new(WALL_X - depth, low, MIDDLE.z - half);
         plate.cuboid_but(min, Vec3::new(WALL_X + 0.02, high, MIDDLE.z + half), &[Vec3::X]);
@@ -175,13 +179,14 @@ fn lion() -> Vec<MeshBuilder> {
     vec![plate, head]
 }
 
-/// Height of the lion's head above the plate in metres, over the unit disc with y up.
+/// Returns the height of the lion's head above the plate, in metres, at a point of the unit disc with y up.
 fn lion_relief(point: Vec2) -> f32 {
     let r = point.length();
     let angle = atan2(point.y, point.x);
+    // A bump of height 1 around (x, y) and its mirror image at −x.
     let lump = |x: f32, y: f32, width: f32, height: f32| {
-        let d = Vec2::new((point.x.abs() - x) / width, (point.y - y) / height);
-        (-d.length_squared()).exp()
+        let offset = Vec2::new((point.x.abs() - x) / width, (point.y - y) / height);
+        (-offset.length_squared()).exp()
     };
     let border = 0.07 * smoothstep(0.88, 0.90, r) * smoothstep(1.0, 0.985, r);
     let locks = (0.5 + 0.5 * (angle * 13.0 + 0.9 * (r * 11.0).sin()).sin()).sqrt();

@@ -1,4 +1,4 @@
-//! The fronts of houses: windows in several storeys, a cornice, and the ground floor.
+//! Builds the fronts of houses: a ground floor, windows in several storeys, and a cornice.
 
 use super::{DARK_GLASS, DARK_PANE, DOOR, LIT_PANE, SHOP, TRIM};
 use crate::library::builder::{MeshBuilder, Rect};
@@ -6,16 +6,17 @@ use crate::library::fittings::{Face, centred_rect};
 use glam::{IVec2, Vec3};
 use ssct_ground::math::noise::unit;
 
-/// Heights of the ground floor and of each storey above it.
+/// Height of the ground floor, in metres.
 const GROUND_M: f32 = 4.0;
+/// Height of each storey above the ground floor, in metres.
 const STOREY_M: f32 = 3.15;
-/// Width and height of a window, and the height of its sill above the storey's floor.
+/// Width and height of a window, and height of its sill above the storey's floor, in metres.
 const WINDOW: [f32; 3] = [1.15, 1.75, 0.85];
-/// Least width of a bay; each bay has one opening a storey.
+/// Least width of a bay, in metres. A house is divided into equal bays, with one opening in each storey of a bay.
 const BAY_M: f32 = 2.55;
-/// Depth of the openings in the wall.
+/// Depth of the openings in the wall, in metres.
 const RECESS_M: f32 = 0.2;
-/// Depth of a house; its gables show where they rise above lower neighbours.
+/// Depth of a house, in metres. Its side walls are seen where they rise above lower neighbours.
 const DEPTH_M: f32 = 7.0;
 /// The share of windows with a lit room.
 const LIT: f32 = 0.3;
@@ -36,7 +37,7 @@ pub struct HouseFront {
     /// First part of the names of the house's meshes.
     pub name: &'static str,
     pub face: Face,
-    /// Extent of the house along the face.
+    /// Range of the house along the face, in metres.
     pub span: [f32; 2],
     pub height: f32,
     /// An empty mesh of the wall's material.
@@ -44,7 +45,7 @@ pub struct HouseFront {
     pub ground: Ground,
 }
 
-/// Names of a house's meshes.
+/// Returns the names of a house's meshes, each with the house's name in front.
 pub fn parts(name: &str) -> [String; 7] {
     ["wall", "trim", "dark-panes", "lit-panes", "shops", "doors", "glass"].map(|part| format!("{name}-{part}"))
 }
@@ -74,18 +75,18 @@ pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
     let mut wall = front.wall.renamed(&names[0]);
     let [mut trim, mut dark, mut lit, mut shops, mut doors, mut glass] =
         [(1, TRIM), (2, DARK_PANE), (3, LIT_PANE), (4, SHOP), (5, DOOR), (6, DARK_GLASS)]
-            .map(|(k, material)| MeshBuilder::new(names[k].as_str(), material, 1.0));
+            .map(|(part, material)| MeshBuilder::new(names[part].as_str(), material, 1.0));
     let face = front.face;
     let openings = openings(front);
-    let holes: Vec<Rect> = openings.iter().map(|o| o.rect).collect();
+    let holes: Vec<Rect> = openings.iter().map(|opening| opening.rect).collect();
     face.wall(&mut wall, Rect::new(front.span, [0.0, front.height]), &holes);
     gables(&mut wall, front);
-    for (k, Opening { rect, filling }) in openings.into_iter().enumerate() {
+    for (number, Opening { rect, filling }) in openings.into_iter().enumerate() {
         face.reveals(&mut trim, rect, RECESS_M);
         match filling {
             Filling::Pane => {
-                // A random number from the opening and the house decides whether the room is lit.
-                let place = IVec2::new(k as i32, (front.height * 10.0) as i32 + front.span[0] as i32);
+                // A random number, computed from the opening's number and the house, decides whether the room is lit.
+                let place = IVec2::new(number as i32, (front.height * 10.0) as i32 + front.span[0] as i32);
                 let pane = if unit(place, 467) < LIT { &mut lit } else { &mut dark };
                 face.picture(pane, rect, -RECESS_M);
                 let sill = Rect::new([rect.min.x - 0.1, rect.max.x + 0.1], [rect.min.y - 0.1, rect.min.y]);
@@ -107,6 +108,7 @@ pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
             Filling::Door => {
                 face.block(&mut doors, rect, [-RECESS_M - 0.05, -RECESS_M]);
                 let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
+                // Two panels, one above the other; places and sizes are shares of half the door's size.
                 for (y, height) in [(-0.5, 0.7), (0.4, 0.75)] {
                     let panel = centred_rect(middle.x, middle.y + y * half.y, 1.3 * half.x, height * half.y);
                     face.border(&mut doors, panel, 0.04, [-RECESS_M, -RECESS_M + 0.03]);
@@ -115,7 +117,7 @@ pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
             }
         }
     }
-    // String course and cornice.
+    // A horizontal band above the ground floor, and a cornice of two bands at the top.
     let [from, to] = front.span;
     let top = front.height;
     for (y, out) in
@@ -124,44 +126,43 @@ pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
         face.block(&mut trim, Rect::new([from + 0.02, to - 0.02], y), [-0.05, out]);
     }
     let mut meshes = vec![wall, trim, dark, lit, shops, doors, glass];
-    meshes.retain(|m| !m.is_empty());
+    meshes.retain(|mesh| !mesh.is_empty());
     meshes
 }
 
-/// Doors and windows, storey by storey.
+/// Lists the doors and windows of a house, storey by storey from below.
 fn openings(front: &HouseFront) -> Vec<Opening> {
     let [from, to] = front.span;
     let count = ((to - from) / BAY_M).floor().max(1.0) as usize;
-    let pitch = (to - from) / count as f32;
-    let middle = |k: usize| from + (k as f32 + 0.5) * pitch;
-    let window = |k: usize, floor: f32| {
-        let y = floor + WINDOW[2];
-        let a = middle(k);
-        Rect::new([a - 0.5 * WINDOW[0], a + 0.5 * WINDOW[0]], [y, y + WINDOW[1]])
+    let bay_width = (to - from) / count as f32;
+    let middle = |bay: usize| from + (bay as f32 + 0.5) * bay_width;
+    let window = |bay: usize, floor: f32| {
+        let [x, y] = [middle(bay), floor + WINDOW[2]];
+        Rect::new([x - 0.5 * WINDOW[0], x + 0.5 * WINDOW[0]], [y, y + WINDOW[1]])
     };
     let mut all = Vec::new();
     let mut add = |rect: Rect, filling: Filling| all.push(Opening { rect, filling });
-    let above = |a: f32, width: f32, heights: [f32; 2]| Rect::new([a - 0.5 * width, a + 0.5 * width], heights);
-    for k in 0..count {
+    let around = |x: f32, width: f32, heights: [f32; 2]| Rect::new([x - 0.5 * width, x + 0.5 * width], heights);
+    for bay in 0..count {
         match front.ground {
-            Ground::Shops if k % 3 == 2 => add(above(middle(k), 1.1, [0.15, 2.75]), Filling::Door),
-            Ground::Shops => add(above(middle(k), pitch - 0.5, [0.65, 3.1]), Filling::Shop),
-            Ground::Doors if k % 4 == 1 => add(above(middle(k), 1.15, [0.15, 2.75]), Filling::Door),
-            Ground::Doors => add(window(k, 0.35), Filling::Pane),
+            Ground::Shops if bay % 3 == 2 => add(around(middle(bay), 1.1, [0.15, 2.75]), Filling::Door),
+            Ground::Shops => add(around(middle(bay), bay_width - 0.5, [0.65, 3.1]), Filling::Shop),
+            Ground::Doors if bay % 4 == 1 => add(around(middle(bay), 1.15, [0.15, 2.75]), Filling::Door),
+            Ground::Doors => add(window(bay, 0.35), Filling::Pane),
             Ground::Cinema => {}
         }
     }
     if front.ground == Ground::Cinema {
         let centre = 0.5 * (from + to);
-        for k in -1..=1 {
-            add(above(centre + 1.35 * k as f32, 1.2, [0.15, 2.7]), Filling::Glass);
+        for door in -1..=1 {
+            add(around(centre + 1.35 * door as f32, 1.2, [0.15, 2.7]), Filling::Glass);
         }
     }
     let mut floor = GROUND_M;
     while floor + WINDOW[1] + WINDOW[2] + 0.7 < front.height {
-        for k in 0..count {
-            // The cinema's canopy and its sign cover the lower part of this storey.
-            let rect = window(k, if front.ground == Ground::Cinema { floor + 0.5 } else { floor });
+        for bay in 0..count {
+            // Windows of the cinema are higher, since its canopy covers the lower part of the first storey.
+            let rect = window(bay, if front.ground == Ground::Cinema { floor + 0.5 } else { floor });
             add(rect, Filling::Pane);
         }
         floor += STOREY_M;
@@ -169,16 +170,16 @@ fn openings(front: &HouseFront) -> Vec<Opening> {
     all
 }
 
-/// The parts of the side walls that rise above lower neighbours.
+/// Adds the side walls of a house, which are seen where they rise above lower neighbours, and its flat roof.
 fn gables(wall: &mut MeshBuilder, front: &HouseFront) {
-    for (a, facing) in [(front.span[0], -front.face.right), (front.span[1], front.face.right)] {
-        let point = |y: f32, out: f32| front.face.point_at(a, y, out);
+    for (end, facing) in [(front.span[0], -front.face.right), (front.span[1], front.face.right)] {
+        let point = |y: f32, out: f32| front.face.point_at(end, y, out);
         wall.polygon(
             &[point(0.0, 0.0), point(front.height, 0.0), point(front.height, -DEPTH_M), point(0.0, -DEPTH_M)],
             facing,
         );
     }
-    let roof = |a: f32, out: f32| front.face.point_at(a, front.height, out);
+    let roof = |x: f32, out: f32| front.face.point_at(x, front.height, out);
     let [from, to] = front.span;
     wall.polygon(&[roof(from, 0.0), roof(to, 0.0), roof(to, -DEPTH_M), roof(from, -DEPTH_M)], Vec3::Y);
 }

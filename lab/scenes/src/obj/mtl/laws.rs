@@ -1,8 +1,8 @@
 //! The meaning of a material's numbers, which depends on the program that wrote the file.
 //!
-//! Wavefront's own law has a colour of highlights (`Ks`) and an exponent (`Ns`). Blender's exporter writes other quantities
-//! under these names, and the PBR keys have the meaning of glTF. docs/definitions.md, "Exporters of MTL", has the table and
-//! says how each law was found.
+//! A law is the meaning of the numbers in the files of one program. Wavefront's own law has a colour of highlights
+//! (`Ks`) and an exponent (`Ns`). Blender's exporter writes other quantities under these names, and the PBR keys have
+//! the meaning of glTF. docs/definitions.md, "Exporters of MTL", has the table and says how each law was found.
 
 use super::{Definition, TRANSPARENCY};
 use crate::Material;
@@ -12,13 +12,14 @@ use crate::obj::baked::MaterialReading;
 use glam::Vec3;
 use ssct_geometry::texture::luminance;
 
-/// Blender's exponent of a perfect mirror: `Ns` = 1000 (1 − r)².
+/// The exponent that Blender writes for a perfect mirror: of a roughness r it writes `Ns` = 1000 (1 − r)².
 const BLENDER_EXPONENT: f32 = 1000.0;
 
 /// The roughness of Blender's default material.
 const BLENDER_ROUGHNESS: f32 = 0.5;
 
-/// The first version of Blender in which the level of specular is used together with the index of refraction.
+/// The first major version of Blender in which the level of the specular reflection multiplies that of the index of
+/// refraction.
 const BLENDER_WITH_IOR: u32 = 4;
 
 /// The program that wrote an MTL file, if it changes the meaning of the file.
@@ -27,12 +28,13 @@ pub(super) enum Exporter {
     /// A program whose numbers have Wavefront's meaning, as far as known.
     #[default]
     Unknown,
-    /// Blender, of this major version. Files without a version are older than 3.3, and follow other laws.
+    /// Blender of this major version. Files that state no version are older than 3.3 and follow another law, and are
+    /// read like those of an unknown program.
     Blender(u32),
 }
 
 impl Exporter {
-    /// The program that a comment of a file names as the file's writer; `None` for any other comment.
+    /// Returns the program that a comment names as the writer of the file; `None` for a comment that is not Blender's.
     pub(super) fn from_comment(line: &str) -> Option<Self> {
         let rest = line.trim_start_matches('#').trim_start().strip_prefix("Blender ")?;
         let (version, rest) = rest.split_once(' ')?;
@@ -49,12 +51,14 @@ pub(super) enum Law {
     Wavefront,
     /// Blender's `Ns`, `Ks`, `Ka` and `Ni`, without PBR keys.
     Blender(u32),
-    /// Metalness and roughness; Blender's `Ks` is the level of specular, and the `Ks` of other programs is ignored.
+    /// Metalness and roughness. Blender's `Ks` is the level of the specular reflection, and the `Ks` of other programs
+    /// is ignored.
     Pbr(Exporter),
 }
 
 impl Definition {
-    /// Chooses the law of the material, after all of its statements were read, and notes what the law drops.
+    /// Chooses the law of the material once all of its statements were read, and notes warnings about what this law
+    /// drops.
     pub(super) fn settle(&mut self, exporter: Exporter) {
         let has_metalness = self.metalness.is_some() || self.images.metalness.is_some();
         let has_roughness = self.roughness.is_some() || self.images.roughness.is_some();
@@ -63,7 +67,8 @@ impl Definition {
             exporter if has_metalness => Law::Pbr(exporter),
             Exporter::Blender(_) if has_roughness => Law::Pbr(exporter),
             Exporter::Blender(major) => Law::Blender(major),
-            // A file that gives a roughness and a specular colour, but no metalness, means both.
+            // A file with a roughness and a specular colour but no metalness is read by Wavefront's law, which uses
+            // both.
             Exporter::Unknown if has_roughness && !has_specular => Law::Pbr(exporter),
             Exporter::Unknown => Law::Wavefront,
         };
@@ -89,7 +94,7 @@ impl Definition {
         }
     }
 
-    /// The material that the statements describe, by the law that `settle` chose for their numbers.
+    /// Returns the material that the statements describe, by the law that `settle` chose.
     pub(in crate::obj) fn reading(&self) -> MaterialReading {
         let factors = Factors {
             base: self.base(),
@@ -110,24 +115,24 @@ impl Definition {
         MaterialReading { material, factors, is_metallic, roughness_factor: self.perceptual().unwrap_or(1.0) }
     }
 
-    /// The linear base colour. Black together with an image counts as white, as exporters mean it.
+    /// Returns the linear base colour. Black together with an image counts as white, as exporters mean it.
     fn base(&self) -> Vec3 {
         let base = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
         if base == Vec3::ZERO && self.images.albedo.is_some() { Vec3::ONE } else { base }
     }
 
-    /// The linear emission. Black together with an image counts as white.
+    /// Returns the linear emission. Black together with an image counts as white.
     fn emitted(&self) -> Vec3 {
         let stated = self.emission.unwrap_or(Vec3::ZERO).clamp(Vec3::ZERO, Vec3::splat(1e6));
         if stated == Vec3::ZERO && self.images.emission.is_some() { Vec3::ONE } else { stated }
     }
 
-    /// The metalness, 0…1. A number of 0 together with an image counts as 1.
+    /// Returns the metalness, 0…1. A number of 0 together with an image counts as 1.
     fn metallic(&self) -> f32 {
         let stated = match self.law {
             Law::Wavefront => 0.0,
-            // Blender writes the metalness as the ambient colour, but writes white for a material without metalness.
-            // Only metals get the illumination model 3 or 6, which tells the two apart.
+            // Blender writes the metalness as the ambient colour, but it writes white for a material without metalness,
+            // too. The two are told apart by the illumination model, which is 3 or 6 only for metals.
             Law::Blender(_) => {
                 self.ambient.filter(|_| matches!(self.model, Some(3 | 6))).map_or(0.0, |ambient| ambient.x)
             }
@@ -136,41 +141,42 @@ impl Definition {
         if stated == 0.0 && self.images.metalness.is_some() { 1.0 } else { stated.clamp(0.0, 1.0) }
     }
 
-    /// The reflection along the normal of the part that is no metal.
+    /// Returns the reflection at normal incidence of the part that is not metal. By Wavefront's law it is 0, and not
+    /// used.
     fn f0(&self) -> f32 {
         // Blender writes an index of 1 for materials without an index of refraction.
         let ior = self.ior.filter(|ior| ior.is_finite() && *ior > 1.0);
-        let of_ior = ior.map_or(F0, f0_of_ior);
+        let by_ior = ior.map_or(F0, f0_of_ior);
         let has_image = self.images.reflectivity.is_some();
-        // The level of specular is 0.5 by default, which leaves the reflection as it is.
-        let level = |major| {
+        // The level of the specular reflection is 0.5 by default, with which the factor 2 · level is 1.
+        let by_level = |major| {
             let level = self.specular.map_or(if has_image { 1.0 } else { 0.5 }, luminance).max(0.0);
-            2.0 * level * if major >= BLENDER_WITH_IOR { of_ior } else { F0 }
+            2.0 * level * if major >= BLENDER_WITH_IOR { by_ior } else { F0 }
         };
         match self.law {
             Law::Wavefront => 0.0,
-            Law::Blender(major) | Law::Pbr(Exporter::Blender(major)) => level(major),
-            Law::Pbr(Exporter::Unknown) => of_ior,
+            Law::Blender(major) | Law::Pbr(Exporter::Blender(major)) => by_level(major),
+            Law::Pbr(Exporter::Unknown) => by_ior,
         }
     }
 
-    /// The perceptual roughness of glTF, or the factor on an image of roughness. The result is `None` if the material
-    /// gives no roughness and the law is not Blender's.
+    /// Returns the perceptual roughness of glTF, 0…1, or the factor on the image of roughness if there is one. The
+    /// result is `None` if the material gives no roughness and the law is not Blender's.
     fn perceptual(&self) -> Option<f32> {
         if self.images.roughness.is_some() {
-            return Some(self.roughness.filter(|r| *r > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));
+            return Some(self.roughness.filter(|roughness| *roughness > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));
         }
         let by_exponent = |exponent: f32| 1.0 - (exponent / BLENDER_EXPONENT).clamp(0.0, 1.0).sqrt();
         match self.law {
             Law::Blender(_) => Some(self.exponent.map_or(BLENDER_ROUGHNESS, by_exponent)),
-            Law::Wavefront | Law::Pbr(_) => self.roughness.map(|r| r.clamp(0.0, 1.0)),
+            Law::Wavefront | Law::Pbr(_) => self.roughness.map(|roughness| roughness.clamp(0.0, 1.0)),
         }
     }
 
-    /// The roughness ϱ, 0…1, without images.
+    /// Returns the roughness ϱ, 0…1, that the numbers give without images.
     fn lobe(&self) -> f32 {
         match (self.perceptual(), self.law) {
-            (Some(r), _) => roughness_of_perceptual(r),
+            (Some(perceptual), _) => roughness_of_perceptual(perceptual),
             (None, Law::Wavefront) => self.exponent.map_or(0.0, roughness_of_exponent),
             (None, _) => self.exponent.map_or(roughness_of_perceptual(1.0), roughness_of_exponent),
         }

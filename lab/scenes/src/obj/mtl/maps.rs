@@ -1,44 +1,44 @@
-//! The statements of maps in MTL files: options, followed by a name that may contain blanks.
+//! Parses the statements of maps in MTL files: options, followed by a file name that may contain blanks.
 
 use super::{Place, distinct, without_comment};
 use crate::obj::images::{ImageStatement, resolve};
 use std::path::Path;
 
-/// The options of a map that are used.
+/// The options of a map statement that matter to the loader.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct MapOptions {
     /// The bump multiplier (`-bm`).
     multiplier: f32,
-    /// Whether `-s`, `-o` or `-t` would transform texture coordinates.
+    /// Whether `-s`, `-o` or `-t` is given with numbers that transform texture coordinates.
     transformed: bool,
 }
 
-/// Takes the options at the beginning of a text; returns the text after them.
+/// Reads the options at the beginning of a text into `options`, and returns the text after them.
 fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
     let mut rest = text;
     while rest.starts_with('-') {
         let (option, mut after) = take_word(rest);
-        // Greatest number of words of the option, and whether they must be numbers.
-        let (most, numeric) = match option {
+        // The greatest number of words that follow the option, and whether they must be numbers.
+        let (most_words, are_numbers) = match option {
             "-bm" | "-boost" | "-texres" => (1, true),
             "-mm" => (2, true),
             "-o" | "-s" | "-t" => (3, true),
             "-blendu" | "-blendv" | "-cc" | "-clamp" | "-colorspace" | "-imfchan" | "-type" => (1, false),
             _ => break,
         };
-        for i in 0..most {
-            let (word, further) = take_word(after);
-            let value = word.parse::<f32>().ok().filter(|v| v.is_finite());
-            if word.is_empty() || (numeric && value.is_none()) {
+        for index in 0..most_words {
+            let (word, after_word) = take_word(after);
+            let value = word.parse::<f32>().ok().filter(|number| number.is_finite());
+            if word.is_empty() || (are_numbers && value.is_none()) {
                 break;
             }
             match (option, value) {
                 ("-bm", Some(value)) => options.multiplier = value.clamp(-16.0, 16.0),
                 ("-o" | "-t", Some(value)) => options.transformed |= value != 0.0,
-                ("-s", Some(value)) => options.transformed |= value != 1.0 && i < 2,
+                ("-s", Some(value)) => options.transformed |= value != 1.0 && index < 2,
                 _ => {}
             }
-            after = further;
+            after = after_word;
         }
         rest = after;
     }
@@ -47,27 +47,37 @@ fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
 
 /// Parses the options and the file name of a map; `None` if there is no file name.
 ///
-/// Names may contain blanks, hyphens and `#`. Several readings of the text are tried, and the first that names an existing file
-/// is used. The readings are: everything after the options; this text without a comment; this text without options
-/// after the name; and the last word, which may follow unknown options. If no file exists, the third reading is the
+/// Names may contain blanks, hyphens and `#`. Several readings of the text are tried, and the first that names an
+/// existing file is used:
+///
+/// 1. everything after the options;
+/// 2. the same without a comment;
+/// 3. the same without options after the name;
+/// 4. the last word, which may follow unknown options.
+///
+/// Each reading is also tried with each backslash before a blank removed. If no file exists, the third reading is the
 /// name.
 pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatement> {
     let mut options = MapOptions { multiplier: 1.0, transformed: false };
     let whole = take_options(rest, &mut options);
     let bare = without_comment(whole);
+    // At an option, some text is taken, so that the text after the options is shorter.
     let is_option = |offset: &usize| {
+        let text = bare[*offset..].trim_start();
         let mut ignored = options;
-        take_options(bare[*offset..].trim_start(), &mut ignored).len() < bare[*offset..].trim_start().len()
+        take_options(text, &mut ignored).len() < text.len()
     };
     let tail = bare.match_indices(" -").map(|(offset, _)| offset).find(is_option);
-    let (head, tail) = tail.map_or((bare, ""), |place| bare.split_at(place));
-    let last = bare.split_whitespace().next_back().unwrap_or(bare);
+    let (head, tail) = tail.map_or((bare, ""), |offset| bare.split_at(offset));
+    let last_word = bare.split_whitespace().next_back().unwrap_or(bare);
     let folder = place.path.parent().unwrap_or(Path::new(""));
     let clean = |name: &str| name.trim().trim_matches('"').trim().to_owned();
-    let spelt = [whole, bare, head, last].into_iter().flat_map(|text| [clean(text), clean(&text.replace("\\ ", " "))]);
-    let spelt = distinct(spelt.filter(|name| !name.is_empty()));
-    let found = spelt.into_iter().find(|name| resolve(folder, name).is_some());
+    let readings = [whole, bare, head, last_word].into_iter();
+    let names = readings.flat_map(|text| [clean(text), clean(&text.replace("\\ ", " "))]);
+    let names = distinct(names.filter(|name| !name.is_empty()));
+    let found = names.into_iter().find(|name| resolve(folder, name).is_some());
     let name = found.unwrap_or_else(|| clean(head));
+    // If the name ends before the options after it, these count, too.
     if name.len() <= head.len() {
         take_options(tail.trim_start(), &mut options);
     }
@@ -81,6 +91,7 @@ pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatemen
     })
 }
 
+/// Splits a text into its first word and the text after it.
 fn take_word(text: &str) -> (&str, &str) {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     (word, rest.trim_start())
@@ -90,9 +101,10 @@ fn take_word(text: &str) -> (&str, &str) {
 mod tests {
     use super::*;
 
+    /// Parses the statement of a map; returns its name, bump multiplier and whether it transforms texture coordinates.
     fn image(rest: &str) -> Option<(String, f32, bool)> {
         let place = Place { path: Path::new("a.mtl"), line: 3 };
-        image_statement(&place, rest).map(|i| (i.name, i.multiplier, i.transformed))
+        image_statement(&place, rest).map(|image| (image.name, image.multiplier, image.transformed))
     }
 
     #[test]

@@ -7,7 +7,8 @@ use crate::app::figures::plate::{Document, HD, Plate, PrintedScene, QHD, Size};
 const COMPARISON: &str = "The generated stand-in of the scene. The thesis gives no roughness for this figure; here \
     roughness and normal deviation are 0.1, those of table 5.8's rougher rows.";
 
-/// For figures that print the author's rooms: the note of a figure that is drawn in a file of these rooms.
+/// The printed scene of figures in the author's rooms, and how such a figure differs from print if it is drawn in a
+/// file of these rooms.
 const IN_ROOMS: Option<(PrintedScene, &str)> = Some((
     PrintedScene::Rooms,
     "The scene of the print, from its file. Its images were never published: tiles, bricks, stone and wood are generated. \
@@ -15,7 +16,7 @@ const IN_ROOMS: Option<(PrintedScene, &str)> = Some((
      gives neither.",
 ));
 
-/// For figures that print Sponza: the note of a figure that is drawn in a file of Sponza.
+/// The printed scene of figures in Sponza, and how such a figure differs from print if it is drawn in a file of Sponza.
 const IN_SPONZA: Option<(PrintedScene, &str)> = Some((
     PrintedScene::Sponza,
     "The scene of the print, from its file, with the light, the materials and the view of this file. The thesis gives \

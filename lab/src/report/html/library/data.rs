@@ -1,5 +1,5 @@
-//! The data from which the page's script compares two runs: the figures of each run, and the total time of each frame. Each text is stored
-//! once, in a list, and is given by its index elsewhere.
+//! The data from which the page's script compares two runs: the figures of each run, and the total time of each frame.
+//! Each text is stored once, in a list; everywhere else its index in the list stands for it.
 
 use super::LibraryPage;
 use crate::study::compare::{Run, SEED, SUBJECT_COLUMNS, Subject, TimeSample, subject_labels};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub fn embedded_json(page: &LibraryPage) -> String {
     let mut names = Names::default();
     let devices = devices(&page.library.runs);
-    let number = |device: &DeviceInfo| devices.iter().position(|known| *known == device);
+    let device_index = |device: &DeviceInfo| devices.iter().position(|known| *known == device);
     let runs: Vec<Json> = page
         .library
         .runs
@@ -25,18 +25,18 @@ pub fn embedded_json(page: &LibraryPage) -> String {
             json!({
                 "name": run.name,
                 "date": run.date,
-                "devices": run.devices.iter().map(number).collect::<Vec<_>>(),
+                "devices": run.devices.iter().map(device_index).collect::<Vec<_>>(),
                 "figures": figures.map(|m| names.figure(m)).collect::<Vec<_>>(),
                 "samples": run.samples.as_ref().map(|samples| names.samples(samples)),
-                "samplesDevice": run.samples.as_ref().and_then(|samples| number(samples.device.as_ref()?)),
+                "samplesDevice": run.samples.as_ref().and_then(|samples| device_index(samples.device.as_ref()?)),
             })
         })
         .collect();
-    // The two runs that the page shows first: those of the latest change, else the last two runs of a trend.
-    let changed = page.changes.last().map(|c| [c.before, c.after]);
-    let followed = || page.trends.last().and_then(|t| t.runs.last_chunk::<2>().copied());
+    // The page first shows the two runs of the latest change or, without a change, the last two runs of the last trend.
+    let runs_of_change = page.changes.last().map(|c| [c.before, c.after]);
+    let runs_of_trend = || page.trends.last().and_then(|t| t.runs.last_chunk::<2>().copied());
     let data = json!({
-        "first": changed.or_else(followed),
+        "first": runs_of_change.or_else(runs_of_trend),
         "seed": SEED,
         "resamples": RESAMPLES,
         "confidence": CONFIDENCE,
@@ -59,7 +59,7 @@ struct Names {
 }
 
 impl Names {
-    /// The index of a text, which is added if it is not there yet.
+    /// Returns the index of a text in the list, to which it is added if it is new.
     fn number(&mut self, name: &str) -> usize {
         if let Some(known) = self.known.get(name) {
             return *known;
@@ -69,7 +69,8 @@ impl Names {
         self.list.len() - 1
     }
 
-    /// A figure: place, the rest of its setting, method, title, and value.
+    /// Returns a figure as an array: the indices of the texts of its place, the rest of its setting, its method and its
+    /// title, and then its value.
     fn figure(&mut self, m: &Measurement) -> Json {
         let [width, height] = m.setting.size;
         let place = format!("{} {}, {width}x{height}, roughness {}", m.setting.scene, m.view, m.setting.roughness);
@@ -83,8 +84,9 @@ impl Names {
         ])
     }
 
-    /// The total times of a run's frames by subject, in order of appearance. Each group has all settings, the labels of the subject, its
-    /// noise floor, and the times in milliseconds.
+    /// Returns the total times of a run's frames as an array with an element for each subject, in order of appearance.
+    /// An element has pairs of the name and the value of each setting, the labels of the subject, its noise floor, and
+    /// the times in milliseconds. Texts are given by their indices.
     fn samples(&mut self, run: &Run) -> Json {
         let mut groups: Vec<(&Arc<Subject>, Vec<&TimeSample>)> = Vec::new();
         for sample in &run.samples {
@@ -94,11 +96,11 @@ impl Names {
             }
         }
         let group = |(subject, samples): &(&Arc<Subject>, Vec<&TimeSample>)| {
-            let said: Vec<[usize; 2]> =
+            let settings: Vec<[usize; 2]> =
                 subject.0.iter().map(|(name, value)| [self.number(name), self.number(value)]).collect();
             let labels = subject_labels(subject).map(|label| self.number(&label));
             let floor = samples.first().and_then(|s| s.floors[0]);
-            json!([said, labels, floor, samples.iter().map(|s| s.ms).collect::<Vec<_>>()])
+            json!([settings, labels, floor, samples.iter().map(|s| s.ms).collect::<Vec<_>>()])
         };
         groups.iter().map(group).collect()
     }

@@ -1,5 +1,5 @@
-// Two runs of the library beside each other, from the data that the page holds. Times are judged as `ssct compare`
-// judges them, number for number: the same samples of the totals, the same seeded resamples, the same verdicts.
+// Compares two runs of the library, from the data that the page holds. Times are judged as `ssct compare` judges them,
+// number for number: with equal samples of the totals, equal seeded resamples and equal verdicts.
 "use strict";
 const library = JSON.parse(document.getElementById("library-data").textContent);
 const name = (n) => library.names[n];
@@ -15,9 +15,9 @@ const streamOf = (seed, index) => mix((mix((seed + GOLDEN_GAMMA) & MASK) + index
 const uniform = (stream, position) =>
   Number(mix((stream + (position + 1n) * GOLDEN_GAMMA) & MASK) >> 11n) / 2 ** 53;
 
-// The random numbers of each resample, drawn as they are needed; they are the same for all subjects.
+// The random numbers of each resample, made as they are needed; they are equal for all subjects.
 const streams = [], numbers = [];
-const drawn = (resample, position) => {
+const randomNumber = (resample, position) => {
   if (!(resample in streams)) {
     streams[resample] = streamOf(BigInt(library.seed), BigInt(resample));
     numbers[resample] = [];
@@ -32,19 +32,21 @@ const median = (samples) => {
   samples.sort((a, b) => a - b);
   return (samples[(samples.length - 1) >> 1] + samples[samples.length >> 1]) / 2;
 };
+// b over a; 1 if both are 0.
 const quotient = (a, b) => (a === b ? 1 : b / a);
 const percentile = (sorted, share) => sorted[Math.max(Math.ceil(share * sorted.length), 1) - 1];
 
-// B's median over A's, and the interval of the resamples, as in lab/truth/src/metrics/bootstrap.rs.
+// Returns B's median over A's, and the bounds of the interval of the resamples, as in lab/truth/src/metrics/bootstrap.rs.
+// `a` and `b` are times in milliseconds.
 function ratioOfMedians(a, b) {
   const ratios = [];
   for (let resample = 0; resample < library.resamples; resample++) {
     let position = 0;
-    const again = (samples) =>
+    const resampled = (samples) =>
       samples.map(() =>
-        samples[Math.min(Math.floor(drawn(resample, position++) * samples.length), samples.length - 1)]);
-    const ofA = median(again(a));
-    ratios.push(quotient(ofA, median(again(b))));
+        samples[Math.min(Math.floor(randomNumber(resample, position++) * samples.length), samples.length - 1)]);
+    const medianA = median(resampled(a));
+    ratios.push(quotient(medianA, median(resampled(b))));
   }
   ratios.sort((x, y) => x - y);
   const tail = (1 - library.confidence) / 2;
@@ -59,20 +61,21 @@ function verdict({ low, high }, threshold, floor) {
   return low >= 1 - threshold && high <= 1 + threshold ? "SAME" : "UNDECIDED";
 }
 
-// A run's frames by subject. A setting that the other run's file does not state for the method is left out, so that subjects which differ
-// in this setting alone become one group.
+// Groups a run's frames by subject. A setting that the other run's file does not state for the method is left out, so that
+// subjects which differ in this setting alone become one group. The settings of a sample are pairs of indices into `names`.
 function groups(samples, other) {
-  const method = (said) => name((said.find(([n]) => name(n) === "method") ?? [])[1]);
-  const told = new Map();
-  for (const [said] of other) {
-    const names = told.get(method(said)) ?? new Set();
-    said.forEach(([n]) => names.add(n));
-    told.set(method(said), names);
+  const method = (settings) => name((settings.find(([n]) => name(n) === "method") ?? [])[1]);
+  // For each method, the names of the settings that the other run states.
+  const statedNames = new Map();
+  for (const [settings] of other) {
+    const names = statedNames.get(method(settings)) ?? new Set();
+    settings.forEach(([n]) => names.add(n));
+    statedNames.set(method(settings), names);
   }
   const found = new Map();
-  for (const [said, labels, floor, ms] of samples) {
-    const names = told.get(method(said));
-    const key = said.filter(([n]) => !names || names.has(n)).map((pair) => pair.join("=")).sort().join(" ");
+  for (const [settings, labels, floor, ms] of samples) {
+    const names = statedNames.get(method(settings));
+    const key = settings.filter(([n]) => !names || names.has(n)).map((pair) => pair.join("=")).sort().join(" ");
     const group = found.get(key);
     if (group) group.ms.push(...ms);
     else found.set(key, { labels, floor, ms: [...ms] });
@@ -80,30 +83,31 @@ function groups(samples, other) {
   return found;
 }
 
-// The rows of the table of times: for each subject of both runs, the medians, their ratio with its interval, and the
-// verdict.
+// Returns the rows of the table of times: for each subject of both runs, the medians, their ratio with its interval, and
+// the verdict.
 function times(a, b) {
-  const [ofA, ofB] = [groups(a.samples, b.samples), groups(b.samples, a.samples)];
+  const [groupsA, groupsB] = [groups(a.samples, b.samples), groups(b.samples, a.samples)];
   const rows = [];
-  for (const [key, one] of ofA) {
-    const two = ofB.get(key);
-    if (!two) continue;
-    const found = ratioOfMedians(one.ms, two.ms);
-    const floor = Math.max(one.floor ?? 0, two.floor ?? 0);
-    const enough = Math.min(one.ms.length, two.ms.length) >= library.minSamples;
-    const figures = [median([...one.ms]), median([...two.ms]), found.ratio, found.low, found.high];
-    rows.push([...one.labels.map(name), ...figures.map((v) => v.toFixed(3)),
-      `${one.ms.length}/${two.ms.length}`, enough ? verdict(found, library.threshold, floor) : "UNDECIDED"]);
+  for (const [key, groupA] of groupsA) {
+    const groupB = groupsB.get(key);
+    if (!groupB) continue;
+    const found = ratioOfMedians(groupA.ms, groupB.ms);
+    const floor = Math.max(groupA.floor ?? 0, groupB.floor ?? 0);
+    const hasEnough = Math.min(groupA.ms.length, groupB.ms.length) >= library.minSamples;
+    const figures = [median([...groupA.ms]), median([...groupB.ms]), found.ratio, found.low, found.high];
+    rows.push([...groupA.labels.map(name), ...figures.map((v) => v.toFixed(3)),
+      `${groupA.ms.length}/${groupB.ms.length}`, hasEnough ? verdict(found, library.threshold, floor) : "UNDECIDED"]);
   }
   return rows;
 }
 
-// Figures that both runs have: how many there are, how many differ, and the rows of the 200 that differ most.
+// Compares the figures that both runs have: returns how many there are, how many differ, and the rows of the 200 that
+// differ most. A figure is an array of place, setting, method and title, as indices, and of its value.
 function errors(a, b) {
   const key = (figure) => figure.slice(0, 4).join(" ");
-  const ofA = new Map(a.figures.map((figure) => [key(figure), figure[4]]));
-  const both = b.figures.filter((figure) => ofA.has(key(figure)));
-  const changed = both.map((figure) => ({ figure, from: ofA.get(key(figure)), to: figure[4] }))
+  const valuesA = new Map(a.figures.map((figure) => [key(figure), figure[4]]));
+  const both = b.figures.filter((figure) => valuesA.has(key(figure)));
+  const changed = both.map((figure) => ({ figure, from: valuesA.get(key(figure)), to: figure[4] }))
     .filter(({ from, to }) => from !== to);
   const change = ({ from, to }) => Math.abs(Math.log(Math.max(to, 1e-12) / Math.max(from, 1e-12)));
   changed.sort((x, y) => change(y) - change(x));

@@ -10,24 +10,28 @@ use crate::reference::testing::{
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// A segment with exact coordinates: along pixel edges, through corners, at the depths of pixels.
+/// Returns a random segment with exact coordinates: it may run along pixel edges, through corners and at the depths of
+/// pixels.
 fn exact_segment(random: &Random, g: &GBufferData) -> Segment {
     let start = [g.width, g.height].map(|side| f64::from(random.below(2 * side)) / 2.0);
     let end = [g.width, g.height].map(|side| f64::from(random.below(2 * side + 1)) / 2.0);
     let diagonal = (end[0] - start[0]).abs().min((end[1] - start[1]).abs());
+    // A third of the segments run diagonally through corners, and a third run straight up or down.
     let end = match random.below(3) {
         0 => [0, 1].map(|i| start[i] + diagonal * (end[i] - start[i]).signum()),
         1 => [start[0], end[1]],
         _ => end,
     };
     let depth = || f64::from(g.depth[random.below(g.depth.len() as u32) as usize]);
+    // Some segments keep one depth.
     let (from, to) = (depth(), if random.unit() < 0.3 { None } else { Some(depth()) });
     let start = DVec3::new(start[0], start[1], from);
     let delta = DVec3::new(end[0], end[1], to.unwrap_or(from)) - start;
     Segment { start, delta, direction: random.direction(), end: MissReason::LeftScreen }
 }
 
-/// Asserts that two traces end alike: in the same pixel at the same place, but for rounding, or by the same miss.
+/// Asserts that two traces end alike: in the same pixel at the same place, except for rounding, or by the same miss.
+/// `what` describes the ray in the message of a failure.
 fn assert_agree(found: Trace, truth: Trace, what: impl Fn() -> String) {
     match (found.outcome, truth.outcome) {
         (Outcome::Hit { pixel: a, position: p }, Outcome::Hit { pixel: b, position: q }) => {
@@ -38,8 +42,8 @@ fn assert_agree(found: Trace, truth: Trace, what: impl Fn() -> String) {
     }
 }
 
-/// Traces about `rays` rays of a random G-buffer with both traversals and compares them; some cases use version
-/// 1 and some version 2. Returns the number of rays and the number of hits.
+/// Traces `rays` rays of the random G-buffer number `case` with both traversals and compares their ends. Even cases use
+/// version 1 of the oracle and odd cases version 2. Returns the number of rays and the number of hits.
 fn compare(case: u64, rays: u64) -> [u64; 2] {
     let random = Random::new(7, case);
     let (kind, g) = awkward(case, &random);
@@ -49,6 +53,7 @@ fn compare(case: u64, rays: u64) -> [u64; 2] {
     let mut hits = 0;
     for ray in 0..rays {
         let (x, y) = (random.below(size[0]), random.below(size[1]));
+        // The kind of ray: a kind of direction, or DIRECTIONS for the mirror ray, or one more for an exact segment.
         let chosen = random.below(DIRECTIONS + 2);
         let [found, truth] = if chosen == DIRECTIONS {
             [hierarchy.trace(x, y), oracle.trace(x, y)]
@@ -70,15 +75,15 @@ fn compare(case: u64, rays: u64) -> [u64; 2] {
     [rays, hits]
 }
 
-/// Compares about `rays` rays in each of `cases` G-buffers.
+/// Compares `rays` rays in each of `cases` random G-buffers, and asserts that enough rays hit and enough miss.
 fn agree(cases: u64, rays: u64) {
-    let totals: Vec<_> = (0..cases).into_par_iter().map(|case| compare(case, rays)).collect();
-    let [rays, hits] = [0, 1].map(|i| totals.iter().map(|t| t[i]).sum::<u64>());
+    let counts: Vec<_> = (0..cases).into_par_iter().map(|case| compare(case, rays)).collect();
+    let [rays, hits] = [0, 1].map(|i| counts.iter().map(|count| count[i]).sum::<u64>());
     println!("{rays} rays agree, {hits} of them hits");
     assert!(hits > rays / 10 && hits < rays * 9 / 10, "{hits} of {rays} hit: too few of one kind to prove much");
 }
 
-/// Compares 2.16 million rays over 1080 G-buffers, each size with each kind of depths six times.
+/// Compares 2.16 million rays over 1080 G-buffers: each image size with each kind of depths, six times.
 #[test]
 fn two_million_rays_agree_with_the_oracle() {
     agree(6 * SIZES.len() as u64 * u64::from(KINDS), 2000);
@@ -116,6 +121,7 @@ fn cells_cover_the_pixels_that_shift_to_them() {
 fn it_takes_a_fraction_of_the_oracles_steps() {
     let g = floor_and_wall(641, 479);
     let (oracle, hierarchy) = (Oracle::new(&g), Hierarchy::new(&g));
+    // Steps of the hierarchy and of the oracle.
     let [mut few, mut many] = [0, 0];
     for y in (300..479).step_by(7) {
         let (found, truth) = (hierarchy.trace(400, y), oracle.trace(400, y));
@@ -126,7 +132,7 @@ fn it_takes_a_fraction_of_the_oracles_steps() {
     assert!(few * 5 < many, "{few} steps, the oracle {many}");
 }
 
-/// Tests that `possible_ends` gives one end, which is the oracle's, if the order of crossings is unambiguous.
+/// Tests that `possible_ends` of exact coordinates ends where the oracle does.
 #[test]
 fn an_exact_ray_has_only_the_oracles_end() {
     let mut hits = 0;
@@ -164,7 +170,8 @@ fn a_ray_through_a_corner_may_touch_either_pixel_beside_it() {
         };
         hierarchy.possible_ends(&segment, 1e-6)
     };
-    // The rays pass through the corner, within rounding of it, and clearly to either side.
+    // The first two rays pass through the corner or within rounding of it, and the last two clearly to either side of
+    // it.
     for along in [2.5, 2.5 - 1e-6] {
         let ends = ends(along, 2.5);
         let beside: Vec<_> = ends.iter().flatten().collect();

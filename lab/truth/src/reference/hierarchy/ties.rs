@@ -1,24 +1,24 @@
-//! The set of places where a ray can end if its coordinates are only known up to rounding. A traversal that
-//! ends at one of these places does not contradict the oracle.
+//! The set of places where a ray can end if its coordinates are known only up to rounding. A traversal that ends at one
+//! of these places does not contradict the oracle.
 
 use super::{AxisWalk, Hierarchy, hit};
 use crate::reference::ray::{Outcome, Segment};
 use crate::reference::thickness::DepthBlock;
 
 impl Hierarchy<'_> {
-    /// All ends, by version 1 of the oracle, of a ray whose crossings of pixel boundaries are known only up to
-    /// a relative error of `rounding` in s.
+    /// Returns all ends, by version 1 of the oracle, of a ray whose crossings of pixel boundaries are known only up to
+    /// a relative error of `rounding` in s. An end is the place of a hit, as in
+    /// [`Trace::position_px`](crate::reference::Trace::position_px), or `None` for a miss.
     ///
-    /// Where the intervals of the next crossings in x and in y overlap, the ray passes a corner. The ray may then enter the
-    /// diagonal pixel directly, or touch one of the two pixels beside the corner and hit its block. Each corner is decided
-    /// independently, so that a path may combine decisions that no single straight line takes. If no intervals overlap, the
-    /// only end is the oracle's. Positions are in the coordinates of
-    /// [`Trace::position_px`](crate::reference::Trace::position_px).
+    /// Where the intervals of the next crossings in x and in y overlap, the ray passes a corner. The ray may then enter
+    /// the diagonal pixel directly, or touch one of the two pixels beside the corner and hit its block. Each corner is
+    /// decided independently, so that a path may combine decisions that no single straight line takes. If no intervals
+    /// overlap, the only end is the oracle's.
     pub fn possible_ends(&self, segment: &Segment, rounding: f64) -> Vec<Option<[f64; 2]>> {
         let sides = [self.levels[0].width, self.levels[0].height];
         let mut lanes = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
         let mut ends = Vec::new();
-        // The starting pixel itself is not tested.
+        // Block of the current pixel; none for the starting pixel, which is not tested.
         let mut block = None;
         let mut entry = 0.0;
         loop {
@@ -32,16 +32,17 @@ impl Hierarchy<'_> {
                 ends.push(None);
                 return ends;
             }
-            let unsure = rounding * exit;
-            if exit + unsure >= 1.0 {
+            let error = rounding * exit;
+            if exit + error >= 1.0 {
                 ends.push(None);
             }
-            let is_next = crossings.map(|crossing| crossing - exit <= unsure);
+            // The axes whose next boundary may be the first that the ray crosses; both do at a corner.
+            let is_next = crossings.map(|crossing| crossing - exit <= error);
             if is_next == [true; 2] {
                 for axis in 0..2 {
                     let mut beside = lanes;
                     beside[axis].pixel += beside[axis].direction;
-                    let span = [exit - unsure, (exit + unsure).min(1.0)];
+                    let span = [exit - error, (exit + error).min(1.0)];
                     match self.cell(&beside, 0) {
                         Some(block) => ends.extend(meets(segment, &beside, block, span).map(Some)),
                         None => ends.push(None),
@@ -61,10 +62,11 @@ impl Hierarchy<'_> {
     }
 }
 
-/// Where a ray hits the block of the pixel in which it is from `entry` to `exit`; `None` if it does not hit.
+/// Returns the place, in pixels, where a ray hits the block of the current pixel; `None` if it does not hit. The ray is
+/// in the pixel from s = `entry` to s = `exit`.
 fn meets(segment: &Segment, lanes: &[AxisWalk; 2], block: DepthBlock, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
-    let (a, b) = (segment.depth_at(entry), segment.depth_at(exit));
-    let (near, far) = (a.max(b), a.min(b));
+    let (at_entry, at_exit) = (segment.depth_at(entry), segment.depth_at(exit));
+    let (near, far) = (at_entry.max(at_exit), at_entry.min(at_exit));
     let is_met = far <= block.front && near >= block.back;
     match hit(segment, lanes, block.front, [entry, exit], [near, far]) {
         Outcome::Hit { position, .. } if is_met => Some([position.x, position.y]),

@@ -1,5 +1,5 @@
-//! Compares the oracle of images with rooms whose surfaces are known in closed form, and the twin with the oracle over many
-//! captures and rays.
+//! Compares the oracle of images with rooms whose surfaces are known in closed form, and compares the twin of `unified`
+//! with the oracle over many captures and rays.
 
 use super::*;
 use crate::reference::testing::{Random, gbuffer};
@@ -11,54 +11,59 @@ use ssct_scenes::Capture;
 /// Number of units in the last place of an f32 by which a ray may be off.
 const ULPS: f64 = 8.0;
 
-/// A screen of one pixel of sky, at the world's origin, since the tests give all rays themselves.
+/// Returns a screen of one pixel of sky, at the world's origin. The tests follow lost rays of their own, and none of
+/// the screen.
 fn screen() -> GBufferData {
     gbuffer(1, 1, |_, _| 0.0, |_, _| Vec3::ZERO)
 }
 
-/// A capture whose near plane is 5 cm away, times a scale.
+/// Returns a capture whose near plane is 5 cm away, times a scale.
 fn capture(position: Vec3, resolution: u32, scale: f32) -> Capture {
     Capture { position, resolution, near_m: 0.05 * scale }
 }
 
-/// A room, 6 by 4 by 8 metres times a scale around the origin, with some spheres in it and a hole in its roof.
+/// A room of 6 by 4 by 8 metres times a scale around the origin, with some spheres in it and a hole in its roof.
 struct Room {
-    /// Half of the room's extent.
+    /// Half of the room's extent, in metres.
     half: DVec3,
-    /// Centres and radii of the spheres.
+    /// Centres and radii of the spheres, in metres.
     spheres: Vec<(DVec3, f64)>,
 }
 
 impl Room {
-    /// A room with up to five random spheres.
+    /// Makes a room with up to five random spheres.
     fn new(random: &Random, scale: f64) -> Self {
         let half = scale * DVec3::new(3.0, 2.0, 4.0);
         let spheres = (0..random.below(6)).map(|_| (half * random.direction() * 0.8, scale * random.range(0.1, 0.8)));
         Self { half, spheres: spheres.collect() }
     }
 
-    /// The length of a ray, as a multiple of its direction, and the normal where it ends; `None` if it leaves through the hole.
+    /// Returns the t at which the ray from + t · d hits, and the normal there; `None` if it leaves through the hole.
     fn hit(&self, from: DVec3, d: DVec3) -> Option<(f64, DVec3)> {
-        let axis = |a: usize| (d[a].signum() * self.half[a] - from[a]) / d[a];
-        let walls = (0..3).filter(|a| d[*a] != 0.0).map(|a| (axis(a), -DVec3::AXES[a] * d[a].signum()));
+        let wall_t = |axis: usize| (d[axis].signum() * self.half[axis] - from[axis]) / d[axis];
+        let walls =
+            (0..3).filter(|axis| d[*axis] != 0.0).map(|axis| (wall_t(axis), -DVec3::AXES[axis] * d[axis].signum()));
+        // The smaller root of the quadratic equation |from + t d − centre|² = radius².
         let sphere = |(centre, radius): &(DVec3, f64)| {
             let (o, a) = (from - *centre, d.length_squared());
             let (b, c) = (o.dot(d), o.length_squared() - radius * radius);
             let t = (-b - (b * b - a * c).sqrt()) / a;
             (t > 0.0).then(|| (t, (o + t * d).normalize()))
         };
-        let nearest = walls.chain(self.spheres.iter().filter_map(sphere)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let point = from + nearest.0 * d;
-        (!(nearest.1.y < -0.5 && point.y > 0.99 * self.half.y && point.x.abs() + point.z.abs() < self.half.x / 2.0))
-            .then_some(nearest)
+        let (t, normal) = walls.chain(self.spheres.iter().filter_map(sphere)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let point = from + t * d;
+        // The hole is a diamond in the middle of the roof.
+        let is_hole =
+            normal.y < -0.5 && point.y > 0.99 * self.half.y && point.x.abs() + point.z.abs() < self.half.x / 2.0;
+        (!is_hole).then_some((t, normal))
     }
 
-    /// Whether a point lies inside any of the spheres.
+    /// Returns whether a point lies inside any of the spheres.
     fn is_inside_sphere(&self, p: DVec3) -> bool {
         self.spheres.iter().any(|(centre, radius)| centre.distance(p) <= *radius)
     }
 
-    /// The images of a capture in the room, computed by [`Self::hit`].
+    /// Returns the images of a capture in the room, computed by [`Self::hit`].
     fn capture(&self, capture: &Capture) -> CaptureData {
         CaptureData::from_texels(capture, |d| match self.hit(capture.position.as_dvec3(), d.as_dvec3()) {
             Some((z, normal)) => (z, normal.as_vec3(), Vec3::ONE),
@@ -80,7 +85,8 @@ fn an_empty_room_shows_its_walls_where_they_are() {
     for _ in 0..4000 {
         let (start, direction) = (0.95 * room.half * random.direction(), random.direction().normalize());
         let end = images.follow(&ExactLostRay { start, direction });
-        // Outside the room, the roof hides a ray from the capture; only bounds tell that the ray ends in the sky.
+        // After a ray has left through the hole, the roof may hide it from the capture. Then only bounds tell that it
+        // ends in the sky.
         match within.follow(&ExactLostRay { start, direction }) {
             EndInImages::Sky if end == EndInImages::Unknown => outside += 1,
             known => assert_eq!(known, end, "{start} {direction}"),
@@ -95,7 +101,7 @@ fn an_empty_room_shows_its_walls_where_they_are() {
                 walls += 1;
             }
             (EndInImages::Sky | EndInImages::Unknown, None) => skies += 1,
-            // The ray ends at the border of the hole.
+            // All other rays end near the border of the hole, where texels may decide otherwise.
             (_, truth) => {
                 let t = truth.map_or_else(|| (2.0 - start.y) / direction.y, |(t, _)| t);
                 let point = start + t * direction;
@@ -125,42 +131,46 @@ fn a_capture_loses_a_ray_behind_a_sphere_and_another_finds_it() {
     assert!(place.distance(DVec3::new(0.0, 0.3, 4.0)) < 2.0 * texel_m, "{place}");
 }
 
-/// Counts of agreeing and differing ends of rays.
+/// Counts of rays by how the twin's end compares with the oracle's.
 #[derive(Debug, Default, Clone, Copy)]
 struct Count {
+    /// All rays.
     rays: u64,
     /// Rays that hit a capture by the oracle.
     hits: u64,
     /// Rays whose end is unknown by the oracle.
     unknown: u64,
-    /// Rays whose end differs, but that the oracle ends there, too, if they are moved by rounding.
+    /// Rays whose end differs, although the oracle ends a ray there that differs only by rounding.
     ties: u64,
     /// All other rays whose end differs.
     wrong: u64,
+    /// Greatest number of the twin's steps for a ray.
     most_steps: i32,
+    /// Greatest number of faces over which the twin followed a ray.
     most_faces: i32,
 }
 
 impl Count {
-    /// The sums of the counts of two sets of rays, and the greater ones of their greatest numbers.
-    fn add(self, o: Self) -> Self {
+    /// Returns the counts of two sets of rays together.
+    fn add(self, other: Self) -> Self {
         Self {
-            rays: self.rays + o.rays,
-            hits: self.hits + o.hits,
-            unknown: self.unknown + o.unknown,
-            ties: self.ties + o.ties,
-            wrong: self.wrong + o.wrong,
-            most_steps: self.most_steps.max(o.most_steps),
-            most_faces: self.most_faces.max(o.most_faces),
+            rays: self.rays + other.rays,
+            hits: self.hits + other.hits,
+            unknown: self.unknown + other.unknown,
+            ties: self.ties + other.ties,
+            wrong: self.wrong + other.wrong,
+            most_steps: self.most_steps.max(other.most_steps),
+            most_faces: self.most_faces.max(other.most_faces),
         }
     }
 }
 
-/// Whether the twin agrees with the oracle: the same code, and in a capture the same place within a texel.
+/// Returns whether the twin's end of a ray agrees with the oracle's: the same kind of end, and in a capture the same
+/// place within a texel.
 fn agrees(twin: &CaptureRayEnd, oracle: EndInImages) -> bool {
     match (twin.kind, oracle) {
-        (RayEndKind::Capture(k), EndInImages::Capture { index, place, texel_m }) => {
-            k == index && twin.place.as_dvec3().distance(place) <= texel_m
+        (RayEndKind::Capture(capture), EndInImages::Capture { index, place, texel_m }) => {
+            capture == index && twin.place.as_dvec3().distance(place) <= texel_m
         }
         (kind, end) => {
             (kind == RayEndKind::Sky && end == EndInImages::Sky)
@@ -169,7 +179,7 @@ fn agrees(twin: &CaptureRayEnd, oracle: EndInImages) -> bool {
     }
 }
 
-/// A random ray of one kind among captures.
+/// Returns start and direction of a random ray of a kind (0 to 7) in the room.
 fn ray(kind: u32, random: &Random, room: &Room, captures: &[CaptureData]) -> (DVec3, DVec3) {
     let place = captures[random.below(captures.len() as u32) as usize].place.as_dvec3();
     let start = room.half * random.direction() * 0.95;
@@ -178,7 +188,7 @@ fn ray(kind: u32, random: &Random, room: &Room, captures: &[CaptureData]) -> (DV
     let size = room.half.y;
     match kind {
         0 | 1 => (start, random.direction()),
-        // Rays to a capture's centre, away from it, and from it.
+        // Rays to a capture's place or away from it, and rays that begin at it.
         2 => (start, sign * (place - start)),
         3 => (place, random.direction()),
         // Rays along an axis, along a diagonal of a face, and through a corner of the cube from another place.
@@ -192,13 +202,14 @@ fn ray(kind: u32, random: &Random, room: &Room, captures: &[CaptureData]) -> (DV
     }
 }
 
-/// Number of kinds; the first two are plain.
+/// Number of kinds of rays; the first two have random starts and directions.
 const KINDS: u32 = 8;
-/// The kinds of rays that run along the border of two faces, or begin where three faces meet. Rounding decides at every step in
-/// which face they are, and no single moved ray need take all these decisions.
+/// The kinds of rays that run along the border of two faces, or begin where three faces meet. Rounding decides at every
+/// step in which face such a ray is, and there may be no single ray for which all these decisions are right.
 const IN_BORDERS: std::ops::Range<u32> = 5..KINDS;
 
-/// The random images of the hard cases: depths and normals of any kind in every texel.
+/// Returns random images of a capture, with a random depth and normal in every texel, for cases that are harder than
+/// rooms.
 fn noise(random: &Random, capture: &Capture, scale: f64) -> CaptureData {
     let (near, far) = (scale * 0.05, scale * 6.0);
     CaptureData::from_texels(capture, |_| {
@@ -208,11 +219,11 @@ fn noise(random: &Random, capture: &Capture, scale: f64) -> CaptureData {
     })
 }
 
-/// The resolutions of captures, one of which each case has.
+/// The resolutions of captures in texels; each case has one of them.
 const SIDES: [u32; 8] = [1, 2, 3, 16, 33, 64, 97, 128];
 
-/// Compares the twin with the oracle over random rays among the captures of a case. Returns the counts of each kind of
-/// ray, and a text for each difference that neither rounding nor the border of faces explains.
+/// Compares the twin with the oracle over `rays` random rays among the captures of case number `case`. Returns the
+/// counts of each kind of ray, and a text for each difference that neither rounding nor the border of faces explains.
 fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
     let random = Random::new(17, case);
     let side = SIDES[(case % 8) as usize];
@@ -221,7 +232,7 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
     let room = Room::new(&random, scale);
     let count = 1 + random.below(4) as usize;
     let place = |i: usize| match (case / 32 % 4, i) {
-        // Places in a wall, on a surface, and at the eye.
+        // Some cases have captures inside a wall, on a surface, or at the eye.
         (1, 0) => room.half * DVec3::new(1.1, 0.0, 0.0),
         (1, 1) => room.half * DVec3::new(0.0, -1.0, 0.3),
         (1, 2) => DVec3::ZERO,
@@ -256,6 +267,7 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
             "case {case}: {found:?}"
         );
         let agrees_at_once = agrees(&found, truth);
+        // Whether the oracle ends one of 64 rays, moved by rounding, where the twin does.
         let is_tie = || {
             let off = ULPS * f64::from(f32::EPSILON) / 2.0;
             let size = exact.start.length() + room.half.length();
@@ -287,14 +299,14 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
 
 #[test]
 fn rays_through_captures_agree_with_the_oracle_but_for_ties() {
-    let all: Vec<_> = (0..256_u64).into_par_iter().map(|case| compare(case, 1500)).collect();
-    let count_of = |kind: u32| all.iter().fold(Count::default(), |sum, (counts, _)| sum.add(counts[kind as usize]));
+    let cases: Vec<_> = (0..256_u64).into_par_iter().map(|case| compare(case, 1500)).collect();
+    let count_of = |kind: u32| cases.iter().fold(Count::default(), |sum, (counts, _)| sum.add(counts[kind as usize]));
     (0..KINDS).for_each(|kind| println!("kind {kind}: {:?}", count_of(kind)));
     let plain = count_of(0).add(count_of(1));
-    let unexplained: Vec<_> = all.iter().flat_map(|(_, wrong)| wrong).map(String::as_str).collect();
+    let unexplained: Vec<_> = cases.iter().flat_map(|(_, texts)| texts).map(String::as_str).collect();
     let shown = unexplained[..unexplained.len().min(8)].join("\n\n");
-    // A ray that is lost where it enters a face is lost on the border. Rounding decides which face then answers whether it sees
-    // that point, wherever the ray began, so that moving the ray does not find such ties.
+    // A ray that is lost where it enters a face is lost on the border of two faces. Rounding then decides which of them
+    // says whether the capture sees that point, wherever the ray began. Moving the ray does not find such ties.
     assert!(plain.rays > 50_000 && (plain.ties + plain.wrong) * 10_000 <= plain.rays, "{plain:?}:\n{shown}");
     for kind in 0..KINDS {
         let count = count_of(kind);
@@ -306,8 +318,8 @@ fn rays_through_captures_agree_with_the_oracle_but_for_ties() {
 
 #[test]
 fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
-    // A ray along a diagonal inside the blocks of a wall whose normals all say that the ray leaves it, so that it goes down to
-    // each pixel and passes it.
+    // The ray runs along a diagonal inside the blocks of a wall. The normals all say that the ray leaves the wall, so
+    // that the walk goes down to each pixel and passes it.
     for side in [16, 64, 128] {
         let cube = capture(Vec3::ZERO, side, 1.0);
         let wall = CaptureData::from_texels(&cube, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
@@ -326,7 +338,7 @@ fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
 
 #[test]
 fn captures_that_see_nothing_leave_every_end_unknown() {
-    // Every texel shows a surface nearer than anything else, as inside a wall, or a surface on the near plane.
+    // Every texel shows a surface just beyond the near plane, as inside a wall, or on the near plane.
     let random = Random::new(5, 0);
     for z in [0.051, 0.05] {
         let blind = CaptureData::from_texels(&capture(Vec3::ZERO, 8, 1.0), |d| (z, -d, Vec3::ONE));

@@ -5,12 +5,13 @@ use crate::reference::ray::MissReason;
 use crate::reference::testing::{depth_of, flat, floor_and_wall, gbuffer};
 use glam::Vec3;
 
-/// A row of square pixels with the given view depths in metres (infinite for sky).
+/// Returns an image of a row of square pixels with the given view depths in metres (infinite for sky). All normals face
+/// the camera.
 fn row(depths_m: &[f64]) -> GBufferData {
     gbuffer(depths_m.len() as u32, 1, |x, _| depth_of(depths_m[x as usize]), |_, _| Vec3::NEG_Z)
 }
 
-/// A miss; `behind` says whether the ray ends behind a block.
+/// Returns a miss; `behind` says whether the ray ends behind a block.
 fn miss(reason: MissReason, behind: bool) -> Outcome {
     Outcome::Miss { reason, behind }
 }
@@ -25,8 +26,8 @@ fn a_floor_mirrors_the_wall() {
     for (x, y) in [(80, 65), (10, 62), (150, 70), (79, 75)] {
         let ndc = [2.0 * (f64::from(x) + 0.5) / 160.0 - 1.0, 1.0 - 2.0 * (f64::from(y) + 0.5) / 90.0];
         let (a, b) = (ndc[0] * tan * 160.0 / 90.0, ndc[1] * tan);
-        // The primary ray (a, b, 1) hits the floor at z = −1/b. The mirrored ray rises, reaches the height −2 −
-        // 5b at the wall at z = 5, and goes on straight in x.
+        // The camera ray (a, b, 1) hits the floor at z = −1/b. The mirrored ray rises, and meets the wall at z = 5 at
+        // the height −2 − 5b and at x = 5a.
         let wall = [5.0 * a, -2.0 - 5.0 * b];
         let expected =
             [(0.5 + 0.5 * wall[0] / (5.0 * tan * 160.0 / 90.0)) * 160.0, (0.5 - 0.5 * wall[1] / (5.0 * tan)) * 90.0];
@@ -41,8 +42,8 @@ fn a_floor_mirrors_the_wall() {
 
 #[test]
 fn rays_leave_the_screen() {
-    // From the lowest row, the mirrored ray has risen by 2 m at the wall's depth. The ray is above the screen there, and was in
-    // front of the wall all the way.
+    // A ray straight up from the lowest row leaves by the upper side of the screen, and is in front of the wall all the
+    // way.
     let g = floor_and_wall(160, 90);
     let b = -(89.0 / 90.0) * f64::from(g.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
     assert!(-2.0 - 5.0 * b > 0.0 && 5.0 * b.abs() < 5.0 * 0.7536);
@@ -78,8 +79,8 @@ fn rays_away_from_the_camera_go_behind_things_and_end_far() {
 
 #[test]
 fn a_ray_passes_behind_a_thin_pole_and_meets_a_thick_one() {
-    // A ray from column 0, 4 m away, along +x. The pole is 3 m away. Alone in front of the sky the pole is T = 0.004 ·
-    // 3 = 0.012 m thick. Column 8 is 3.99 m away with T = 0.01596, so 4 m is inside its block.
+    // The ray runs along +x from column 0, 4 m away. The pole is 3 m away. Alone in front of the sky it is T = 0.004 ·
+    // 3 = 0.012 m thick. Column 8 is 3.99 m away with T = 0.01596 m, so that 4 m is inside its block.
     let thin = row(&[4.0, SKY, SKY, SKY, 3.0, SKY, SKY, SKY, 3.99]);
     let trace = Oracle::new(&thin).trace_direction(0, 0, DVec3::X);
     let Outcome::Hit { pixel: [8, 0], position } = trace.outcome else { panic!("{trace:?}") };
@@ -129,9 +130,10 @@ fn a_ray_that_comes_out_of_a_block_hits_its_front_from_inside() {
 
 #[test]
 fn a_ray_through_a_corner_goes_across_it() {
-    // All sky, except for the two pixels beside the diagonal, at the ray's own depth. The ray does not meet these two, but
-    // meets a pixel on the diagonal.
+    // The ray runs along the diagonal. At its own depth it does not meet blocks in the pixels beside the diagonal, but
+    // meets one on the diagonal.
     let depth = depth_of(2.0);
+    // An image of sky, except for the listed pixels, which have the ray's depth.
     let on = |pixels: &'static [(u32, u32)]| {
         gbuffer(3, 3, move |x, y| if pixels.contains(&(x, y)) { depth } else { 0.0 }, |_, _| Vec3::NEG_Z)
     };
@@ -170,8 +172,8 @@ fn one_pixel_hits_nothing() {
     }
 }
 
-/// The end of a ray along a row of pixels, from one depth to another, by each version. `direction` is the ray's direction for
-/// comparisons with normals.
+/// Returns how a ray along a row of pixels ends by version 1 and by version 2. The row has the given view depths, and
+/// the ray runs from the depth `start_m` to `end_m`. `direction` is the direction that is compared with normals.
 fn ends_of(depths_m: &[f64], [start_m, end_m]: [f64; 2], direction: DVec3) -> [Outcome; 2] {
     let g = row(depths_m);
     let last = depths_m.len() as f64 - 0.5;
@@ -185,7 +187,7 @@ fn ends_of(depths_m: &[f64], [start_m, end_m]: [f64; 2], direction: DVec3) -> [O
     [OracleVersion::V1, OracleVersion::V2].map(|v| Oracle::new(&g).of_version(v).trace_segment(&segment).outcome)
 }
 
-/// Whether a ray hits the pixel in this column of a row.
+/// Returns whether a ray hits the pixel in this column of a row.
 fn hits(outcome: Outcome, pixel: u32) -> bool {
     matches!(outcome, Outcome::Hit { pixel: p, .. } if p == [pixel, 0])
 }
@@ -194,13 +196,14 @@ fn hits(outcome: Outcome, pixel: u32) -> bool {
 fn the_second_version_hits_only_from_in_front() {
     let behind = miss(MissReason::LeftScreen, true);
     let level = |depths_m: &[f64], at_m: f64| ends_of(depths_m, [at_m, at_m], DVec3::X);
-    // Two pixels of a surface at 2 m, with T = 0.008 m. After a nearer surface, a ray at 2.004 m comes from
+    // Columns 2 and 3 show a surface at 2 m, with T = 0.008 m. After a nearer surface, a ray at 2.004 m comes from
     // behind.
     let [first, second] = level(&[1.0, 1.0, 2.0, 2.0], 2.004);
     assert!(hits(first, 2), "{first:?}");
     assert_eq!(second, behind);
-    // After a farther surface or sky, at the edge of the surface, the ray also passes, unless it runs against the normal (0, 0,
-    // −1) and is not too deep in the block. The limit of depth is the thickness times the cosine between both, here 0.4.
+    // After a farther surface or sky, the ray is at the edge of the surface and also passes. It hits if it runs against
+    // the normal (0, 0, −1) and is not too deep in the block. The limit is the thickness times the cosine between ray
+    // and reversed normal, here 0.4.
     let against = |depths_m: &[f64], at_m: f64| ends_of(depths_m, [at_m, at_m], DVec3::new(0.84_f64.sqrt(), 0.0, 0.4));
     for before in [9.0, SKY] {
         let [first, second] = level(&[SKY, before, 2.0, 2.0], 2.004);

@@ -9,7 +9,8 @@ use ssct_scenes::{Camera, Surface};
 
 const SAMPLING: Sampling = Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, bounces: 1 };
 
-/// The floor and the wall. The wall is striped; the floor has the given roughness, and nothing else reflects.
+/// Returns the G-buffer of a floor and a wall, and the mask of its reflecting pixels. The lit colour is striped. The
+/// floor has the given roughness, and only the floor reflects.
 fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
     let mut g = floor_and_wall(32, 18);
     for (i, color) in g.color.iter_mut().enumerate() {
@@ -17,14 +18,15 @@ fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
         *color = Vec3::new((x % 4) as f32 / 3.0, y as f32 / 17.0, 0.5);
     }
     g.roughness.fill(roughness);
-    for (r, n) in g.reflectivity.iter_mut().zip(&g.normal) {
-        *r = n.y;
+    // The normal's y is 1 on the floor and 0 on the wall.
+    for (reflectivity, normal) in g.reflectivity.iter_mut().zip(&g.normal) {
+        *reflectivity = normal.y;
     }
     let mask = g.reflecting();
     (g, mask)
 }
 
-/// The lit colour that a ray from pixel `from` sees where it hits the pixel (x, y).
+/// Returns the lit colour that a ray from the pixel `from` sees where it hits the pixel (x, y) at `position`.
 fn shown(g: &GBufferData, from: [u32; 2], direction: DVec3, [x, y]: [u32; 2], position: DVec3) -> DVec3 {
     let rays = RaySetup::new(g);
     let from = rays.position(from[0], from[1]).zip(rays.normal(from[0], from[1]));
@@ -32,13 +34,13 @@ fn shown(g: &GBufferData, from: [u32; 2], direction: DVec3, [x, y]: [u32; 2], po
     SurfaceColors::new(g).shown(g.index(x, y), [position.x, position.y], DVec3::Z, ray)
 }
 
-/// The camera ray of a sample through the pixel, as the reference draws it.
+/// Returns the view-space direction of the camera ray through pixel (x, y) for a sample, as the reference draws it.
 fn footprint_ray(rays: &RaySetup, [x, y]: [u32; 2], sample: u64) -> DVec3 {
     let stream = Stream::new(SAMPLING.seed, rays.gbuffer.index(x, y) as u64);
     rays.camera_ray(f64::from(x) + stream.uniform(4 * sample + 2), f64::from(y) + stream.uniform(4 * sample + 3))
 }
 
-/// The screen reference of the stage whose floor has this roughness.
+/// Returns the screen reference of the stage whose floor has this roughness.
 fn render(roughness: f32, sampling: Sampling) -> ScreenReference {
     let (g, mask) = stage(roughness);
     ScreenReference::render(&g, &mask, sampling, &|| ())
@@ -48,14 +50,15 @@ fn render(roughness: f32, sampling: Sampling) -> ScreenReference {
 fn a_ray_goes_on_where_it_was_reflected() {
     // Wall and floor are mirrors of different reflectivity.
     let (mut g, _) = stage(0.0);
-    for (r, n) in g.reflectivity.iter_mut().zip(&g.normal) {
-        *r = if n.y > 0.5 { 0.5 } else { 0.25 };
+    for (reflectivity, normal) in g.reflectivity.iter_mut().zip(&g.normal) {
+        *reflectivity = if normal.y > 0.5 { 0.5 } else { 0.25 };
     }
     let (oracle, rays) = (Oracle::new(&g), RaySetup::new(&g));
     let reflection = |bounces| {
         let sampling = Sampling { samples: MIRROR_SAMPLES_MIN, bounces, ..SAMPLING };
         ScreenReference::render(&g, &g.reflecting(), sampling, &|| ()).color
     };
+    // The colour that a ray from a pixel brings over three bounces, followed by the oracle.
     let path = |from: [u32; 2], towards: DVec3| {
         let (mut from, mut direction, mut sum, mut share) = (from, towards, DVec3::ZERO, 1.0);
         for _ in 0..3 {
@@ -119,8 +122,8 @@ fn directions_have_the_moments_of_the_lobe() {
 
 #[test]
 fn directions_below_the_surface_carry_nothing_and_count() {
-    // Where the floor meets the wall, rays rise by 16°, so a lobe with ϱ = 0.6 reaches below the floor. The
-    // expected sum is computed again from the oracle's rays.
+    // Where the floor meets the wall, mirror rays rise by 16°, so that a lobe with ϱ = 0.6 reaches below the floor. The
+    // expected sum is computed from rays that the oracle traces.
     let (g, mask) = stage(0.6);
     let sampling = Sampling { samples: 200, ..SAMPLING };
     let image = ScreenReference::render(&g, &mask, sampling, &|| ());
@@ -159,8 +162,8 @@ fn the_mean_and_its_error_are_those_of_a_hand_computation() {
 fn the_standard_error_is_how_far_independent_images_are_apart() {
     let [a, b] = [1, 2].map(|seed| render(0.3, Sampling { seed, ..SAMPLING }));
     let (_, mask) = stage(0.3);
-    // The mean squared difference in units of its variance is 1, with a standard deviation below 0.1 over some
-    // 300 pixels and 2 channels (the third is constant where all rays hit).
+    // The mean squared difference in units of its variance should be 1. Over some 300 pixels and 2 channels its
+    // standard deviation is below 0.1. (The third channel is constant where all rays hit.)
     let mut z = Vec::new();
     for i in (0..mask.len()).filter(|i| mask[*i]) {
         for c in 0..2 {
@@ -254,10 +257,10 @@ fn rays_are_drawn_by_their_numbers() {
 
 #[test]
 fn a_mirror_filters_a_striped_wall_over_the_pixel() {
-    // Columns are black and white in turns. From the pixel's centre at z, the ray through a place u of the pixel's width ends
-    // on the wall (z = 5), off the column's centre by (u − ½) (5 − z) / 5 of a pixel. The bilinear colour there is this
-    // distance in a black column, and 1 minus the distance in a white one. Averaged over u, these are w/4 and 1 − w/4 with w =
-    // (5 − z) / 5.
+    // Columns are black and white in turns. The reflecting pixel's centre lies at view depth z. A ray through a place u
+    // (0 to 1) of the pixel's width ends on the wall at z = 5, off the column's centre by (u − ½) (5 − z) / 5 of a
+    // pixel. The bilinear colour there is this distance in a black column, and 1 minus the distance in a white one.
+    // Averaged over u, the colours are w/4 and 1 − w/4 with w = (5 − z) / 5.
     let (mut g, mask) = stage(0.0);
     for (i, color) in g.color.iter_mut().enumerate() {
         *color = Vec3::splat((i % 2) as f32);

@@ -1,5 +1,5 @@
-//! Trees that are hard to walk over. A walk must find every triangle that a test of all triangles finds, the stack must never
-//! hold more than a shader has room for, and no ray may make a NaN.
+//! Tests walks over trees that are hard to walk over. A walk must find every triangle that a test of all triangles
+//! finds. The stack must never hold more than a shader has room for, and no ray may make a NaN.
 
 use super::*;
 use bytemuck::Zeroable;
@@ -11,7 +11,7 @@ use ssct_scenes::{Aabb, Material, Mesh, Placement, Scene, Vertex};
 
 type Corners = [Vec3; 3];
 
-/// A scene of one mesh with these triangles.
+/// Returns a scene of one mesh with these triangles.
 fn scene(triangles: &[Corners]) -> Scene {
     let vertex = |p: &Vec3| Vertex { position: p.to_array(), ..Vertex::zeroed() };
     let vertices: Vec<Vertex> = triangles.iter().flatten().map(vertex).collect();
@@ -21,17 +21,18 @@ fn scene(triangles: &[Corners]) -> Scene {
     Scene { meshes: vec![mesh], materials: vec![Material::default()], ..Scene::default() }
 }
 
-/// A number in −1…1.
+/// Returns random number `j` of stream `i`, in −1…1.
 fn signed(i: u64, j: u64) -> f32 {
     (2.0 * Stream::new(11, i).uniform(j) - 1.0) as f32
 }
 
-/// A random vector whose components lie in −1…1; `i` and `j` choose it.
+/// Returns random vector `j` of stream `i`, whose components lie in −1…1.
 fn vector(i: u64, j: u64) -> Vec3 {
     Vec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
 }
 
-/// Compares walks with a test of every triangle, and returns the number of rays that hit.
+/// Compares walks of rays (origin, direction) over the tree of some triangles with tests of every triangle. Returns the
+/// number of rays that hit. `name` is for messages.
 fn check(name: &str, triangles: &[Corners], rays: impl Iterator<Item = (Vec3, Vec3)>) -> usize {
     let scene = scene(triangles);
     let tree = Tree::build(&scene).expect("a tree");
@@ -60,7 +61,7 @@ fn check(name: &str, triangles: &[Corners], rays: impl Iterator<Item = (Vec3, Ve
     hits
 }
 
-/// Rays from around a place; every other ray is aimed at it.
+/// Returns `count` rays (origin, direction) that begin around a place; every other ray is aimed at it.
 fn rays(around: Vec3, reach: f32, count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..count).map(move |i| {
         let origin = around + 1.5 * reach * vector(i, 5);
@@ -69,7 +70,7 @@ fn rays(around: Vec3, reach: f32, count: u64) -> impl Iterator<Item = (Vec3, Vec
     })
 }
 
-/// Random triangles of about this size, whose middles lie up to 5 m from the origin along each axis.
+/// Returns random triangles of about this size in metres, whose middles lie up to 5 m from the origin along each axis.
 fn scattered(count: u64, size: f32) -> Vec<Corners> {
     (0..count).map(|i| [1, 2, 3].map(|k| 5.0 * vector(i, 0) + size * vector(i, k))).collect()
 }
@@ -124,12 +125,15 @@ fn no_ray_makes_a_nan_or_runs_for_ever() {
     }
 }
 
-/// Bound of the walk's error in the distance to a triangle, in metres, to the first order in the rounding ε of a number. The
-/// start and the corners are rounded by ε along each axis relative to the tree's origin, which moves the plane by at most the
-/// sum of both. The other part is the error of `t = Σ uᵢ (d · vᵢ) / Σ uᵢ`, with corners vᵢ up to L from the start and edges up
-/// to E. Each uᵢ errs by 8 ε L²: 2 ε for the differences of its two corners, √2 · 2 ε for the two products and the difference
-/// of each part of the cross product, and 3 ε for the sum. Errors of the weights therefore move the hit within the triangle,
-/// whose extent along the ray is at most E. The products d · vᵢ and the weighted sum err by 10 ε L.
+/// Returns a bound of the walk's error in the distance to a triangle, in metres, to the first order in the rounding ε
+/// of a number.
+///
+/// The start and the corners are rounded by ε along each axis relative to the tree's origin, which moves the plane by
+/// at most the sum of both. The other part is the error of `t = Σ uᵢ (d · vᵢ) / Σ uᵢ`, with corners vᵢ up to L from the
+/// start and edges up to E. Each uᵢ errs by 8 ε L². In this, 2 ε are for the differences of its two corners, and 3 ε
+/// for the sum. The two products and the difference of each part of the cross product make √2 · 2 ε. Errors of the
+/// weights move the hit within the triangle, whose extent along the ray is at most E. The products d · vᵢ and the
+/// weighted sum err by 10 ε L.
 fn distance_error(records: &TriangleRecords, [a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> f64 {
     let normal = (b - a).cross(c - a);
     let (area, cosine) = (normal.dot(direction).abs(), normal.normalize().dot(direction).abs());
@@ -173,8 +177,8 @@ fn the_walk_agrees_with_the_hierarchy_in_f64() {
     assert!(hits > 5000 && other <= 2, "{other} of {hits} differ");
 }
 
-/// Tests moving triangles, which have their own tree: rays must end where a test of every triangle ends them. Except for ties,
-/// they must also end where the hierarchy in 64-bit floats over all triangles does.
+/// Tests moving triangles, which have a tree of their own. Rays must end where a test of every triangle ends them.
+/// Except for ties, they must also end where the hierarchy in 64-bit floats over all triangles ends them.
 #[test]
 fn what_moves_is_met_beside_what_stands() {
     let triangles = scattered(2000, 0.8);

@@ -5,7 +5,9 @@ use glam::IVec2;
 use ssct_ground::math::constants;
 use ssct_scenes::GBufferData;
 
-/// The block of a pixel, from its depth and those of its four neighbours; `DepthBlock` of `pyramid.comp`.
+/// Twin of `DepthBlock`: returns the block of the pixel `p`, from its reversed depth and those of its four neighbours;
+/// empty for sky. The block is as thick as the span of the surface in depth over the pixel, plus a small share of the
+/// view depth.
 pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
     let depth_at = |p: IVec2| {
         let inside = p.cmpge(IVec2::ZERO).all() && p.cmplt(parameters.size).all();
@@ -15,13 +17,17 @@ pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, p: IVe
     if depth <= 0.0 {
         return Block::EMPTY;
     }
+    // An orthographic depth is linear in metres, and shares of depth are then shares of the height of the view.
     let is_linear = parameters.kind.is_orthographic();
     let thin = constants::THIN as f32 * if is_linear { parameters.reach * parameters.depth_offset } else { 1.0 };
+    // How far the neighbour stands behind the pixel, as a share of its own view depth, or in depth if that is linear.
     let depth_behind = |dx, dy| {
         let neighbour = depth_at(p + IVec2::new(dx, dy));
         let reciprocal = if is_linear { 1.0 } else { 1.0 / (neighbour + parameters.depth_offset) };
         if neighbour > 0.0 { (depth - neighbour) * reciprocal } else { -NEVER }
     };
+    // The span along an axis, from the neighbours on both sides: the smaller difference. It is 0 without a neighbour,
+    // and for a surface that stands far before both, since it is thinner than two pixels.
     let depth_span = |a: f32, b: f32| {
         let least = a.abs().min(b.abs());
         if least < NEVER && a.min(b) <= thin { least } else { 0.0 }

@@ -1,6 +1,6 @@
-//! Twin of following rays through captures (`captures/faces.glsl`, `captures/follow.comp`, and `PushIfLost` of
-//! `captures/seen.glsl`), operation for operation. The twin keeps the shaders' names, and their comments give the
-//! reasons. The twin does not compute the colour that a ray sees.
+//! Twin of the shaders that follow rays through captures (`captures/faces.glsl`, `captures/follow.comp`, and
+//! `PushIfLost` of `captures/seen.glsl`), operation for operation. The twin keeps the shaders' names; comments in the
+//! shaders give the reasons of each step. The twin does not compute the colour that a ray sees.
 
 use super::{Hit, HitCode, NEVER, Ray, Traversal, Walk, WalkMode, dot, front_crossing};
 use crate::reference::CaptureData;
@@ -10,7 +10,7 @@ use ssct_scenes::{Aabb, Camera, ProjectionKind};
 
 /// Distance at which the sky is put, in metres.
 const SKY_DISTANCE: f32 = constants::SKY_DISTANCE as f32;
-/// Least way in a capture after which a ray counts as having moved, in metres.
+/// Least distance that a ray must advance in a capture to count as having moved, in metres.
 const LEAST_ADVANCE_M: f32 = constants::LEAST_ADVANCE_M as f32;
 
 /// Captures in which the rays of one camera are followed.
@@ -20,9 +20,11 @@ pub struct CaptureTraversal<'a> {
     pub faces: Vec<Traversal<'a>>,
     /// Offset from the camera's eye to each capture's place, in world axes, in metres.
     pub places: Vec<Vec3>,
+    /// Rotation from the camera's view axes to world axes.
     view_to_world: Mat3,
-    /// Metres in one unit of the points that are computed from depth: on the screen, and in a face.
+    /// Metres in one unit of the points that are computed from the screen's depth.
     view_unit: f32,
+    /// Metres in one unit of the points that are computed from a face's depth.
     face_unit: f32,
     /// Position of the camera in the world, in metres.
     eye: Vec3,
@@ -30,7 +32,7 @@ pub struct CaptureTraversal<'a> {
     bounds: Aabb,
 }
 
-/// Twin of `LostRay`, without its footprint.
+/// Twin of `LostRay`, without the ray's footprint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LostRay {
     /// Where the ray was lost, relative to the eye, in world axes, in metres.
@@ -42,7 +44,7 @@ pub struct LostRay {
 /// How a mirror ray ended on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ScreenRayEnd {
-    /// The pixel has no ray, or sends it below its own surface.
+    /// The pixel has no ray, or its ray goes below its own surface.
     NoRay,
     /// The ray ended in the sky.
     Sky,
@@ -64,7 +66,7 @@ pub enum RayEndKind {
 }
 
 impl RayEndKind {
-    /// The value of `PATH_*`.
+    /// Returns the path code: the value of `PATH_*` in the shaders.
     pub fn code(self) -> i32 {
         match self {
             Self::Capture(capture) => constants::PATH_CAPTURE + capture as i32,
@@ -106,14 +108,16 @@ impl<'a> CaptureTraversal<'a> {
     /// Greatest number of faces that a ray is followed over: seven each time that it is followed in a capture.
     pub const MAX_FACES: i32 = 7 * 2 * constants::CAPTURE_SLOTS;
 
-    /// The greatest number of cells that a ray looks at.
+    /// Returns the greatest number of cells that a ray looks at in all captures.
     pub fn max_steps(&self) -> i32 {
         self.faces.first().map_or(0, |face| Self::MAX_FACES * face.max_face_steps())
     }
 
-    /// Makes the twin for some captures, which all have one lens and size.
+    /// Makes the twin for the rays of a camera and the given captures, whose faces all have the same lens and size.
+    /// There are no bounds until [`Self::with_bounds`] sets them.
     pub fn new(camera: &Camera, captures: &'a [CaptureData]) -> Self {
         let faces = || captures.iter().flat_map(|c| &c.faces);
+        // In a perspective, points that are computed from depth are divided by near (1 + k).
         let unit = |camera: &Camera| match camera.kind() {
             ProjectionKind::Perspective => camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32,
             ProjectionKind::Orthographic => 1.0,
@@ -134,7 +138,8 @@ impl<'a> CaptureTraversal<'a> {
         Self { bounds: bounds.moved(-self.eye), ..self }
     }
 
-    /// Follows the mirror ray of a pixel on the screen (`mirror.glsl`); the screen's traversal must be [`Traversal::followed`].
+    /// Follows the mirror ray of pixel (x, y) on the screen (`mirror.glsl`) and returns how it ends there. The screen's
+    /// traversal must be [`Traversal::followed`].
     pub fn trace_screen(&self, screen: &Traversal, x: u32, y: u32) -> ScreenRayEnd {
         let Some((ray, true)) = screen.mirror_ray(x, y) else { return ScreenRayEnd::NoRay };
         let hit = screen.traverse(&ray);
@@ -145,7 +150,7 @@ impl<'a> CaptureTraversal<'a> {
         }
     }
 
-    /// Twin of `PushIfLost`: a ray of the screen as a lost ray, from the place at which the screen lost it.
+    /// Twin of `PushIfLost`: returns the lost ray that begins where the screen lost `ray`, at the s of `hit`.
     fn lost_ray(&self, screen: &Traversal, ray: &Ray, hit: &Hit) -> LostRay {
         let p = &screen.parameters;
         let depth = ray.depth + hit.s * ray.rate.z;
@@ -154,7 +159,7 @@ impl<'a> CaptureTraversal<'a> {
         LostRay { start: self.to_world(start), direction: along * (1.0 / dot(along, along).sqrt()) }
     }
 
-    /// Twin of `ToWorld`: turns a vector from view space to world axes.
+    /// Twin of `ToWorld`: rotates a vector from view axes to world axes.
     fn to_world(&self, v: Vec3) -> Vec3 {
         let m = &self.view_to_world;
         m.x_axis * v.x + m.y_axis * v.y + m.z_axis * v.z
@@ -164,6 +169,7 @@ impl<'a> CaptureTraversal<'a> {
     pub fn trace_captures(&self, ray: &LostRay) -> CaptureRayEnd {
         let mut ray_end =
             CaptureRayEnd { kind: RayEndKind::Unknown, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
+        // The point that the ray has reached, and a bit for each capture in which it did not get farther from there.
         let (mut point, mut excluded) = (ray.start, 0_u32);
         for _ in 0..2 * constants::CAPTURE_SLOTS {
             if self.is_outside_scene(point) {
@@ -198,13 +204,13 @@ impl<'a> CaptureTraversal<'a> {
         ray_end
     }
 
-    /// Twin of `IsOutsideScene`: whether a point, relative to the eye, lies outside the bounds.
+    /// Twin of `IsOutsideScene`: returns whether a point, relative to the eye, lies outside the bounds.
     fn is_outside_scene(&self, point: Vec3) -> bool {
         point.cmplt(self.bounds.min).any() || point.cmpgt(self.bounds.max).any()
     }
 
-    /// Twin of `NearestSeeingCapture`: the nearest capture that sees a point, given relative to the eye. Bit k of
-    /// `excluded` leaves capture k out.
+    /// Twin of `NearestSeeingCapture`: returns the index of the nearest capture that sees a point, which is relative to
+    /// the eye. Bit k of `excluded` leaves capture k out.
     fn nearest_seeing_capture(&self, point: Vec3, excluded: u32) -> Option<usize> {
         let (mut nearest, mut least) = (None, NEVER);
         for (capture, place) in self.places.iter().enumerate() {
@@ -217,7 +223,9 @@ impl<'a> CaptureTraversal<'a> {
         nearest
     }
 
-    /// Twin of `CaptureSees`: whether a capture sees the point `o`, which is relative to the capture's place.
+    /// Twin of `CaptureSees`: returns whether a capture sees the point `o`, which is relative to the capture's place.
+    /// The point must lie beyond the near plane, and not behind the back of the block that the capture shows in its
+    /// direction.
     fn capture_sees(&self, capture: usize, o: Vec3) -> bool {
         let face = cube_face(o);
         let image = &self.faces[6 * capture + face];
@@ -228,12 +236,12 @@ impl<'a> CaptureTraversal<'a> {
         depth < 1.0 && (block.front < block.back || depth >= block.back)
     }
 
-    /// Twin of `FaceDepth`: the reversed depth, in a face, of a point at view-space z in metres.
+    /// Twin of `FaceDepth`: returns the reversed depth, in a face, of a point at view-space z in metres.
     fn face_depth(&self, image: &Traversal, z: f32) -> f32 {
         self.face_unit / z - image.parameters.depth_offset
     }
 
-    /// Twin of `FacePoint`: the point of a ray at its parameter s, in the face's view space, in metres.
+    /// Twin of `FacePoint`: returns the point of a ray at its parameter s, in the face's view space, in metres.
     fn face_point(&self, image: &Traversal, ray: &Ray, s: f32) -> Vec3 {
         let depth = ray.depth + s * ray.rate.z;
         let position = ray.start + s * ray.rate.truncate();
@@ -241,9 +249,10 @@ impl<'a> CaptureTraversal<'a> {
         image.parameters.view_ray(position) * z
     }
 
-    /// Twin of `TraceFace`: follows a ray over one face, from the point `q` in the face's view space. Returns how the
-    /// ray ends, its last point, and the axis of the side by which it leaves. `before` is the thickness of the last
-    /// block of the face before, and becomes that of this face.
+    /// Twin of `TraceFace`: follows a ray over one face, from the point `q` along `direction`, both in the face's view
+    /// space. Returns how the ray ends, its last point, and the outward axis of the side by which it leaves. `before`
+    /// is the thickness of the block at the border of the face before, and becomes that of the block where the ray
+    /// leaves this face.
     fn trace_face(
         &self,
         image: &Traversal,
@@ -278,6 +287,8 @@ impl<'a> CaptureTraversal<'a> {
             if walk.level >= 0 {
                 break None;
             }
+            // The ray is behind the front of a block. If it runs away from the surface and is still inside the block,
+            // it leaves this surface and passes. It meets any other surface from in front or from behind.
             let block = image.block(walk.pixel);
             let along = dot(direction, image.normal(walk.pixel));
             let in_front = walk.entry_depth >= block.front;
@@ -297,6 +308,7 @@ impl<'a> CaptureTraversal<'a> {
         };
         ray_end.steps += walk.steps;
         ray_end.is_exhausted |= walk.level >= 0 && walk.entry < ray.end;
+        // A ray that met nothing ends at a side of the face, at the far plane or at the near plane.
         end.unwrap_or_else(|| {
             let far = ray.ahead() * image.parameters.size;
             let sides = (far.as_vec2() - ray.start) * ray.inverse;
@@ -309,6 +321,7 @@ impl<'a> CaptureTraversal<'a> {
                 false if ray.rate.z < 0.0 => FollowEnd::Sky,
                 false => FollowEnd::Lost,
             };
+            // Image y runs down, and view-space y up.
             let side = if sides.x <= sides.y {
                 Vec3::X * if ray.inverse.x > 0.0 { 1.0 } else { -1.0 }
             } else {
@@ -319,7 +332,7 @@ impl<'a> CaptureTraversal<'a> {
     }
 
     /// Twin of `TraceCapture`: follows a ray through a capture, from face to face, from the point `o`. Returns how the
-    /// ray ends, and its last point; both points are relative to the capture's place.
+    /// ray ends, and its last point. Both points are relative to the capture's place, in world axes, in metres.
     fn trace_capture(
         &self,
         capture: usize,
@@ -328,6 +341,7 @@ impl<'a> CaptureTraversal<'a> {
         ray_end: &mut CaptureRayEnd,
     ) -> (FollowEnd, Vec3) {
         let (mut face, mut place, mut before) = (cube_face(o), o, 0.0);
+        // A line crosses each of the six planes between faces at most once, so that it visits at most seven faces.
         for _ in 0..7 {
             let image = &self.faces[6 * capture + face];
             let from = [place, direction].map(|v| to_face(v, face));
@@ -343,8 +357,8 @@ impl<'a> CaptureTraversal<'a> {
 }
 
 impl Traversal<'_> {
-    /// Whether a ray that hit nothing left the view through the far plane (`MissCode`). Such a ray ends neither at a
-    /// side of the screen nor behind its last pixel's block, and does not run towards the camera.
+    /// Returns whether a ray that hit nothing left the view through the far plane (`MissCode`). If it did, it ends
+    /// neither at a side of the screen nor behind its last pixel's block, and does not run towards the camera.
     fn ends_in_sky(&self, ray: &Ray) -> bool {
         let inside = (ray.end * ray.rate.truncate() + 0.5).floor().as_ivec2();
         let depth = ray.depth + ray.end * ray.rate.z;
@@ -356,7 +370,7 @@ impl Traversal<'_> {
     }
 }
 
-/// Twin of `ToFace`: turns a vector from world axes to the view axes of a face (0 to 5).
+/// Twin of `ToFace`: rotates a vector from world axes to the view axes of a face (0 to 5).
 fn to_face(v: Vec3, face: usize) -> Vec3 {
     match face {
         0 => Vec3::new(-v.z, v.y, v.x),
@@ -368,7 +382,7 @@ fn to_face(v: Vec3, face: usize) -> Vec3 {
     }
 }
 
-/// Twin of `FromFace`: turns a vector from the view axes of a face (0 to 5) to world axes.
+/// Twin of `FromFace`: rotates a vector from the view axes of a face (0 to 5) to world axes.
 fn from_face(v: Vec3, face: usize) -> Vec3 {
     match face {
         0 => Vec3::new(v.z, v.y, -v.x),
@@ -380,7 +394,7 @@ fn from_face(v: Vec3, face: usize) -> Vec3 {
     }
 }
 
-/// Twin of `CubeFace`: the face (0 to 5) in which a direction lies.
+/// Twin of `CubeFace`: returns the face (0 to 5) in which a direction lies.
 fn cube_face(v: Vec3) -> usize {
     let a = v.abs();
     let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
@@ -393,7 +407,8 @@ fn cube_face(v: Vec3) -> usize {
     }
 }
 
-/// Twin of `FacePosition`: the continuous pixel coordinates, and the pixel, of a point in a face's view space.
+/// Twin of `FacePosition`: returns the continuous pixel coordinates and the pixel of a point `q` in a face's view
+/// space.
 fn face_position(image: &Traversal, q: Vec3) -> (Vec2, IVec2) {
     let size = image.parameters.size;
     let side = size.x as f32;

@@ -1,7 +1,9 @@
-//! The reflection of each pixel or cell from the rays around it: twin of the passes "resolve/narrow" and "cells".
+//! Twin of the passes "resolve/narrow" and "cells", which make the reflection of each pixel or cell from the rays
+//! around it.
 //!
-//! The shaders exchange loaded values within a block of 2 × 2 by derivatives: value ± derivative is the neighbour's value up to
-//! its last bits. The twin uses the same subtraction and addition ([`ray_from_neighbour`]), so that the results do not differ.
+//! The pixels or cells of a block of 2 × 2 exchange loaded values by derivatives: value ± derivative is the neighbour's
+//! value up to its last bits. The twin uses the same subtraction and addition ([`ray_from_neighbour`]), so that the
+//! results do not differ.
 
 use super::gloss_trace::{FAR_SKY, NEAR_HIT, NEAR_MARK, NeighbourRay};
 use super::lobe::{LEAST_WEIGHT, LOG2_E, Lobe, inverse_sqrt, log_cos, log_density};
@@ -10,13 +12,15 @@ use crate::reference::Level;
 use glam::{IVec2, Vec3, Vec4};
 use ssct_ground::math::constants;
 
+/// Greatest weight by which the closest cells count more than once.
 const CONTACT_WEIGHT: f32 = constants::CONTACT_WEIGHT as f32;
+/// Distance of the nearest hit, in pixel widths, from which on the closest cells count only once.
 const CONTACT_END: f32 = constants::CONTACT_END as f32;
 
-/// `RaySum` of `gathered.glsl`: weighted sums over rays.
+/// Twin of `RaySum`: weighted sums over rays.
 #[derive(Default)]
 struct RaySum {
-    /// Sum of the colours of hits, with their fades in the fourth component.
+    /// Weighted sum of the colours of hits, with their fades in the fourth component.
     color: Vec4,
     /// Sum of the weights of all rays.
     weight: f32,
@@ -25,7 +29,7 @@ struct RaySum {
 }
 
 impl RaySum {
-    /// Twin of `AddRay`: adds a ray with a weight; the colour of a miss does not count.
+    /// Twin of `AddRay`: adds a ray with a weight. The weight of a miss counts, but its colour does not.
     fn add_ray(&mut self, weight: f32, is_hit: bool, color: Vec4) {
         let hits = if is_hit { weight } else { 0.0 };
         self.weight += weight;
@@ -33,8 +37,9 @@ impl RaySum {
         self.hits += hits;
     }
 
-    /// `ReflectionFromSum`: the mean colour, and the mean fade of the hits. A ray that missed counts as black or, with
-    /// `over`, leaves the colour of the hits unchanged and lowers the fade.
+    /// Twin of `ReflectionFromSum`: returns the mean colour, with the mean fade of the hits in the fourth component. A
+    /// ray that missed counts as black. With `over`, it leaves the colour of the hits unchanged and lowers the fade
+    /// instead.
     fn reflection(&self, over: bool) -> Vec4 {
         if self.hits <= 0.0 {
             return Vec4::ZERO;
@@ -48,45 +53,51 @@ impl RaySum {
     }
 }
 
-/// Twin of `RayFromNeighbourX` and `RayFromNeighbourY`: the ray `other` of the neighbouring pixel, after the exchange by
-/// derivatives.
+/// Twin of `RayFromNeighbourX` and `RayFromNeighbourY`: returns the ray `other` of the neighbouring pixel or cell,
+/// rounded as the exchange by derivatives with the ray `own` rounds it.
 fn ray_from_neighbour(own: NeighbourRay, other: NeighbourRay) -> NeighbourRay {
     NeighbourRay { key: own.key + (other.key - own.key), color: own.color + (other.color - own.color) }
 }
 
-/// `DirectionOutOfBlock`: the direction from a pixel to the outside of its block, along each axis.
+/// Twin of `DirectionOutOfBlock`: returns the direction, 1 or −1 along each axis, from a pixel or cell to the outside
+/// of its block of 2 × 2.
 pub(super) fn direction_out_of_block(pixel: IVec2) -> IVec2 {
     2 * (pixel & 1) - 1
 }
 
-/// A cell's reflection, with the surface that reflects.
+/// The reflection of a cell, with the surface that reflects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ResolvedCell {
-    /// Colour, and fade in the fourth component.
+    /// Linear colour of the reflection, with its fade in the fourth component.
     pub reflection: Vec4,
     /// Normal, and z as scaled by [`super::Parameters::view_point`]; all 0 for no surface.
     pub surface: Vec4,
 }
 
-/// The point and lobe of a cell that gathers rays.
+/// Twin of `GatherPoint`: the point and lobe of a cell that gathers rays.
 struct GatherPoint {
+    /// Point of the surface, as [`super::Parameters::view_point`] scales it.
     point: Vec3,
+    /// Lobe at the point.
     lobe: Lobe,
-    /// Logarithm of the density in the middle of the lobe.
+    /// [`log_density`] in the middle of the lobe.
     peak: f32,
 }
 
-/// `CellSum`: the rays that a cell gathers.
+/// Twin of `CellSum`: the rays that a cell gathers.
 struct CellSum {
+    /// Sums over the rays of all 5 × 5 cells.
     rays: RaySum,
-    /// Colour of the closest cells' rays, and their weight in the fourth component.
+    /// Sum of the colours of the rays of the closest 3 × 3 cells, weighted by closeness as well, with the sum of these
+    /// weights in the fourth component.
     closest: Vec4,
-    /// Least squared distance of a hit of the closest cells.
+    /// Least squared distance from the cell's point to a hit of the closest cells' rays.
     nearest: f32,
 }
 
 impl CellSum {
-    /// Twin of `WeightedSum`: the sum of all rays, with the colours of the closest cells counted once more by a weight.
+    /// Twin of `WeightedSum`: returns the sum of all rays, in which the colours of the closest cells count once more by
+    /// a weight. Weights and fades stay as they are.
     fn with_closest(self, weight: f32) -> RaySum {
         let Self { rays, closest, .. } = self;
         let both = rays.color.truncate().extend(rays.weight) + weight * closest;
@@ -96,14 +107,16 @@ impl CellSum {
 }
 
 impl GatherPoint {
-    /// Twin of `GatherRay` for wide lobes: adds a ray as a sample of the cell's lobe. `closeness` is the ray's weight
-    /// among the closest cells, and 0 for all other cells.
+    /// Twin of `GatherRay` for wide lobes: adds a ray as a sample of the cell's lobe. With f the lobe's density along
+    /// the ray and q the density with which the ray was drawn, its weight is 2 f / (f + q), the balance heuristic.
+    /// `closeness` is the ray's weight among the closest cells, and 0 for all other cells.
     fn gather_ray(&self, sum: &mut CellSum, ray: NeighbourRay, closeness: f32) {
         let ended_near = ray.key.w > 0.75 * NEAR_MARK;
         let density = ray.key.w - if ended_near { NEAR_MARK } else { 0.0 };
         if density == 0.0 {
             return;
         }
+        // The key of a hit is a place, and that of a miss a direction.
         let key = ray.key.truncate();
         let to = if density > 0.0 { key - self.point } else { key };
         let log_cos = log_cos(1.0 - to.dot(self.lobe.mirror) * inverse_sqrt(to.dot(to)));
@@ -123,8 +136,8 @@ impl GatherPoint {
 }
 
 impl Gloss<'_> {
-    /// The pass "resolve/narrow": reflection and composite of a pixel from the rays of the surrounding 3 × 3 pixels. `None` for
-    /// a pixel that has no ray.
+    /// Twin of the pass "resolve/narrow": returns the reflection and the composite of a pixel, from the rays of the 3 ×
+    /// 3 pixels around it. `None` for a pixel that has no ray.
     pub fn resolve_narrow(&self, rays: &Level<NeighbourRay>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
         let load_neighbour_ray = |texel: IVec2| {
             let texel = texel.clamp(IVec2::ZERO, self.traversal.parameters.size - 1).as_uvec2();
@@ -134,6 +147,7 @@ impl Gloss<'_> {
             let is_inside = texel.cmplt(self.traversal.parameters.size).all();
             if is_inside { load_neighbour_ray(texel) } else { NeighbourRay::unpack_record([0; 4]) }
         };
+        // The other pixels of the block of 2 × 2: the one beside the pixel along x, and the one along y.
         let (x, y) = (IVec2::new(pixel.x ^ 1, pixel.y), IVec2::new(pixel.x, pixel.y ^ 1));
         let [out, out_x, out_y] = [pixel, x, y].map(direction_out_of_block);
         let own = load_pixel_ray(pixel);
@@ -146,6 +160,7 @@ impl Gloss<'_> {
         let under = |texel: IVec2, out: IVec2| load_neighbour_ray(texel + IVec2::new(0, out.y));
         let mut sum = RaySum::default();
         sum.add_ray(1.0, own.key.w > 0.0, own.color);
+        // Three rays of the block, two from beside the block, two from above or below it, and one from its corner.
         for ray in [
             ray_from_neighbour_x(pixel),
             ray_from_neighbour(own, load_pixel_ray(y)),
@@ -156,6 +171,8 @@ impl Gloss<'_> {
             ray_from_neighbour(under(pixel, out), under(x, out_x)),
             load_neighbour_ray(pixel + out),
         ] {
+            // The key's w is the root of α + 1, so that the product is a power between those of both lobes. The weight
+            // is the root of the overlap of the lobes.
             let power = (own.key.w * ray.key.w).abs();
             let chord = (own.key - ray.key).truncate();
             let same = (-0.125 * LOG2_E * power * chord.dot(chord)).exp2();
@@ -166,7 +183,8 @@ impl Gloss<'_> {
         Some(self.composite_pixel(pixel, reflection))
     }
 
-    /// The pass "cells": the reflection of a cell from the rays of the surrounding 5 × 5 cells.
+    /// Twin of the pass "cells": returns the reflection of a cell, from the rays of the 5 × 5 cells around it. All is 0
+    /// for a cell without a wide lobe.
     pub fn resolve_cell(&self, rays: &Level<NeighbourRay>, cell: IVec2) -> ResolvedCell {
         let Some(pixel) = self.wide_pixel(cell) else { return ResolvedCell::default() };
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
@@ -175,6 +193,7 @@ impl Gloss<'_> {
         let centre = GatherPoint { point, lobe, peak: log_density(lobe.power, 0.0) };
         let neighbour = IVec2::new(cell.x, cell.y ^ 1);
         let [above, middle, below] = [-1, 0, 1].map(|y| self.row(rays, cell, y));
+        // The rows between those that are read come from the block's other cell along y.
         let exchanged = |own: [NeighbourRay; 5], y| {
             let other = self.row(rays, neighbour, y);
             std::array::from_fn(|i| ray_from_neighbour(own[i], other[i]))
@@ -188,6 +207,7 @@ impl Gloss<'_> {
                 centre.gather_ray(&mut sum, ray, along * across);
             }
         }
+        // The closest cells count more where their rays hit something near, and for smaller roughness.
         let pixel_width = 2.0 * p.pixel_to_view.y * if p.kind.is_orthographic() { 1.0 } else { point.z };
         let pixels = sum.nearest.sqrt() / pixel_width;
         let near = ((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT)).clamp(0.0, 1.0);
@@ -197,8 +217,9 @@ impl Gloss<'_> {
         ResolvedCell { reflection: rays.reflection(self.is_over), surface: lobe.normal.extend(z) }
     }
 
-    /// Twin of `Row`: the five rays of one of the rows around a cell, from two cells inwards to two cells outwards. `y`
-    /// is −1, 0 or 1 for the rows that are read.
+    /// Returns the five rays of a row of cells, from two cells inwards of `cell` in its block of 2 × 2 to two cells
+    /// outwards. The row lies `2 y` cells outwards of `cell`, for y = −1, 0 or 1. Every other ray comes from the
+    /// block's other cell along x.
     fn row(&self, rays: &Level<NeighbourRay>, cell: IVec2, y: i32) -> [NeighbourRay; 5] {
         let load_cell_ray = |cell: IVec2, x: i32| {
             let texel = cell + 2 * direction_out_of_block(cell) * IVec2::new(x, y);
@@ -216,7 +237,8 @@ impl Gloss<'_> {
         ]
     }
 
-    /// A pixel's reflection as it is shown, and the composite.
+    /// Returns a pixel's reflection (colour, and fade in the fourth component) in the range that 16-bit floats store,
+    /// and the composite: lit colour + reflectivity · fade · reflection.
     pub(super) fn composite_pixel(&self, pixel: IVec2, reflection: Vec4) -> (Vec4, Vec3) {
         let shown_reflection = reflection.truncate().map(sound).extend(sound(reflection.w).min(1.0));
         let index = self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32);

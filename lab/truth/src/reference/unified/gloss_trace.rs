@@ -1,11 +1,12 @@
-//! Rays of glossy lobes and their results: twin of the passes "trace/narrow" and "trace/wide". A ray is first aimed and then
-//! followed, so that a test can follow a ray whose aim differs by a rounding error.
+//! Twin of the passes "trace/narrow" and "trace/wide", which trace the rays of glossy lobes. A ray is first aimed and
+//! then followed, so that a test can follow a ray whose aim differs by a rounding error.
 
 use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, lobe_overlap, log_density};
 use super::{Gloss, Hit, HitCode};
 use glam::{IVec2, Vec2, Vec3, Vec4};
 use ssct_ground::math::constants;
 
+// Comments in `shaders-glsl/common/constants.glsl` say what each of these numbers is.
 const NARROW_PART: f32 = constants::NARROW_PART as f32;
 const NARROW_FOOTPRINTS: f32 = constants::NARROW_FOOTPRINTS as f32;
 const WIDE_FOOTPRINTS: f32 = constants::WIDE_FOOTPRINTS as f32;
@@ -19,42 +20,43 @@ pub(super) const FAR_SKY: f32 = constants::FAR_SKY as f32;
 pub struct AimedRay {
     /// Pixel that the ray begins in.
     pub pixel: IVec2,
-    /// Point of the pixel, as [`super::Parameters::view_point`] scales it.
+    /// Point of the pixel's surface, as [`super::Parameters::view_point`] scales it.
     pub point: Vec3,
     /// Lobe of the pixel.
     pub lobe: Lobe,
     /// The ray's direction, a unit vector in view space.
     pub direction: Vec3,
-    /// The logarithm of the density that the direction was sampled with.
+    /// The density with which the direction was drawn: its logarithm to base 2, plus a bias.
     pub density: f32,
     /// The share of the lobe that the ray stands for.
     pub share: f32,
 }
 
-/// The result of a ray, as neighbours gather it: `NeighbourRay`. All values are 0 without a ray.
+/// Twin of `NeighbourRay`: the result of a ray, as neighbours gather it. All values are 0 without a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NeighbourRay {
-    /// Values that the weight of the ray depends on; w is 0 without a ray and negative for a miss. For a narrow lobe
-    /// these values are the middle of the lobe and the root of α + 1. For a wide lobe these values are the point of the
-    /// hit, or the direction of a miss, and the density.
+    /// Values that the weight of the ray depends on; w is 0 without a ray and negative for a miss. For a narrow lobe,
+    /// xyz is the middle of the lobe and w the root of α + 1. For a wide lobe, xyz is the point of the hit, or the
+    /// direction of a miss, and w is the density.
     pub key: Vec4,
     /// Colour of the hit, and its fade in the fourth component.
     pub color: Vec4,
 }
 
 impl Gloss<'_> {
-    /// The ray of a pixel with a narrow lobe; `None` for any other pixel.
+    /// Returns the ray of a pixel with a narrow lobe; `None` for any other pixel.
     pub fn aim_narrow(&self, pixel: IVec2) -> Option<AimedRay> {
         let normal = self.normal(pixel);
         if !self.is_narrow(pixel) || self.depth(pixel) <= 0.0 || normal.dot(normal) <= 0.0 {
             return None;
         }
+        // The nine rays of the pattern are dealt out to squares of 3 × 3 pixels.
         let u = lattice_point(pixel, 3, 2, Vec2::splat(0.5));
         Some(self.aim(pixel, normal, Vec2::new(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, |_| 1.0))
     }
 
-    /// The ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe. The more the lobes of
-    /// neighbouring cells overlap, the smaller is the share of the lobe that the ray stands for.
+    /// Returns the ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe. The more the
+    /// lobes of neighbouring cells overlap, the smaller is the share of the lobe that the ray stands for.
     pub fn aim_wide(&self, cell: IVec2) -> Option<AimedRay> {
         let pixel = self.wide_pixel(cell)?;
         // The normal's change within the block of 2 × 2 cells that a device shades together.
@@ -65,6 +67,8 @@ impl Gloss<'_> {
         let even = cell & !1;
         let turn_x = unit(IVec2::new(even.x + 1, cell.y)) - unit(IVec2::new(even.x, cell.y));
         let turn_y = unit(IVec2::new(cell.x, even.y + 1)) - unit(IVec2::new(cell.x, even.y));
+        // The 25 rays of the pattern are dealt out to squares of 5 × 5 cells. Equal points in adjacent squares have
+        // different parities, and so different places in their stratum.
         let odd = cell & 1;
         let stratum = IVec2::new(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x).as_vec2();
         let u = lattice_point(cell, 5, 7, 0.125 + 0.25 * stratum);
@@ -72,8 +76,9 @@ impl Gloss<'_> {
         Some(self.aim(pixel, self.normal(pixel), u, WIDE_FOOTPRINTS, common))
     }
 
-    /// The first half of `TraceLobeSample`: the ray of the pattern point `u` in a pixel's lobe. `common` gives, for a
-    /// lobe power, the part that the lobe shares with its neighbours' lobes. `footprints` cover a lobe shared wholly.
+    /// Twin of the first half of `TraceLobeSample`: returns the ray for the pattern point `u` (0…1) in a pixel's lobe.
+    /// `common` returns, for a lobe power, the part (0…1) of the lobe that neighbours' lobes share. A lobe that they
+    /// share wholly is covered by `footprints` footprints of rays.
     fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> AimedRay {
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
         let lobe = Lobe::new(self.traversal.parameters.view_direction(point), normal, self.roughness(pixel));
@@ -86,8 +91,8 @@ impl Gloss<'_> {
         AimedRay { pixel, point, lobe, direction, density: log_density(lobe.power, log_rest), share }
     }
 
-    /// The second half of `TraceLobeSample`, with `TraceGlossyRay`: the hit on a surface or on the screen's sky, with its
-    /// colour and fade. `None` for a miss.
+    /// Twin of the second half of `TraceLobeSample`, with `TraceGlossyRay`. Returns the hit on a surface or on the
+    /// screen's sky, and its colour with the fade in the fourth component. `None` for a miss.
     pub fn trace_glossy_ray(&self, aim: &AimedRay) -> Option<(Hit, Vec4)> {
         // A ray below the surface sees nothing.
         if aim.direction.dot(aim.lobe.normal) <= 0.0 {
@@ -104,15 +109,16 @@ impl Gloss<'_> {
         Some((hit, lit.map(super::sound).extend(self.fade(hit.position * p.pixel_to_clip))))
     }
 
-    /// Traces a narrow lobe's ray, and returns what neighbouring pixels gather of it, before it is packed. The key's w
-    /// is negative for a miss.
+    /// Traces the ray of a narrow lobe, and returns the result that neighbouring pixels gather, before it is packed.
     pub fn trace_narrow_pixel(&self, aim: &AimedRay) -> NeighbourRay {
         let (root, lobe_sample) = (aim.lobe.power.sqrt(), self.trace_glossy_ray(aim));
         let key = aim.lobe.mirror.extend(if lobe_sample.is_some() { root } else { -root });
         NeighbourRay { key, color: lobe_sample.map_or(Vec4::ZERO, |(_, color)| color) }
     }
 
-    /// The result of a cell's ray for its neighbours.
+    /// Traces the ray of a cell with a wide lobe, and returns the result that neighbouring cells gather. A near hit is
+    /// put far away along the ray, so that it counts as a direction. If it is on another surface than the reflector,
+    /// its density gets the mark `NEAR_MARK`.
     pub fn trace_wide_cell(&self, aim: &AimedRay) -> NeighbourRay {
         let Some((hit, color)) = self.trace_glossy_ray(aim) else {
             return NeighbourRay { key: aim.direction.extend(-aim.density), color: Vec4::ZERO };
@@ -130,12 +136,13 @@ impl Gloss<'_> {
     }
 }
 
-/// `CellPixel`: the pixel that stands for a cell.
+/// Twin of `CellPixel`: returns the pixel that stands for a cell of 2 × 2: its first or its last, by turns as on a
+/// chequerboard.
 pub(super) fn cell_pixel(cell: IVec2) -> IVec2 {
     2 * cell + ((cell.x + cell.y) & 1)
 }
 
-/// `EncodeOctahedral`: the octahedral map of the unit sphere.
+/// Twin of `EncodeOctahedral`: returns the octahedral coordinates (−1…1) of a direction of any length.
 pub fn encode_octahedral(v: Vec3) -> Vec2 {
     let v = v / (v.x.abs() + v.y.abs() + v.z.abs());
     let folded = Vec2::new(1.0 - v.y.abs(), 1.0 - v.x.abs());
@@ -143,7 +150,8 @@ pub fn encode_octahedral(v: Vec3) -> Vec2 {
     if v.z >= 0.0 { v.truncate() } else { Vec2::new(sign(v.x, folded.x), sign(v.y, folded.y)) }
 }
 
-/// Twin of `DecodeOctahedral`: the unit vector of octahedral coordinates, the inverse of [`encode_octahedral`].
+/// Twin of `DecodeOctahedral`: returns the unit vector of octahedral coordinates, as the inverse of
+/// [`encode_octahedral`].
 fn decode_octahedral(o: Vec2) -> Vec3 {
     let z = 1.0 - o.x.abs() - o.y.abs();
     let fold = (-z).max(0.0);
@@ -153,8 +161,11 @@ fn decode_octahedral(o: Vec2) -> Vec3 {
 }
 
 impl NeighbourRay {
-    /// `PackRecord`: the four words of a narrow lobe's ray, halves rounded to nearest.
+    /// Twin of `PackRecord`: returns the four words of the ray record of a narrow lobe. They are the lobe's middle in
+    /// octahedral coordinates of 16 bits, the root of α + 1, and two words for the colour with its fade as 16-bit
+    /// floats.
     pub fn pack_record(&self) -> [u32; 4] {
+        // The signed integer of 16 bits that stands for a number in −1…1.
         let snorm = |v: f32| u32::from(((v.clamp(-1.0, 1.0) * 32767.0).round() as i16) as u16);
         let half = |v: f32| u32::from(half::f16::from_f32(v).to_bits());
         let mirror = encode_octahedral(self.key.truncate());
@@ -166,7 +177,7 @@ impl NeighbourRay {
         ]
     }
 
-    /// `UnpackRecord`: the inverse of [`Self::pack_record`].
+    /// Twin of `UnpackRecord`: returns the ray of a record, as the inverse of [`Self::pack_record`].
     pub fn unpack_record([mirror, root, rg, ba]: [u32; 4]) -> Self {
         let snorm = |v: u32| (f32::from(v as u16 as i16) / 32767.0).clamp(-1.0, 1.0);
         let half = |v: u32| half::f16::from_bits(v as u16).to_f32();

@@ -9,18 +9,21 @@ use glam::{IVec2, Vec2, Vec3, Vec4};
 use ssct_ground::math::constants;
 use ssct_scenes::ProjectionKind;
 
-/// `PLANE_TOLERANCE`: a cell that lies off the pixel's plane by this share of its depth has lost most of its weight.
+/// `PLANE_TOLERANCE` of the shader: a cell that lies off the pixel's plane by this share of its depth has half its
+/// weight.
 const PLANE_TOLERANCE: f32 = constants::VISIBLE_WITHIN as f32;
+/// Distance along an axis, in pixels, at which a cell has no weight any more.
 const CELL_REACH: f32 = constants::CELL_REACH as f32;
 
 impl Gloss<'_> {
-    /// Reflection and composite of a pixel; `None` for a pixel that has no wide lobe.
+    /// Returns the reflection of a pixel (colour, and fade in the fourth component) and its composite, from the
+    /// resolved cells; `None` for a pixel that has no wide lobe.
     pub fn resolve_wide(&self, cells: &Level<ResolvedCell>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
         self.is_wide(pixel).then(|| self.composite_pixel(pixel, self.upsample_cells(cells, pixel)))
     }
 
-    /// Twin of `UpsampleCells`: the reflection of a pixel as the mean of four cells, weighted by their nearness and by
-    /// how alike their surfaces are.
+    /// Twin of `UpsampleCells`: returns the reflection of a pixel as the mean over the four nearest cells, weighted by
+    /// their nearness and by how alike their surfaces are.
     fn upsample_cells(&self, cells: &Level<ResolvedCell>, pixel: IVec2) -> Vec4 {
         let p = &self.traversal.parameters;
         let (depth, normal, power) = (self.depth(pixel), self.normal(pixel), lobe_power(self.roughness(pixel)));

@@ -1,12 +1,14 @@
-//! Twin of `unified/surface.glsl`: which pixels show the surface that reflects, and the sky that the screen shows to a ray.
+//! Twin of `unified/surface.glsl`: tests which pixels show the surface that reflects, and whether a ray ends in sky
+//! that the screen shows.
 
 use super::{Block, Hit, HitCode, Ray, Traversal, dot};
 use glam::{IVec2, Vec3};
 use ssct_ground::math::constants::STANDS_ABOVE;
 
 impl Traversal<'_> {
-    /// `OffsetToPixel`: the offset from a point to the surface of a pixel at its middle, divided by z in a perspective. `depth`
-    /// is the pixel's depth.
+    /// Twin of `OffsetToPixel`: returns the view-space offset from a point to the surface in the middle of a pixel of
+    /// the given depth. In a perspective the offset is divided by the z of the pixel's surface. Points are scaled as by
+    /// [`super::Parameters::view_point`].
     fn offset_to_pixel(&self, point: Vec3, pixel: IVec2, depth: f32) -> Vec3 {
         let (p, position) = (&self.parameters, pixel.as_vec2() + 0.5);
         if p.kind.is_orthographic() {
@@ -15,8 +17,9 @@ impl Traversal<'_> {
         p.view_ray(position) - (depth + p.depth_offset) * point
     }
 
-    /// `ShowsReflector`: whether a pixel lies at most [`STANDS_ABOVE`] pixel widths above the plane through a point of the reflecting
-    /// surface, whose normal may have any length. Both sides of the comparison are divided by the depth.
+    /// Twin of `ShowsReflector`: returns whether the surface of a pixel lies at most [`STANDS_ABOVE`] pixel widths
+    /// above the plane through a point of the reflecting surface. The normal may have any length. In a perspective both
+    /// sides of the comparison are divided by z, so that a pixel has one width at any depth.
     pub(super) fn shows_reflector(&self, [point, normal]: [Vec3; 2], pixel: IVec2) -> bool {
         // An empty block, which shows sky, has a depth below 0.
         let depth = self.block(pixel).front;
@@ -24,8 +27,8 @@ impl Traversal<'_> {
         depth >= 0.0 && dot(normal, self.offset_to_pixel(point, pixel, depth)) <= height
     }
 
-    /// `LeavesThroughFarPlane`, with the test that follows it in the shaders: the place where a ray that hit nothing went
-    /// beyond the far plane, if the pixel there shows sky.
+    /// Twin of `LeavesThroughFarPlane`, with the test that follows it in the shaders. Returns the hit at the place
+    /// where a ray that hit nothing goes beyond the far plane, if the pixel there shows sky; `None` otherwise.
     pub(super) fn leaves_through_far_plane(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
         let size = self.parameters.size;
         let position = (ray.start + ray.end * ray.rate.truncate()).clamp(glam::Vec2::ZERO, size.as_vec2());

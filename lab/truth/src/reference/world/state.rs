@@ -1,5 +1,5 @@
-//! The sums of a world reference and their file. A long run can stop and continue later with a result that is
-//! identical to the bit. A file contains a fingerprint of its inputs and is rejected for any other inputs.
+//! The sums of a world reference and their file. A long run can stop and continue later with a result that is identical
+//! to the bit. A file contains a fingerprint of the inputs of the reference and is rejected for any other inputs.
 
 use super::{EscapeRadiance, WorldReference};
 use crate::reference::partial_sums::{LEAF, PartialSums, parts};
@@ -14,9 +14,9 @@ use std::path::Path;
 
 /// The file's first bytes.
 const MAGIC: &[u8; 8] = b"ssctwrld";
-/// The version of the samples. The number must change whenever the sampling or the shading does.
+/// The version of the samples. The number must change whenever the sampling or the shading changes.
 const SAMPLING: u32 = 1;
-/// The version of the file's layout. The number must change whenever the meaning of the numbers in a file does.
+/// The version of the file's layout. The number must change whenever the meaning of the numbers in a file changes.
 const LAYOUT: u32 = 2;
 /// The layout of older files, which have one sum a pixel and do not record the number of the first sample.
 const LAYOUT_OF_ONE_SUM: u32 = 1;
@@ -33,18 +33,21 @@ pub type Fingerprint = [u8; 32];
 /// Sums over the samples of every pixel; rows from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldState {
+    /// Hash of the inputs of the reference.
     fingerprint: Fingerprint,
     /// Width and height in pixels.
     pub extent: [u32; 2],
     pub(crate) sums: PartialSums<Sums>,
+    /// The samples that each pixel takes.
     pub(crate) kinds: Vec<Kind>,
 }
 
 /// The sums of one pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Sums {
+    /// Sum of the samples' linear colours.
     color: DVec3,
-    /// Squares of the colours, channel by channel, for the standard error.
+    /// Sum of the squares of the colours, channel by channel, for the standard error.
     squares: DVec3,
 }
 
@@ -60,7 +63,8 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// The number of samples that a pixel of this kind has taken, in a state whose number of samples is `of_state`.
+    /// Returns the number of samples that a pixel of this kind has taken, in a state whose number of samples is
+    /// `of_state`.
     pub(crate) fn samples(self, of_state: u32) -> u32 {
         match self {
             Self::None => 0,
@@ -87,49 +91,49 @@ impl AddAssign for Sums {
 }
 
 impl WorldState {
-    /// A state without samples, whose first sample will have the number `first`.
+    /// Makes a state without samples, whose first sample will have the number `first`.
     pub(crate) fn new(fingerprint: Fingerprint, extent: [u32; 2], first: u32, kinds: Vec<Kind>) -> Self {
         Self { fingerprint, extent, sums: PartialSums::new(first, kinds.len()), kinds }
     }
 
-    /// The number of the first sample: 0, except in a part of the samples.
+    /// Returns the number of the first sample: 0, except in a part of the samples.
     pub fn first(&self) -> u32 {
         self.sums.first()
     }
 
-    /// One more than the number of the last sample. In a whole state, whose first sample has the number 0, this is the
-    /// number of samples that each glossy pixel has so far.
+    /// Returns one more than the number of the last sample. In a whole state, whose first sample has the number 0, this
+    /// is the number of samples that each glossy pixel has so far.
     pub fn samples(&self) -> u32 {
         self.sums.end()
     }
 
-    /// The number of pixels that need more than one sample.
+    /// Returns the number of pixels that need more than one sample.
     pub fn sampled_pixels(&self) -> usize {
         self.kinds.iter().filter(|k| matches!(k, Kind::Sampled { .. })).count()
     }
 
-    /// The number of samples of each pixel.
+    /// Returns the number of samples of each pixel.
     pub fn sample_counts(&self) -> impl Iterator<Item = u32> {
         self.kinds.iter().map(|kind| self.count(*kind))
     }
 
-    /// The number of samples of a pixel of a kind.
+    /// Returns the number of samples that a pixel of a kind has in this state.
     fn count(&self, kind: Kind) -> u32 {
         kind.samples(self.samples()) - kind.samples(self.first())
     }
 
-    /// The sums of each pixel.
+    /// Returns the sums of each pixel over all samples.
     fn totals(&self) -> impl Iterator<Item = Sums> {
         (0..self.sums.pixels()).map(|pixel| self.sums.total(pixel))
     }
 
-    /// The mean of each pixel; black without samples.
+    /// Returns the mean linear colour of each pixel; black without samples.
     pub fn means(&self) -> impl Iterator<Item = DVec3> {
         self.totals().zip(self.sample_counts()).map(|(sums, n)| sums.color / f64::from(n.max(1)))
     }
 
-    /// The standard error of each pixel's mean, per channel: √(sample variance / n). 0 for a mirror's single ray and
-    /// where nothing reflects; infinite for any other pixel with fewer than two samples.
+    /// Returns the standard error of each pixel's mean, per channel: √(sample variance / n). It is 0 for a mirror's
+    /// single ray and where nothing reflects, and infinite for any other pixel with fewer than two samples.
     pub fn standard_errors(&self) -> impl Iterator<Item = DVec3> {
         self.totals().zip(&self.kinds).map(move |(sums, kind)| {
             let n = f64::from(self.count(*kind));
@@ -144,9 +148,9 @@ impl WorldState {
         })
     }
 
-    /// Root mean square of the standard errors over all channels of all reflecting pixels. The square of this number is
-    /// the amount by which the noise of this reference raises the square of an RMSE measured against the reference. 0
-    /// if nothing reflects.
+    /// Returns the root mean square of the standard errors over all channels of all reflecting pixels; 0 if nothing
+    /// reflects. By the square of this number the noise of the reference raises the square of an RMSE that is measured
+    /// against it.
     pub fn overall_standard_error(&self) -> f64 {
         let reflecting = self.kinds.iter().filter(|k| **k != Kind::None).count();
         let squares: f64 = self.standard_errors().map(|e| e.length_squared()).sum();
@@ -162,7 +166,7 @@ impl WorldState {
     }
 }
 
-/// The content of a state's file, for any reference.
+/// The content of a state's file, whichever reference it belongs to.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct KeptState {
     pub(crate) fingerprint: Fingerprint,
@@ -170,7 +174,7 @@ pub(crate) struct KeptState {
     pub(crate) sums: PartialSums<Sums>,
 }
 
-/// Writes a state as [`WorldState::save`] does.
+/// Writes the file of a state, as [`WorldState::save`] does.
 pub(crate) fn write_state(
     path: &Path,
     fingerprint: &Fingerprint,
@@ -192,7 +196,7 @@ pub(crate) fn write_state(
     PathInFolder::file(path).write(&bytes)
 }
 
-/// Reads a state of any reference.
+/// Reads the file of a state, whichever reference it belongs to.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if the file is not a state, is damaged or truncated,
@@ -202,12 +206,14 @@ pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     let file = PathInFolder::file(path).open()?.ok_or_else(|| unreadable(std::io::ErrorKind::NotFound.into()))?;
     let length = file.metadata().map_err(unreadable)?.len();
     let wrong = |message: &str| Error::malformed(path, None, message);
+    // At most as many bytes are read as the file has now.
     let mut file = file.take(length);
     let mut bytes = Vec::new();
     (&mut file).take(HEAD_BYTES as u64).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {
         return Err(wrong("this is not a state of a world reference"));
     }
+    // The number at an offset in bytes; HEAD_BYTES lists the fields of the head.
     let number = |offset: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[offset + i]));
     let (extent, layout) = ([number(44), number(48)], number(8));
     let (first, end, head) = match layout {
@@ -231,17 +237,19 @@ pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
     if !aligned || expected != Some(content.len()) || Sha256::digest(content)[..] != *check {
         return Err(damaged());
     }
+    // A pixel has the three channels of the colours' sum, and then those of the squares' sum.
     let sums = content[head..].as_chunks::<PIXEL_BYTES>().0.iter().map(|bytes| {
         let v: [f64; 6] = std::array::from_fn(|i| f64::from_le_bytes(std::array::from_fn(|k| bytes[8 * i + k])));
         Sums { color: DVec3::from_slice(&v[..3]), squares: DVec3::from_slice(&v[3..]) }
     });
+    // The sums of an older file without samples are skipped.
     let kept = if end > first { pixels * count } else { 0 };
     let sums = PartialSums::from_kept(first, end, pixels, sums.take(kept)).ok_or_else(damaged)?;
     Ok(KeptState { fingerprint: std::array::from_fn(|i| bytes[12 + i]), extent, sums })
 }
 
 impl WorldReference<'_> {
-    /// Reads a state of this reference.
+    /// Reads a state of this reference from its file.
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if the file is not a state, is damaged or
@@ -256,13 +264,13 @@ impl WorldReference<'_> {
         Ok(WorldState { sums: kept.sums, ..state })
     }
 
-    /// Continues with a file if it fits; otherwise starts afresh. The error, if there is one, says why an
-    /// existing file was not used.
+    /// Returns the state that a file has, if it belongs to this reference, and otherwise a state without samples. The
+    /// error, if there is one, says why an existing file was not used.
     pub fn resume(&self, path: &Path) -> (WorldState, Option<Error>) {
         self.resume_at(path, 0)
     }
 
-    /// Resumes a part of the samples that begins with number `first`; everything else is as in [`Self::resume`].
+    /// Does the same as [`Self::resume`] for a part of the samples that begins with number `first`.
     pub fn resume_at(&self, path: &Path, first: u32) -> (WorldState, Option<Error>) {
         match self.load(path) {
             Ok(state) if state.first() == first => (state, None),
@@ -277,8 +285,8 @@ impl WorldReference<'_> {
         }
     }
 
-    /// A hash of everything that a sample depends on: geometry, images, materials, lights, first hits (and with
-    /// them camera and size), escape, footprint, seed and version.
+    /// Returns a hash of everything that a sample depends on: geometry, textures, materials, lights, first hits (and
+    /// with them camera and size), escape, footprint, bounces, seed and version.
     pub fn fingerprint(&self) -> Fingerprint {
         let mut hash = Hash(Sha256::new());
         hash.numbers(&[u64::from(SAMPLING), self.seed, u64::from(self.escape == EscapeRadiance::Environment)]);
@@ -302,7 +310,8 @@ impl WorldReference<'_> {
                 hash.numbers(&[map.map_or(u64::MAX, |i| i as u64)]);
             }
             hash.numbers(&[u64::from(m.surface == Surface::Sky)]);
-            // Values that few materials have are hashed for these alone, for the reason below.
+            // Values that few materials have are hashed for these alone, so that states that are older than the values
+            // still fit.
             if m.roughness_map.is_some() || m.emission > 0.0 || m.single_sided {
                 hash.block(b"roughness map, emission, sides");
                 hash.numbers(&[m.roughness_map.map_or(u64::MAX, |i| i as u64), u64::from(m.single_sided)]);
@@ -317,7 +326,7 @@ impl WorldReference<'_> {
             hash.numbers(&[kind]);
             hash.floats(&place.extend(energy).to_array());
         }
-        // Without a footprint nothing is hashed, so that states that are older than footprints still fit.
+        // A missing footprint is not hashed, so that states that are older than footprints still fit.
         if let Some(rays) = &self.footprint {
             hash.block(b"footprint");
             hash.numbers(&rays.numbers().into_iter().map(f64::to_bits).collect::<Vec<_>>());
@@ -336,7 +345,8 @@ impl WorldReference<'_> {
     }
 }
 
-/// A hash over blocks that includes their lengths, so that no two different inputs give the same bytes.
+/// A hash of numbers and of blocks of bytes. It includes the lengths of the blocks, so that different inputs never give
+/// the same bytes to hash.
 struct Hash(Sha256);
 
 impl Hash {

@@ -6,7 +6,8 @@ use crate::reference::testing;
 use ssct_ground::Error;
 use ssct_scenes::{Camera, Lens, Material, Mesh, Scene, Surface, Vertex, library};
 
-/// A sphere of radius 8 around the origin, seen from inside. The triangles are so fine that their closest point is 7.9 m away.
+/// Returns a sphere of radius 8 m around the origin, whose front is inside. Its triangles are so fine that their
+/// closest point is 7.9 m away.
 fn sphere(material: usize) -> Mesh {
     let (rings, sectors) = (24_u32, 48_u32);
     let mut mesh = Mesh { name: "sphere".into(), material, ..Mesh::default() };
@@ -33,13 +34,13 @@ fn sphere(material: usize) -> Mesh {
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.6, 0.3);
 
-/// A sphere that shows 0.2 · ALBEDO everywhere (there is no light), with the receiver at its centre.
+/// Returns a scene of a sphere that shows 0.2 · ALBEDO everywhere, since there is no light.
 fn in_a_sphere() -> Scene {
     let materials = vec![Material { albedo: ALBEDO, ..Material::default() }];
     Scene { meshes: vec![sphere(0)], materials, ..Scene::default() }
 }
 
-/// A receiver at the origin whose normal is +y.
+/// Returns a receiver at the origin whose normal is +y, for a camera ray along `incoming`, which may have any length.
 fn receiver(incoming: DVec3, roughness: f64) -> Receiver {
     let incoming = incoming.normalize();
     Receiver {
@@ -52,13 +53,13 @@ fn receiver(incoming: DVec3, roughness: f64) -> Receiver {
     }
 }
 
-/// The first hits of an image of one row with these receivers.
+/// Returns the first hits of an image of one row with these receivers.
 fn one_row(receivers: Vec<Option<Receiver>>) -> FirstHits {
     let n = receivers.len();
     FirstHits { width: n as u32, height: 1, lit: vec![Vec3::splat(0.1); n], view_z_m: vec![1.0; n], receivers }
 }
 
-/// A reference without footprints, whose escaping rays are black.
+/// Returns a reference without footprints, whose escaping rays are black.
 fn reference<'a>(world: &'a World<'a>, first_hits: &'a FirstHits) -> WorldReference<'a> {
     WorldReference::of_centres(world, first_hits, 1)
 }
@@ -83,7 +84,8 @@ fn in_a_sphere_of_one_colour_every_roughness_reflects_that_colour_at_normal_inci
 
 #[test]
 fn bounces_in_a_sphere_add_up_to_a_geometric_series() {
-    // Rays from the centre meet the mirrors at right angles and return to the centre: L (1 + r + … + rⁿ⁻¹) after n bounces.
+    // Rays from the centre meet the sphere at right angles and return through the centre. After n bounces they bring
+    // L (1 + r + … + rⁿ⁻¹), for the lit colour L and the reflectivity r.
     let share = 0.75_f32;
     let mut scene = in_a_sphere();
     scene.materials[0].reflectivity = share;
@@ -106,7 +108,7 @@ fn bounces_in_a_sphere_add_up_to_a_geometric_series() {
 
 #[test]
 fn the_share_of_the_lobe_below_the_surface_is_dark() {
-    // The lobe cos¹ around an axis at angle θ to the normal. A plane tilted by θ receives the share (1 + cos θ)/2 of the lobe
+    // The lobe is cos¹ around an axis at angle θ to the normal. The share (1 + cos θ)/2 of it lies above the surface
     // (the form factor of a tilted element). α = 1 corresponds to cos(ϱ/2)² = ξ.
     let roughness = 2.0 * phong::XI.sqrt().acos();
     assert!((phong::exponent(roughness) - 1.0).abs() < 1e-9);
@@ -151,7 +153,8 @@ fn the_standard_error_is_that_of_a_coin_and_falls_with_the_square_root() {
     assert!((24.7..86.7).contains(&chi), "χ² {chi} with 50 degrees of freedom, 99.8 % inside");
 }
 
-/// A mirror floor at y = 0 and a wall at z = 5 whose left half is dark and whose right half is bright.
+/// Returns a scene of a mirror floor at y = 0 and a wall at z = 5 whose left half is dark and whose right half is
+/// bright.
 fn floor_and_wall() -> Scene {
     let half = |x: f32, material| rectangle(Vec3::new(x, 0.0, 5.0), 5.0 * Vec3::Y, 5.0 * Vec3::X, material);
     let wall = |v: f32| Material { albedo: Vec3::splat(v), reflectivity: 0.0, ..Material::default() };
@@ -236,7 +239,7 @@ fn a_window_in_the_world_shows_the_sky_to_the_reflected_ray() {
     assert!((reference.image(&state).reflection[0] - sky_color(up).as_vec3()).length() < 1e-5);
 }
 
-/// The corridor of `rooms` at a small size, with glossy materials.
+/// Returns the scene `rooms`, glossy materials for it, and the camera of its view `corridor`.
 fn corridor() -> (Scene, Vec<Material>, Camera) {
     let scene = library::scene("rooms").expect("a built-in scene");
     let view = scene.view("corridor").expect("a view").clone();
@@ -256,7 +259,7 @@ fn threads_interruptions_and_files_change_no_bit() {
     threads_and_interruptions_change_nothing(&WorldReference { footprint, ..reference(&world, &first_hits) });
 }
 
-/// Asserts that a state has the same bits on one thread, and after an interruption.
+/// Asserts that samples give a state of the same bits on one thread and after an interruption.
 fn threads_and_interruptions_change_nothing(reference: &WorldReference) {
     let straight = {
         let mut state = reference.start();
@@ -370,15 +373,15 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
     }
 }
 
-/// Tests that a G-buffer whose depths were rounded still shows the surfaces beside them, unless a depth belongs to another
-/// surface.
+/// Tests that points from slightly wrong depths of a G-buffer move to the surfaces beside them, and that points far
+/// from any surface stay.
 #[test]
 fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
     let (scene, materials, camera) = corridor();
     let world = World::new(&scene, &materials);
     let traced = FirstHits::trace(&world, &camera, [30, 20]);
     let mut gbuffer = testing::traced(&world, &camera, [30, 20]);
-    // Reversed depth is nearly inverse to the distance, so that the relative error of both is equal.
+    // Reversed depth is nearly inverse to the distance, so that both have the same relative error.
     for (i, depth) in gbuffer.depth.iter_mut().enumerate() {
         *depth *= if i % 7 == 0 { 0.9 } else { 1.001 };
     }
