@@ -21,7 +21,9 @@ fn commit() -> String {
         Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
     };
     // Changed sources decide whether the hash gets a "+".
-    for sources in ["src", "truth/src", "../src", "../shaders-glsl", "../build.rs"] {
+    for sources in
+        ["src", "geometry/src", "scenes/src", "truth/src", "../ground/src", "../src", "../shaders-glsl", "../build.rs"]
+    {
         println!("cargo:rerun-if-changed={sources}");
     }
     // Each commit and checkout changes the index. Git says where it lies, which in a worktree is not under `.git`.

@@ -140,8 +140,8 @@ fn unified_is_held_against_the_oracle_that_it_follows() {
     assert!(records.iter().all(|r| r["setup"]["oracle"] == 2), "{records:?}");
 }
 
-/// A method that shows the environment has records against the triangles with the sky, and none against the screen's
-/// reference, in which rays that leave the screen are black.
+/// A method that shows the environment, or captures, has records against the triangles with the sky, and none against
+/// the screen's reference, in which rays that leave the screen are black.
 #[test]
 fn what_shows_the_environment_is_held_against_a_world_with_it() {
     // The street lies under the sky, so that a world with the environment differs from one without.
@@ -160,6 +160,8 @@ fn what_shows_the_environment_is_held_against_a_world_with_it() {
     assert_eq!(against(&plain, "environment"), ["world"]);
     let with_fallback = run(&["--method", "ssct", "--fallback", "environment"]);
     assert_eq!(against(&with_fallback, "ssct"), ["oracle", "world"]);
+    let in_captures = run(&["--method", "unified", "--captures", "1", "--capture-side", "128"]);
+    assert_eq!(against(&in_captures, "unified"), ["oracle", "world"]);
     let world = |records: &[Value]| {
         let found = records.iter().find(|r| r["method"] == "ssct" && r["against"] == "world").unwrap();
         (found["setup"]["fallback"].clone(), found["rmse"].as_f64().unwrap(), found["hit_agreement"].clone())

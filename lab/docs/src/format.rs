@@ -34,9 +34,10 @@ pub(crate) fn percent(share: f64, decimals: usize) -> String {
 
 /// Returns a whole number with its digits in groups of three.
 pub(crate) fn grouped(n: f64) -> String {
-    let digits = format!("{n:.0}");
+    let rounded = format!("{n:.0}");
+    let (sign, digits) = rounded.strip_prefix('-').map_or(("", &*rounded), |digits| ("-", digits));
     let parts = digits.as_bytes().rchunks(3).rev().map(|part| String::from_utf8_lossy(part).into_owned());
-    parts.collect::<Vec<_>>().join(",")
+    sign.to_owned() + &parts.collect::<Vec<_>>().join(",")
 }
 
 /// Returns a wait in seconds or, from a minute on, in minutes and seconds.

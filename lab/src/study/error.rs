@@ -25,6 +25,7 @@ use crate::stage::gbuffer;
 use crate::stage::{Globals, SharedImages, Shot, Stage};
 use ::ssct::gpu::frame::Mode;
 use ::ssct::gpu::{FrameContext, Gpu, Image, Pixels};
+use ::ssct::methods::setup::BeyondScreen;
 use ::ssct::methods::ssct::{self, ThesisMethod};
 use ::ssct::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
 use ::ssct::passes::Hits;
@@ -52,11 +53,12 @@ impl Variant {
         methods.iter().map(|method| Self { method, setup: setup.clone() }).collect()
     }
 
-    /// Whether the variant counts as seeing the screen alone: a screen-space method without a fallback, whose rays do
-    /// not go on among the triangles.
+    /// Whether the variant sees the screen alone: a screen-space method without a fallback, whose rays go on neither among
+    /// triangles nor in captures.
     pub fn is_on_screen(&self) -> bool {
         let effect = self.setup.effect();
-        let rays_stay = self.method.is_screen_space() && !effect.is_among_triangles(self.method, true);
+        let in_captures = self.method.takes_captures && effect.beyond(true) == BeyondScreen::Captures;
+        let rays_stay = self.method.is_screen_space() && !effect.is_among_triangles(self.method, true) && !in_captures;
         rays_stay && effect.fallback == Fallback::None
     }
 
