@@ -42,8 +42,10 @@ check() { # the driver's name in the list, tests...
     echo "drivers: $(grep '^test result:' "$log" | tail -n 1); all failures were expected"
 }
 
-SSCT_DEVICE=SwiftShader check SwiftShader area_light:: billboard:: camera_capture:: captures:: chains:: cone:: filters:: \
-    gloss_twin:: hi_z_ray_trace:: mirror:: planar:: resolution:: unified:: validation::
+# In compute shaders SwiftShader filters wrongly over the edges of cube maps (docs/devices.md), and from one image to the next not
+# by the same error. The test that is skipped compares two such images.
+SSCT_DEVICE=SwiftShader check SwiftShader --skip camera_capture::it_follows_the_camera area_light:: billboard:: camera_capture:: \
+    captures:: chains:: cone:: filters:: gloss_twin:: hi_z_ray_trace:: mirror:: planar:: resolution:: unified:: validation::
 
 unset VK_ADD_DRIVER_FILES VK_LAYER_PATH
 eval "$(scripts/drivers.sh --mesa)"
